@@ -34,6 +34,21 @@ validate:
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
 
+# The Python package: builds its wheel with PROFILE and installs it into the environment; stubs and results are current; tests,
+# examples, types, style. `dev` builds faster for the next change, and computes more slowly.
+python PROFILE="release":
+    rm -rf target/wheel
+    maturin build --quiet --profile {{PROFILE}} --out target/wheel
+    python -m pip install --quiet --force-reinstall --no-deps target/wheel/*.whl
+    maturin generate-stubs --quiet --profile {{PROFILE}} --out target/stubs
+    diff python/asperity/_core.pyi target/stubs/asperity/_core.pyi
+    python scripts/generate_python_results.py --check
+    pytest --quiet python/tests
+    pytest --quiet --pyargs asperity
+    mypy python/asperity python/tests/client.py
+    ruff check --quiet python scripts/generate_python_results.py
+    ruff format --check --quiet python scripts/generate_python_results.py
+
 # Everything but the tests.
 lint: fmt clippy doc typos deny
 

@@ -222,6 +222,11 @@ impl HeightMap {
         &self.heights_m
     }
 
+    /// Returns the heights in metre without a copy.
+    pub fn into_heights_m(self) -> Array2<f64> {
+        self.heights_m
+    }
+
     /// Returns all heights in row order, in metre, NaN where missing.
     pub fn values_m(&self) -> &[f64] {
         // The constructors keep rows contiguous, so a slice always exists.

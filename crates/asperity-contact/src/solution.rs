@@ -84,6 +84,11 @@ impl Solution {
         &self.displacement_m
     }
 
+    /// Returns the pressure and the elastic displacement without a copy.
+    pub fn into_fields(self) -> (Array2<f64>, Array2<f64>) {
+        (self.pressure_pa, self.displacement_m)
+    }
+
     /// Returns the distance between the deformed surface and the plane in metre: ≥ 0, and 0 in elastic and in plastic
     /// contact.
     pub fn gap_m(&self) -> Array2<f64> {

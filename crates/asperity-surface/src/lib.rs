@@ -47,7 +47,7 @@ use asperity_base::map::{Grid, HeightMap};
 
 /// A random surface: a map that is a deterministic function of the vector ξ of independent standard normal
 /// variables. Samplers and chaos expansions choose ξ.
-pub trait RandomSurface: Sync {
+pub trait RandomSurface: Send + Sync {
     /// Returns the number of normal variables ξ; the most important come first.
     fn xi_len(&self) -> usize;
 

@@ -63,9 +63,9 @@ pub use result::{
 pub use run::Stage;
 pub use schema::study_schema;
 pub use series::{CsvTable, QuantityMap, TableError};
-pub use specimen::{Sampler, Specimen};
+pub use specimen::{Sampler, Specimen, draw_map};
 pub use store::{Staging, StoreError, StoredField, StoredRun, file_hash, json_bytes};
-pub use surface_result::{part_statistics, surface_statistics};
+pub use surface_result::{covariance_result, part_statistics, surface_statistics};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
 pub use verdict::VERDICT_SAMPLES;

@@ -74,6 +74,11 @@ impl CsvTable {
         &self.columns
     }
 
+    /// Returns the columns with their names, without a copy.
+    pub fn into_columns(self) -> Vec<(String, Vec<f64>)> {
+        self.columns
+    }
+
     /// Returns the values of the named column.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())

@@ -98,6 +98,11 @@ impl Specimen {
     }
 }
 
+/// Draws map number `index` of a random surface, independently of other maps.
+pub fn draw_map(surface: &dyn RandomSurface, seed: u64, index: u64) -> HeightMap {
+    surface.generate(&random::standard_normal(&mut random::stream(seed, STAGE, index), surface.xi_len()))
+}
+
 /// Generator of the maps of a [`Specimen`].
 pub struct Sampler {
     seed: u64,
@@ -108,8 +113,7 @@ pub struct Sampler {
 impl Sampler {
     /// Draws map number `index`, independently of other maps.
     pub fn draw(&self, index: u64) -> HeightMap {
-        let mut stream = random::stream(self.seed, STAGE, index);
-        self.surface.generate(&random::standard_normal(&mut stream, self.surface.xi_len()))
+        draw_map(self.surface.as_ref(), self.seed, index)
     }
 
     /// Returns the warnings, in sentences.

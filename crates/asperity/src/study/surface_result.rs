@@ -116,7 +116,8 @@ pub(super) fn karhunen_loeve_result(found: CapturedModes) -> KarhunenLoeveResult
     KarhunenLoeveResult { modes, captured_variance, captured_slope_variance }
 }
 
-pub(super) fn covariance_result(selected: &SelectedCovariance) -> CovarianceResult {
+/// Converts the selection of a covariance to its entry of `results.json`.
+pub fn covariance_result(selected: &SelectedCovariance) -> CovarianceResult {
     let candidates = selected.candidates.iter().map(|candidate| CovarianceCandidateResult {
         model: candidate.model.clone(),
         misfit: candidate.misfit,

@@ -1,0 +1,138 @@
+//! Designs of experiments and polynomial chaos expansions.
+
+use asperity::chaos::{self, Basis, Candidates, Design, SamplingMethod, SparseRegression};
+use ndarray::Array2;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::convert::{owned, whole};
+use crate::errors::{Raise, value_error};
+use crate::long;
+use crate::pool::detached;
+
+/// Name of the random stream of designs of Python programs.
+const STAGE: &str = "python design";
+
+/// Plans a design and returns its standard normal variables, shape (samples, variables).
+#[pyfunction]
+pub(crate) fn design<'py>(
+    py: Python<'py>,
+    method: &str,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    #[pyo3(from_py_with = whole)] samples: usize,
+    #[pyo3(from_py_with = whole)] variables: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let method = match method {
+        "monte_carlo" => SamplingMethod::MonteCarlo,
+        "latin_hypercube" => SamplingMethod::LatinHypercube,
+        "maximin_latin_hypercube" => SamplingMethod::MaximinLatinHypercube,
+        "sobol" => SamplingMethod::Sobol,
+        other => {
+            return Err(value_error(format_args!(
+                "`{other}` is no sampler; write one of monte_carlo, latin_hypercube, maximin_latin_hypercube, sobol"
+            )));
+        }
+    };
+    let xi = long::run(py, None, move |_| {
+        let design = Design::new(method, seed, STAGE, samples, variables).raise()?;
+        let mut xi = Array2::zeros((samples, variables));
+        for (index, mut row) in xi.rows_mut().into_iter().enumerate() {
+            design.fill_xi(index, row.as_slice_mut().unwrap_or_default());
+        }
+        Ok(xi)
+    })?;
+    Ok(PyArray2::from_owned_array(py, xi))
+}
+
+/// Expansion in Hermite polynomials of standard normal variables.
+#[pyclass(frozen)]
+pub(crate) struct Expansion {
+    expansion: chaos::Expansion,
+    relative_error: Option<f64>,
+}
+
+/// Returns the rows of samples with contiguous rows.
+fn rows(xi: &Array2<f64>) -> Vec<&[f64]> {
+    xi.rows().into_iter().map(|row| row.to_slice().unwrap_or_default()).collect()
+}
+
+#[pymethods]
+impl Expansion {
+    /// Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation.
+    #[staticmethod]
+    fn fit(
+        py: Python<'_>,
+        xi: PyReadonlyArray2<'_, f64>,
+        values: PyReadonlyArray1<'_, f64>,
+        #[pyo3(from_py_with = whole)] degree: usize,
+        sparse: bool,
+    ) -> PyResult<Self> {
+        let (xi, values) = (owned(&xi), values.as_array().to_vec());
+        if xi.nrows() != values.len() {
+            return Err(value_error(format_args!("{} samples have {} values", xi.nrows(), values.len())));
+        }
+        if !xi.iter().chain(&values).all(|value| value.is_finite()) {
+            return Err(value_error("a sample or a value is not finite"));
+        }
+        let (expansion, fit) = long::run(py, None, move |_| {
+            let mut basis = Basis::hermite(xi.ncols(), degree).raise()?;
+            if sparse {
+                let matrix = basis.design_matrix(&rows(&xi));
+                let candidates = Candidates::new(matrix.view()).raise()?;
+                let chosen = SparseRegression::default().select(&candidates, &values).raise()?;
+                basis = basis.select(&chosen.terms).raise()?;
+            }
+            chaos::Expansion::fit(basis, &rows(&xi), &values).raise()
+        })?;
+        Ok(Self { expansion, relative_error: fit.leave_one_out.relative_error })
+    }
+
+    /// Returns the values at samples.
+    fn evaluate<'py>(&self, py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (found, wanted) = (xi.as_array().ncols(), self.variables());
+        if found < wanted {
+            return Err(value_error(format_args!("samples have {found} variables, the expansion {wanted}")));
+        }
+        let xi = owned(&xi);
+        let values = detached(py, || Ok(self.expansion.evaluate_many(&rows(&xi))))?;
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    fn variables(&self) -> usize {
+        self.expansion.basis().set().variables()
+    }
+
+    fn mean(&self) -> f64 {
+        self.expansion.mean()
+    }
+
+    fn variance(&self) -> f64 {
+        self.expansion.variance()
+    }
+
+    /// Returns the leave-one-out error over the variance.
+    fn relative_error(&self) -> Option<f64> {
+        self.relative_error
+    }
+
+    fn coefficients<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.expansion.coefficients())
+    }
+
+    /// Returns the powers of the variables in each term.
+    fn powers(&self) -> Vec<Vec<u16>> {
+        let set = self.expansion.basis().set();
+        (0..set.len()).map(|term| set.at(term)).collect()
+    }
+
+    /// Returns the first-order and the total Sobol' indices.
+    fn sobol_indices<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+        let (first, total) = (self.expansion.first_order_indices(), self.expansion.total_indices());
+        (PyArray1::from_vec(py, first), PyArray1::from_vec(py, total))
+    }
+
+    /// Returns the index of the interaction of exactly these variables.
+    fn subset_index(&self, subset: Vec<usize>) -> f64 {
+        self.expansion.subset_index(&subset)
+    }
+}

@@ -1,0 +1,146 @@
+//! Contact of a rough surface with a rigid flat.
+
+use asperity::choice::Choice;
+use asperity::contact::{
+    Boundary, ContactProblem, Control, Elastic, HalfSpace, Solver, SolverStop, Substrate, memory_bytes,
+};
+use asperity::map::{BoundaryKind, Grid};
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Deserialize;
+
+use crate::convert::{from_python, owned};
+use crate::errors::{NotConvergedError, Raise, value_error};
+use crate::long;
+use crate::resources::require_memory;
+
+/// Settings of a contact problem.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    modulus_pa: Option<f64>,
+    youngs_modulus_pa: Option<f64>,
+    poisson_ratio: Option<f64>,
+    boundary: String,
+    mean_compliance_m_per_pa: Option<f64>,
+    penetration_m: Option<f64>,
+    percentile: Option<f64>,
+    mean_pressure_pa: Option<f64>,
+    load_n: Option<f64>,
+    mean_gap_m: Option<f64>,
+    hardness_pa: Option<f64>,
+    tolerance: Option<f64>,
+}
+
+impl Settings {
+    fn control(&self) -> PyResult<Control> {
+        let given = [
+            self.penetration_m.map(|metre| Control::Penetration { metre }),
+            self.percentile.map(|percent| Control::Percentile { percent }),
+            self.mean_pressure_pa.map(|pascal| Control::MeanPressure { pascal }),
+            self.load_n.map(|newton| Control::Load { newton }),
+            self.mean_gap_m.map(|metre| Control::MeanGap { metre }),
+        ];
+        match given.into_iter().flatten().collect::<Vec<_>>()[..] {
+            [control] => Ok(control),
+            _ => Err(value_error(
+                "state exactly one of penetration_m, percentile, mean_pressure_pa, load_n and mean_gap_m",
+            )),
+        }
+    }
+
+    fn substrate(&self) -> PyResult<Substrate> {
+        let modulus_pa = match (self.modulus_pa, self.youngs_modulus_pa, self.poisson_ratio) {
+            (Some(modulus_pa), None, None) => modulus_pa,
+            (None, Some(youngs_modulus_pa), Some(ratio)) => {
+                Elastic::new(youngs_modulus_pa, ratio).raise()?.contact_modulus_pa()
+            }
+            _ => return Err(value_error("state either modulus_pa, or youngs_modulus_pa with poisson_ratio")),
+        };
+        Ok(Substrate::HalfSpace { modulus_pa })
+    }
+
+    /// Returns the boundary, with the usual mean compliance of a periodic one where it matters.
+    fn boundary(&self, grid: Grid, substrate: &Substrate, control: Control) -> PyResult<Boundary> {
+        match (BoundaryKind::from_name(&self.boundary).raise()?, self.mean_compliance_m_per_pa) {
+            (BoundaryKind::Free, None) => Ok(Boundary::Free),
+            (BoundaryKind::Free, Some(_)) => {
+                Err(value_error("mean_compliance_m_per_pa requires boundary=\"periodic\"; a free surface has its own"))
+            }
+            (BoundaryKind::Periodic, given) => {
+                let usual = || substrate.usual_mean_compliance_m_per_pa(grid);
+                let default = || if control.prescribes_plane() { usual() } else { 0.0 };
+                Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.unwrap_or_else(default) })
+            }
+        }
+    }
+}
+
+/// Solves a contact problem. Returns fields and numbers, with the keys of `asperity contact --json`.
+#[pyfunction]
+#[pyo3(signature = (heights_m, dx_m, dy_m, settings))]
+pub(crate) fn solve_contact<'py>(
+    py: Python<'py>,
+    heights_m: PyReadonlyArray2<'py, f64>,
+    dx_m: f64,
+    dy_m: f64,
+    settings: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let settings: Settings = from_python(settings)?;
+    let (control, substrate) = (settings.control()?, settings.substrate()?);
+    let (ny, nx) = heights_m.as_array().dim();
+    let grid = Grid::new(nx, ny, dx_m, dy_m).raise()?;
+    require_memory(memory_bytes(grid.points()), "the contact problem")?;
+    let heights_m = owned(&heights_m);
+    let boundary = settings.boundary(grid, &substrate, control)?;
+    let mut solver = Solver::default();
+    if let Some(tolerance) = settings.tolerance {
+        solver.tolerance = tolerance;
+    }
+    let solution = long::run(py, None, move |monitor| {
+        let half_space = HalfSpace::with_substrate(substrate, grid, boundary).raise()?;
+        let problem = ContactProblem::new(&half_space, &heights_m, control, settings.hardness_pa).raise()?;
+        solver.solve_from(&problem, None, &mut half_space.workspace(), monitor).raise()
+    })?;
+    if !solution.converged() {
+        let why = match solution.stop_reason() {
+            SolverStop::PrecisionLimit => "limit of double precision",
+            SolverStop::IterationLimit => "iteration limit",
+            SolverStop::Converged | SolverStop::Cancelled => "cancelled",
+        };
+        return Err(NotConvergedError::new_err(format!(
+            "not converged after {} iterations ({why}): residual {:.1e}, tolerance {:.1e}",
+            solution.iterations(),
+            solution.residual().worst(),
+            solver.tolerance
+        )));
+    }
+    let answer = PyDict::new(py);
+    for (name, value) in [
+        ("contact_fraction", solution.contact_fraction()),
+        ("contact_fraction_corrected", solution.corrected_contact_fraction()),
+        ("plastic_fraction", solution.plastic_fraction()),
+        ("mean_pressure_pa", solution.mean_pressure_pa()),
+        ("load_n", solution.load_n()),
+        ("max_pressure_pa", solution.max_pressure_pa()),
+        ("mean_gap_m", solution.mean_gap_m()),
+        ("separation_m", solution.separation_m()),
+        ("penetration_m", solution.penetration_m()),
+        ("residual", solution.residual().worst()),
+    ] {
+        answer.set_item(name, value)?;
+    }
+    let mean_compliance_m_per_pa = match boundary {
+        Boundary::Free => None,
+        Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
+    };
+    answer.set_item("mean_compliance_m_per_pa", mean_compliance_m_per_pa)?;
+    answer.set_item("iterations", solution.iterations())?;
+    answer.set_item("gap_m", PyArray2::from_owned_array(py, solution.gap_m()))?;
+    answer.set_item("plastic_displacement_m", PyArray2::from_owned_array(py, solution.plastic_displacement_m()))?;
+    let (pressure_pa, displacement_m) = solution.into_fields();
+    answer.set_item("pressure_pa", PyArray2::from_owned_array(py, pressure_pa))?;
+    answer.set_item("displacement_m", PyArray2::from_owned_array(py, displacement_m))?;
+    Ok(answer)
+}

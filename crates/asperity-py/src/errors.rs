@@ -1,0 +1,127 @@
+//! Errors of the library as Python exceptions, by kind.
+
+use std::error::Error;
+use std::ffi::CString;
+use std::fmt::Display;
+use std::io;
+
+use asperity::friction::FrictionError;
+use asperity::friction::measured::MeasuredError;
+use asperity::monitor::Cancelled;
+use asperity::pressure::PressureError;
+use asperity::study::{FailureKind, StoreError, StudyError, StudyFileError};
+use asperity::vibration::VibrationError;
+use asperity_formats::{FormatError, refusal};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyUserWarning, PyValueError,
+};
+use pyo3::prelude::*;
+
+/// Exceptions that the Python package defines.
+mod defined {
+    pyo3::import_exception!(asperity.errors, FormatError);
+    pyo3::import_exception!(asperity.errors, NotConvergedError);
+    pyo3::import_exception!(asperity.errors, ResourceError);
+}
+
+pub(crate) use defined::{NotConvergedError, ResourceError};
+
+/// Conversion of errors of the library.
+pub(crate) trait Raise<T> {
+    /// Returns the value, or the exception of the kind of the error.
+    fn raise(self) -> PyResult<T>;
+}
+
+impl<T, E: Error + 'static> Raise<T> for Result<T, E> {
+    fn raise(self) -> PyResult<T> {
+        self.map_err(|error| exception(&error))
+    }
+}
+
+/// Returns the exception of a wrong argument.
+pub(crate) fn value_error(message: impl Display) -> PyErr {
+    PyValueError::new_err(message.to_string())
+}
+
+/// Returns the exception of an error.
+pub(crate) fn exception(error: &(dyn Error + 'static)) -> PyErr {
+    with_message(error, chain(error))
+}
+
+/// Returns the exception of the kind of an error: a wrong argument unless the error says otherwise.
+pub(crate) fn with_message(error: &(dyn Error + 'static), message: String) -> PyErr {
+    if let Some(error) = error.downcast_ref::<FormatError>() {
+        return match error.cause() {
+            FormatError::NotFound { .. } => PyFileNotFoundError::new_err(message),
+            FormatError::Io { .. } => PyOSError::new_err(message),
+            FormatError::NoSuchChannel { .. } | FormatError::UnknownUnit { .. } => value_error(message),
+            _ => defined::FormatError::new_err(message),
+        };
+    }
+    if let Some(StudyError::Scan(error)) = error.downcast_ref() {
+        return with_message(error, message);
+    }
+    if let Some(StudyError::OneOf { error, .. } | StudyError::Counterface(error)) = error.downcast_ref() {
+        return with_message(&**error, message);
+    }
+    if let Some(StudyFileError { in_data: true, .. }) = error.downcast_ref() {
+        return defined::FormatError::new_err(message);
+    }
+    if let Some(StoreError::Io { source, .. }) = error.downcast_ref() {
+        return PyOSError::new_err((source.raw_os_error(), message));
+    }
+    match kind(error) {
+        FailureKind::Configuration | FailureKind::Input => value_error(message),
+        FailureKind::NotConverged => NotConvergedError::new_err(message),
+        FailureKind::Cancelled => PyKeyboardInterrupt::new_err(message),
+        FailureKind::Runtime => PyRuntimeError::new_err(message),
+    }
+}
+
+/// Returns the kind of an error.
+fn kind(error: &(dyn Error + 'static)) -> FailureKind {
+    if let Some(error) = error.downcast_ref::<StudyError>() {
+        return error.kind();
+    }
+    let not_converged = matches!(
+        error.downcast_ref(),
+        Some(VibrationError::TooFewValid { .. } | VibrationError::NotFound { .. } | VibrationError::Stalled { .. })
+    ) || matches!(error.downcast_ref(), Some(PressureError::TooFewValid { .. }))
+        || error.downcast_ref::<MeasuredError>().is_some_and(MeasuredError::is_too_few);
+    let cancelled = error.is::<Cancelled>()
+        || matches!(error.downcast_ref(), Some(VibrationError::Cancelled(_)))
+        || matches!(error.downcast_ref(), Some(PressureError::Cancelled(_)))
+        || matches!(error.downcast_ref(), Some(FrictionError::Cancelled(_)));
+    if cancelled {
+        FailureKind::Cancelled
+    } else if not_converged {
+        FailureKind::NotConverged
+    } else {
+        FailureKind::Configuration
+    }
+}
+
+/// Returns the exception of a file that the operating system refused.
+pub(crate) fn refused(path: impl Display, error: &io::Error) -> PyErr {
+    PyOSError::new_err((error.raw_os_error(), format!("{path}: {}", refusal(error))))
+}
+
+/// Issues a warning of Python.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = CString::new(message.replace('\0', " ")).unwrap_or_default();
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 2)
+}
+
+/// Returns the message of an error followed by the messages of its causes, without repetition.
+fn chain(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let more = inner.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = inner.source();
+    }
+    text
+}

@@ -1,0 +1,44 @@
+//! Python module `asperity._core`: converts arguments, calls the library, converts results.
+//!
+//! The package `python/asperity` wraps every function of this module, with documentation and types. Nothing is computed
+//! here. Settings and results cross the border as dictionaries (`convert`), fields as NumPy arrays, errors by kind
+//! (`errors`). Calls that may take long run on a thread of their own (`long`), so that Ctrl-C ends them.
+
+mod chaos;
+mod contact;
+mod convert;
+mod errors;
+mod long;
+mod pool;
+mod process;
+mod random_surface;
+mod resources;
+mod study;
+mod surface;
+mod vibration;
+
+use pyo3::prelude::*;
+
+/// Compiled part of the package asperity.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use crate::chaos::{Expansion, design};
+    #[pymodule_export]
+    use crate::contact::solve_contact;
+    #[pymodule_export]
+    use crate::process::{fit_friction_record, friction_process, simulate_friction};
+    #[pymodule_export]
+    use crate::random_surface::{RandomSurface, SurfaceModel};
+    #[pymodule_export]
+    use crate::study::{results_schema, run_study};
+    #[pymodule_export]
+    use crate::surface::{acf, height_map, level, psd, read_map, statistics};
+    #[pymodule_export]
+    use crate::vibration::{Oscillator, critical_damping, ensemble, limit_cycle, stability_map};
+
+    #[pymodule_init]
+    fn init() {
+        crate::pool::loaded();
+    }
+}

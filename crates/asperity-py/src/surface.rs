@@ -1,0 +1,151 @@
+//! Height maps: files, form removal, statistics, correlation and spectra.
+
+use std::path::PathBuf;
+
+use asperity::correlation::{Autocorrelation, Axis, radial_spectrum};
+use asperity::map::{HeightMap, checked_pitch_m};
+use asperity::study::surface_statistics;
+use asperity::surface::level::Level;
+use asperity::surface::preparation::{Preparation, Prepared};
+use asperity::surface::scanned::MapStatistics;
+use asperity_formats::{Channel, LengthUnit, ReadOptions, read_with};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::{Deserialize, Serialize};
+
+use crate::convert::{from_python, map_of, to_python};
+use crate::errors::{Raise, value_error};
+use crate::long;
+
+/// Heights, pitches and warnings of a file.
+type FileContent<'py> = (Bound<'py, PyArray2<f64>>, (f64, f64), Vec<String>);
+
+/// Reads a height map from a file.
+#[pyfunction]
+#[pyo3(signature = (path, channel, dx_m, dy_m, height_unit))]
+pub(crate) fn read_map<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    channel: Option<String>,
+    dx_m: Option<f64>,
+    dy_m: Option<f64>,
+    height_unit: Option<String>,
+) -> PyResult<FileContent<'py>> {
+    let pitch_m = match (dx_m, dy_m) {
+        (Some(dx_m), dy_m) => Some(checked_pitch_m((dx_m, dy_m.unwrap_or(dx_m))).raise()?),
+        (None, Some(_)) => return Err(value_error("dy_m is given without dx_m")),
+        (None, None) => None,
+    };
+    let height_unit = height_unit.map(|unit| unit.parse::<LengthUnit>().raise()).transpose()?;
+    let options = ReadOptions { channel: channel.as_deref().map(Channel::from), height_unit, pitch_m };
+    let file = path.clone();
+    let scan = long::run(py, None, move |_| read_with(&file, &options).raise())?;
+    let missing = || value_error(format_args!("{}: the file carries no pixel size; state dx_m", path.display()));
+    let (pitch_m, warnings) = (scan.pitch_m.ok_or_else(missing)?, scan.warnings.clone());
+    let map = HeightMap::try_from(scan).raise()?;
+    Ok((PyArray2::from_owned_array(py, map.into_heights_m()), pitch_m, warnings))
+}
+
+/// Copies heights into a checked map: infinite heights count as missing.
+#[pyfunction]
+pub(crate) fn height_map<'py>(
+    heights_m: PyReadonlyArray2<'py, f64>,
+    dx_m: f64,
+    dy_m: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let map = map_of(&heights_m, dx_m, dy_m)?;
+    Ok(PyArray2::from_owned_array(heights_m.py(), map.into_heights_m()))
+}
+
+/// Steps of a preparation.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Steps {
+    level: Level,
+    outliers: Option<f64>,
+    s_filter_m: Option<f64>,
+    l_filter_m: Option<f64>,
+    robust: bool,
+}
+
+/// What a preparation did to a map.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct History {
+    level: Level,
+    outliers: usize,
+    lost: usize,
+    radius_m: Option<f64>,
+}
+
+impl History {
+    /// Returns the prepared map.
+    pub(crate) fn prepared(self, map: HeightMap) -> Prepared {
+        let Self { level, outliers, lost, radius_m } = self;
+        Prepared { map, outliers, lost, radius_m, level }
+    }
+}
+
+/// Removes form, outliers and filtered waves. Returns the heights, and what was done to them.
+#[pyfunction]
+pub(crate) fn level<'py>(
+    heights_m: PyReadonlyArray2<'py, f64>,
+    dx_m: f64,
+    dy_m: f64,
+    steps: &Bound<'py, PyDict>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyAny>)> {
+    let map = map_of(&heights_m, dx_m, dy_m)?;
+    let Steps { level, outliers, s_filter_m, l_filter_m, robust } = from_python(steps)?;
+    let preparation = Preparation { level, outliers, s_filter_m, l_filter_m, robust };
+    let py = heights_m.py();
+    let Prepared { map, outliers, lost, radius_m, level } =
+        long::run_on_map(py, map, move |map| preparation.apply(&map).raise())?;
+    let history = History { level, outliers, lost, radius_m };
+    Ok((PyArray2::from_owned_array(py, map.into_heights_m()), to_python(py, &history)?))
+}
+
+/// Computes the statistics of a map, with the keys of `asperity surface stats --json`.
+#[pyfunction]
+pub(crate) fn statistics<'py>(
+    heights_m: PyReadonlyArray2<'py, f64>,
+    dx_m: f64,
+    dy_m: f64,
+    history: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let map = map_of(&heights_m, dx_m, dy_m)?;
+    let history: History = from_python(history)?;
+    let found = long::run_on_map(heights_m.py(), map, |map| MapStatistics::new(&history.prepared(map)).raise())?;
+    to_python(heights_m.py(), &surface_statistics(&found))
+}
+
+/// Computes the autocorrelation along both axes.
+#[pyfunction]
+pub(crate) fn acf<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
+    let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
+    let found = long::run_on_map(py, map, |map| Autocorrelation::estimate(&map).raise())?;
+    let answer = PyDict::new(py);
+    for (axis, pitch_m, name) in [(Axis::X, dx_m, "x"), (Axis::Y, dy_m, "y")] {
+        let correlation = found.along(axis);
+        let lag_m = (0..correlation.len()).map(|lag| lag as f64 * pitch_m).collect();
+        answer.set_item(format!("lag_{name}_m"), PyArray1::from_vec(py, lag_m))?;
+        answer.set_item(format!("acf_{name}"), PyArray1::from_vec(py, correlation))?;
+        answer.set_item(format!("correlation_length_{name}_m"), found.correlation_length_m(axis))?;
+    }
+    answer.set_item("variance_m2", found.variance_m2())?;
+    Ok(answer)
+}
+
+/// Computes the radially averaged power spectral density.
+#[pyfunction]
+pub(crate) fn psd<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
+    let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
+    let found = long::run_on_map(py, map, |map| radial_spectrum(&map).raise())?;
+    let answer = PyDict::new(py);
+    answer.set_item("q_rad_per_m", PyArray1::from_vec(py, found.q_rad_per_m))?;
+    answer.set_item("psd_m4", PyArray1::from_vec(py, found.psd_m4))?;
+    answer.set_item("reliable_low_rad_per_m", found.reliable.low_rad_per_m)?;
+    answer.set_item("reliable_high_rad_per_m", found.reliable.high_rad_per_m)?;
+    answer.set_item("upper_limit", found.reliable.upper_limit.name())?;
+    Ok(answer)
+}

@@ -1,0 +1,200 @@
+//! Stick-slip of a mass on a belt.
+
+use std::mem;
+
+use asperity::choice::{ByName, Choice};
+use asperity::friction::process::{FrictionProcess, ProcessModel};
+use asperity::study::clipping_warning;
+use asperity::vibration::{
+    self, Drive, Ensemble, EnsembleSettings, LARGEST_CLIPPED_FRACTION, MapAxis, MapOver, MapSettings, Parameters,
+    Regime, VibrationError, clipped_to_positive, limit_damping, smallest_kick,
+};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Deserialize;
+
+use crate::convert::{from_python, to_python, whole};
+use crate::errors::{Raise, value_error, warn};
+use crate::long;
+use crate::pool::detached;
+use crate::resources::require_memory;
+
+/// Checked oscillator.
+#[pyclass(frozen)]
+pub(crate) struct Oscillator(vibration::Oscillator);
+
+#[pymethods]
+impl Oscillator {
+    #[new]
+    fn new(parameters: &Bound<'_, PyDict>) -> PyResult<Self> {
+        vibration::Oscillator::new(from_python::<Parameters>(parameters)?).raise().map(Self)
+    }
+}
+
+/// Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
+#[pyfunction]
+pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
+    let own = oscillator.0.clone();
+    let free = own.forcing().is_none();
+    let find = move || -> Result<_, VibrationError> {
+        let regime = vibration::limit_cycle(&own)?;
+        let kick = if free { smallest_kick(&own)? } else { None };
+        Ok((regime, free.then(|| own.sliding_is_unstable()), kick))
+    };
+    let (regime, steady_sliding_unstable, kick) = if free {
+        detached(py, || find().raise())?
+    } else {
+        // An irregular motion takes many cycles.
+        long::run(py, None, move |_| find().raise())?
+    };
+    let answer = match regime {
+        Regime::Cycle(cycle) => to_python(py, &cycle)?,
+        Regime::Sliding | Regime::Irregular(_) => PyDict::new(py).into_any(),
+    };
+    answer.set_item("limit_cycle", regime.cycle().is_some())?;
+    answer.set_item("kind", regime.kind().name())?;
+    answer.set_item("steady_sliding_unstable", steady_sliding_unstable)?;
+    answer.set_item("kick", kick)?;
+    Ok(answer)
+}
+
+/// Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
+#[pyfunction]
+pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
+    let own = &oscillator.0;
+    let (found, limit) = detached(py, || {
+        let limit = match limit_damping(own) {
+            Err(VibrationError::NotFound { .. }) => None,
+            limit => Some(limit.raise()?),
+        };
+        Ok::<_, PyErr>((vibration::critical_damping(own).raise()?, limit))
+    })?;
+    let answer = to_python(py, &found)?;
+    answer.set_item("limit_damping_ratio", limit)?;
+    Ok(answer)
+}
+
+/// Fluctuation of the friction coefficient.
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fluctuation {
+    friction_std: f64,
+    correlation_length: f64,
+    marginal: String,
+    allow_clipping: bool,
+}
+
+impl Fluctuation {
+    /// Returns the model with another standard deviation, its length in the unit of a load ratio.
+    fn model(&self, std: f64, load: f64) -> PyResult<ProcessModel> {
+        Ok(ProcessModel::new(self.marginal.parse().map_err(value_error)?, std, self.correlation_length / load))
+    }
+
+    /// Warns if a fraction of the values is clipped. Fails if it is above the limit and not allowed.
+    fn accept(&self, py: Python<'_>, fraction: f64) -> PyResult<()> {
+        if fraction > LARGEST_CLIPPED_FRACTION && !self.allow_clipping {
+            return Err(value_error(format_args!(
+                "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower friction_std or \
+                 the weakening of friction with velocity, or set allow_clipping=True",
+                100.0 * fraction,
+                100.0 * LARGEST_CLIPPED_FRACTION
+            )));
+        }
+        clipping_warning(fraction).map_or(Ok(()), |warning| warn(py, &warning))
+    }
+}
+
+/// Simulates many trajectories over a random friction fluctuation.
+#[pyfunction]
+#[pyo3(signature = (oscillator, fluctuation, trajectories, duration, seed, drive, progress))]
+#[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
+pub(crate) fn ensemble<'py>(
+    py: Python<'py>,
+    oscillator: &Oscillator,
+    fluctuation: &Bound<'py, PyDict>,
+    #[pyo3(from_py_with = whole)] trajectories: usize,
+    duration: f64,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    drive: &str,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (own, fluctuation): (_, Fluctuation) = (oscillator.0.clone(), from_python(fluctuation)?);
+    let model = clipped_to_positive(&own, fluctuation.model(fluctuation.friction_std, 1.0)?, 1.0);
+    let clipped_fraction = model.clipped_fraction();
+    let process = FrictionProcess::new(model).raise()?;
+    fluctuation.accept(py, clipped_fraction)?;
+    let drive = Drive::from_name(drive).raise()?;
+    let settings = EnsembleSettings { drive, ..EnsembleSettings::new(trajectories, duration, seed) };
+    require_memory(settings.memory_bytes(rayon::current_num_threads()), "the ensemble")?;
+    let mut found = long::run(py, progress.as_ref(), move |monitor| {
+        Ensemble::simulate(&own, &process, &settings, monitor).raise()
+    })?;
+    let samples =
+        [&mut found.reattachments, &mut found.releases, &mut found.periods].map(|of| mem::take(&mut of.sample));
+    let answer = to_python(py, &found)?;
+    for (name, sample) in ["reattachments", "releases", "periods"].into_iter().zip(samples) {
+        answer.get_item(name)?.set_item("sample", PyArray1::from_vec(py, sample))?;
+    }
+    answer.set_item("clipped_fraction", clipped_fraction)?;
+    Ok(answer)
+}
+
+/// Axes and resolution of a stability map.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Axes {
+    over: ByName<MapOver>,
+    x: MapAxis,
+    y: MapAxis,
+    depth: u32,
+}
+
+/// Maps the probability of sustained vibration over two parameters.
+#[pyfunction]
+#[pyo3(signature = (oscillator, fluctuation, axes, trajectories, duration, seed, progress))]
+#[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
+pub(crate) fn stability_map<'py>(
+    py: Python<'py>,
+    oscillator: &Oscillator,
+    fluctuation: &Bound<'py, PyDict>,
+    axes: &Bound<'py, PyDict>,
+    #[pyo3(from_py_with = whole)] trajectories: usize,
+    duration: f64,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (stated, fluctuation): (_, Fluctuation) = (oscillator.0.clone(), from_python(fluctuation)?);
+    let Axes { over: ByName(over), x, y, depth } = from_python(axes)?;
+    let [x, y] = [x, y].map(MapAxis::check);
+    let (x, y) = (x.map_err(value_error)?, y.map_err(value_error)?);
+    let settings = MapSettings { x, y, depth, ensemble: EnsembleSettings::new(trajectories, duration, seed) };
+    // An invalid distribution is an error of the arguments and not of a point.
+    FrictionProcess::new(fluctuation.model(fluctuation.friction_std, 1.0)?).raise()?;
+    let marginal = fluctuation.model(1.0, 1.0)?;
+    let own = fluctuation.clone();
+    let model = move |point: [f64; 2]| {
+        let (oscillator, std, load) = over.at(&stated, own.friction_std, point)?;
+        let correlation_length = own.correlation_length / load;
+        let model = ProcessModel { std, correlation_length, ..marginal.clone() };
+        let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, model, 1.0));
+        Ok::<_, VibrationError>((oscillator, model))
+    };
+    let mut clipped_fraction = 0.0_f64;
+    for point in settings.first_grid() {
+        let (_, model) = model(point).raise()?;
+        clipped_fraction = clipped_fraction.max(model.map_or(0.0, |model| model.clipped_fraction()));
+    }
+    fluctuation.accept(py, clipped_fraction)?;
+    let found = long::run(py, progress.as_ref(), move |monitor| {
+        let machine = |x: f64, y: f64| {
+            let (oscillator, model) = model([x, y])?;
+            Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
+        };
+        vibration::stability_map(&machine, &settings, monitor).raise()
+    })?;
+    let answer = to_python(py, &found)?;
+    answer.set_item("axes", over.axes())?;
+    answer.set_item("clipped_fraction", clipped_fraction)?;
+    Ok(answer)
+}

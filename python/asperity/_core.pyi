@@ -1,0 +1,178 @@
+"""
+Compiled part of the package asperity.
+"""
+
+from _typeshed import Incomplete, SupportsGetItem
+from os import PathLike
+from typing import Any, SupportsFloat, SupportsIndex, final
+
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "psd", "read_map", "results_schema", "run_study", "simulate_friction", "solve_contact", "stability_map", "statistics"]
+
+@final
+class Expansion:
+    """
+    Expansion in Hermite polynomials of standard normal variables.
+    """
+    def coefficients(self, /) -> Incomplete: ...
+    def evaluate(self, /, xi: Incomplete) -> Incomplete:
+        """
+        Returns the values at samples.
+        """
+    @staticmethod
+    def fit(xi: Incomplete, values: Incomplete, degree, sparse: bool) -> Expansion:
+        """
+        Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation.
+        """
+    def mean(self, /) -> float: ...
+    def powers(self, /) -> list[list[int]]:
+        """
+        Returns the powers of the variables in each term.
+        """
+    def relative_error(self, /) -> float | None:
+        """
+        Returns the leave-one-out error over the variance.
+        """
+    def sobol_indices(self, /) -> tuple[Incomplete, Incomplete]:
+        """
+        Returns the first-order and the total Sobol' indices.
+        """
+    def subset_index(self, /, subset: SupportsGetItem[int, SupportsIndex]) -> float:
+        """
+        Returns the index of the interaction of exactly these variables.
+        """
+    def variables(self, /) -> int: ...
+    def variance(self, /) -> float: ...
+
+@final
+class Oscillator:
+    """
+    Checked oscillator.
+    """
+    def __new__(cls, /, parameters: dict) -> Oscillator: ...
+
+@final
+class RandomSurface:
+    """
+    Generator of random maps on a grid.
+    """
+    def generate(self, /, xi: SupportsGetItem[int, SupportsFloat | SupportsIndex]) -> Incomplete:
+        """
+        Returns the map of standard normal variables.
+        """
+    def pitch_m(self, /) -> tuple[float, float]:
+        """
+        Returns the distances between points.
+        """
+    def sample(self, /, seed, count: SupportsIndex) -> list[Incomplete]:
+        """
+        Draws maps, the same for any number of threads.
+        """
+    def xi_len(self, /) -> int:
+        """
+        Returns the number of standard normal variables of a map.
+        """
+
+@final
+class SurfaceModel:
+    """
+    Model of a random surface, independent of any grid.
+    """
+    def __new__(cls, /, settings: dict, scans: SupportsGetItem[int, tuple[Incomplete, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, dict]]) -> SurfaceModel: ...
+    def covariance(self, /) -> Any | None:
+        """
+        Returns the covariance; `None` for a Weierstrass–Mandelbrot surface.
+        """
+    def on_grid(self, /, nx, ny, size_x_m: SupportsFloat | SupportsIndex, size_y_m: SupportsFloat | SupportsIndex, boundary: str) -> RandomSurface:
+        """
+        Makes the generator of maps on a grid of `nx` × `ny` points.
+        """
+    def rms_height_m(self, /) -> float:
+        """
+        Returns the standard deviation of the heights.
+        """
+
+def acf(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:
+    """
+    Computes the autocorrelation along both axes.
+    """
+
+def critical_damping(oscillator: Oscillator) -> Any:
+    """
+    Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
+    """
+
+def design(method: str, seed, samples, variables) -> Incomplete:
+    """
+    Plans a design and returns its standard normal variables, shape (samples, variables).
+    """
+
+def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
+    """
+    Simulates many trajectories over a random friction fluctuation.
+    """
+
+def fit_friction_record(friction: Incomplete, step_m: SupportsFloat | SupportsIndex, law: str, detrend: str, low_pass_m: SupportsFloat | SupportsIndex | None, decimation) -> Any:
+    """
+    Fits a process to a record of the friction coefficient at equal steps; NaN marks gaps.
+    """
+
+def friction_process(process: Any) -> Any:
+    """
+    Checks a process, a dictionary with the keys of its file, and completes it.
+    """
+
+def height_map(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> Incomplete:
+    """
+    Copies heights into a checked map: infinite heights count as missing.
+    """
+
+def level(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, steps: dict) -> tuple[Incomplete, Any]:
+    """
+    Removes form, outliers and filtered waves. Returns the heights, and what was done to them.
+    """
+
+def limit_cycle(oscillator: Oscillator) -> Any:
+    """
+    Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
+    """
+
+def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:
+    """
+    Computes the radially averaged power spectral density.
+    """
+
+def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat | SupportsIndex | None, dy_m: SupportsFloat | SupportsIndex | None, height_unit: str | None) -> tuple[Incomplete, tuple[float, float], list[str]]:
+    """
+    Reads a height map from a file.
+    """
+
+def results_schema() -> str:
+    """
+    Returns the JSON Schema of results, from which the dataclasses are generated.
+    """
+
+def run_study(study: Any, only: str | None, seed, progress: Any | None, out: str | PathLike[str] | None) -> dict:
+    """
+    Runs a study, the path of a file or a dictionary. Returns results, tables and fields; with `out` also writes the run
+    folder.
+    """
+
+def simulate_friction(process: Any, length_m: SupportsFloat | SupportsIndex, step_m: SupportsFloat | SupportsIndex, seed, index) -> Incomplete:
+    """
+    Draws values of the friction coefficient along a path.
+    """
+
+def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, settings: dict) -> dict:
+    """
+    Solves a contact problem. Returns fields and numbers, with the keys of `asperity contact --json`.
+    """
+
+def stability_map(oscillator: Oscillator, fluctuation: dict, axes: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, progress: Any | None) -> Any:
+    """
+    Maps the probability of sustained vibration over two parameters.
+    """
+
+def statistics(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, history: dict) -> Any:
+    """
+    Computes the statistics of a map, with the keys of `asperity surface stats --json`.
+    """

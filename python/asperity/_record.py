@@ -1,0 +1,100 @@
+"""Base of all results: named attributes that mirror JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas
+
+R = TypeVar("R", bound="Record")
+
+
+class Record:
+    """A result. Its attributes are the keys of the JSON object that the command line prints."""
+
+    #: Classes of the values that are objects, or lists of objects.
+    _nested: ClassVar[Mapping[str, type[Record]]] = {}
+
+    @classmethod
+    def from_dict(cls: type[R], data: Mapping[str, Any]) -> R:
+        """Create the result from a dictionary, such as a part of ``results.json``."""
+        known = {field.name for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+        values = {key: cls._typed(key, value) for key, value in data.items()}
+        others = {key: values.pop(key) for key in data if key not in known}
+        if others and "companions" not in known:
+            raise ValueError(f"{cls.__name__} has no key {', '.join(others)}; another version of asperity wrote it")
+        if others:
+            values["companions"] = others
+        found = cls(**values)
+        # Absent keys and those that are null are both None here, and differ in JSON.
+        object.__setattr__(found, "_keys", tuple(data))
+        return found
+
+    @classmethod
+    def _typed(cls, key: str, value: Any) -> Any:
+        kind = cls._nested.get(key)
+        if kind is None or value is None:
+            return value
+        return [kind.from_dict(item) for item in value] if isinstance(value, list) else kind.from_dict(value)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as dictionaries, lists, numbers and strings."""
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]
+        keys = self.__dict__.get("_keys") or [field.name for field in fields]
+        return {key: _plain(getattr(self, key)) for key in keys}
+
+    def to_pandas(self) -> pandas.Series[Any]:
+        """Return the numbers as a series; the names of nested values are joined by dots."""
+        import pandas
+
+        return pandas.json_normalize(self.to_dict()).iloc[0]
+
+    def _repr_html_(self) -> str:
+        return _html(self)
+
+
+class WithCompanions(Record):
+    """A result whose statistics ``x`` have companions such as ``x_interval`` and ``x_se``."""
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a companion of a statistic."""
+        try:
+            return self.__dict__["companions"][name]
+        except KeyError:
+            raise AttributeError(f"{type(self).__name__} has no attribute {name}") from None
+
+    def __dir__(self) -> list[str]:
+        """List the attributes with the companions."""
+        return [*super().__dir__(), *self.__dict__.get("companions", {})]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Record):
+        return value.to_dict()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _html(value: Any) -> str:
+    if isinstance(value, Record):
+        names = [field.name for field in dataclasses.fields(value)]  # type: ignore[arg-type]
+        shown = [(name, getattr(value, name)) for name in names]
+        rows = (
+            f"<tr><th>{html.escape(name)}</th><td>{_html(item)}</td></tr>" for name, item in shown if item is not None
+        )
+        return f"<details open><summary>{type(value).__name__}</summary><table>{''.join(rows)}</table></details>"
+    if isinstance(value, np.ndarray):
+        return html.escape(f"array {value.shape}, {value.dtype}")
+    if isinstance(value, list) and value and isinstance(value[0], Record):
+        title = f"{len(value)} × {type(value[0]).__name__}"
+        return f"<details><summary>{title}</summary>{''.join(map(_html, value))}</details>"
+    return html.escape(f"{value:.6g}" if isinstance(value, float) else str(value))

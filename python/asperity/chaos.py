@@ -1,0 +1,145 @@
+"""Samplers, and polynomial chaos expansions of functions of standard normal variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _core
+from asperity._record import Record
+
+Sampler = Literal["monte_carlo", "latin_hypercube", "maximin_latin_hypercube", "sobol"]
+
+
+def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArray[np.float64]:
+    """Return the points of a design as standard normal variables, shape (samples, variables).
+
+    Examples
+    --------
+    >>> import asperity, math
+    >>> xi = asperity.design("latin_hypercube", seed=1, samples=10, variables=2)
+    >>> strata = sorted(int(5 * (1 + math.erf(x / 2**0.5))) for x in xi[:, 0])
+    >>> strata == list(range(10))
+    True
+    """
+    xi: NDArray[np.float64] = _core.design(method, seed, samples, variables)
+    return xi
+
+
+@dataclass(frozen=True, kw_only=True)
+class SobolIndices(Record):
+    """Fractions of the variance, by variable."""
+
+    first_order: NDArray[np.float64]
+    """Fraction of the variable alone."""
+    total: NDArray[np.float64]
+    """Fraction of the variable with all its interactions."""
+
+
+class Expansion:
+    """Expansion in orthonormal Hermite polynomials of standard normal variables ξ; see `fit` and `of`."""
+
+    def __init__(self, own: _core.Expansion) -> None:
+        self._own = own
+
+    @staticmethod
+    def fit(xi: ArrayLike, values: ArrayLike, *, degree: int, sparse: bool = False) -> Expansion:
+        """Fit an expansion to values of a function by least squares.
+
+        Parameters
+        ----------
+        xi
+            Standard normal variables, shape (samples, variables).
+        values
+            Value of the function at each sample.
+        degree
+            Total degree of the polynomials.
+        sparse
+            Keep few terms, chosen by cross-validation. Then there may be fewer samples than terms.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> xi = asperity.design("latin_hypercube", seed=1, samples=100, variables=2)
+        >>> expansion = asperity.Expansion.fit(xi, 2 + xi[:, 0] + 3 * xi[:, 0] * xi[:, 1], degree=2)
+        >>> round(expansion.mean, 9), round(expansion.variance, 9)
+        (2.0, 10.0)
+        """
+        samples = np.asarray(xi, dtype=np.float64)
+        return Expansion(_core.Expansion.fit(samples, np.asarray(values, dtype=np.float64), degree, sparse))
+
+    @staticmethod
+    def of(
+        function: Callable[[NDArray[np.float64]], float],
+        *,
+        variables: int,
+        degree: int,
+        samples: int,
+        seed: int,
+        method: Sampler = "sobol",
+        sparse: bool = False,
+    ) -> Expansion:
+        """Expand a function of standard normal variables.
+
+        Parameters
+        ----------
+        function
+            Function of an array of `variables` values.
+        variables
+            Number of variables.
+        degree, sparse
+            See `fit`.
+        samples
+            Number of calls.
+        seed, method
+            Design of the calls.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> expansion = asperity.Expansion.of(lambda xi: xi[0] ** 2, variables=1, degree=2, samples=20, seed=1)
+        >>> round(expansion.variance, 9)
+        2.0
+        """
+        xi = design(method, seed=seed, samples=samples, variables=variables)
+        return Expansion.fit(xi, [float(function(row)) for row in xi], degree=degree, sparse=sparse)
+
+    def evaluate(self, xi: ArrayLike) -> NDArray[np.float64]:
+        """Return the values at samples of shape (samples, variables)."""
+        values: NDArray[np.float64] = self._own.evaluate(np.asarray(xi, dtype=np.float64))
+        return values
+
+    @property
+    def mean(self) -> float:
+        """Mean of the function."""
+        return self._own.mean()
+
+    @property
+    def variance(self) -> float:
+        """Variance of the function."""
+        return self._own.variance()
+
+    @property
+    def relative_error(self) -> float | None:
+        """Leave-one-out mean square error over the variance; None if undefined."""
+        return self._own.relative_error()
+
+    @property
+    def coefficients(self) -> NDArray[np.float64]:
+        """Coefficients of the terms; the first is the mean."""
+        values: NDArray[np.float64] = self._own.coefficients()
+        return values
+
+    @property
+    def powers(self) -> NDArray[np.int64]:
+        """Degrees of the polynomials in each variable, shape (terms, variables)."""
+        return np.array(self._own.powers(), dtype=np.int64)
+
+    def sobol_indices(self) -> SobolIndices:
+        """Return the first-order and total Sobol' indices of all variables."""
+        first_order, total = self._own.sobol_indices()
+        return SobolIndices(first_order=first_order, total=total)

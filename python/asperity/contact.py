@@ -1,0 +1,156 @@
+"""Contact of a rough surface with a rigid flat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _core
+from asperity._record import Record
+from asperity.surface import HeightMap, field_to_xarray
+
+if TYPE_CHECKING:
+    import xarray
+
+FIELDS = ("pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactSolution(Record):
+    """A solved contact. The names are those of ``asperity contact --json``; fields have the shape (ny, nx)."""
+
+    pressure_pa: NDArray[np.float64]
+    """Normal pressure, positive in compression."""
+    displacement_m: NDArray[np.float64]
+    """Elastic displacement, positive away from the flat."""
+    gap_m: NDArray[np.float64]
+    """Distance between the deformed surface and the flat, 0 in contact."""
+    plastic_displacement_m: NDArray[np.float64]
+    """Overlap that elastic deformation alone leaves where the pressure is the hardness."""
+    contact_fraction: float
+    """Fraction of the cells with pressure."""
+    contact_fraction_corrected: float | None
+    """Fraction of the area in contact, corrected for cells at the border of the contact."""
+    plastic_fraction: float
+    """Fraction of the cells at the hardness."""
+    mean_pressure_pa: float
+    """Mean pressure over the whole map."""
+    load_n: float
+    """Total force on the map."""
+    max_pressure_pa: float
+    """Highest pressure."""
+    mean_gap_m: float
+    """Mean gap over the whole map."""
+    separation_m: float
+    """Height of the flat above the mean of the undeformed heights."""
+    penetration_m: float
+    """Depth of the flat below the highest undeformed point."""
+    mean_compliance_m_per_pa: float | None
+    """Displacement of the mean plane per mean pressure of a periodic surface."""
+    iterations: int
+    """Iterations of the solver."""
+    residual: float
+    """Largest relative residual, computed afresh from the pressure."""
+    dx_m: float
+    """Distance between points along x."""
+    dy_m: float
+    """Distance between points along y."""
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the fields with the coordinates of the cell centres."""
+        import xarray
+
+        units = {name: "Pa" if name.endswith("_pa") else "m" for name in FIELDS}
+        arrays = {
+            name: field_to_xarray(getattr(self, name), self.dx_m, self.dy_m, name=name, unit=unit)
+            for name, unit in units.items()
+        }
+        return xarray.Dataset(arrays)
+
+
+def solve_contact(
+    heights: HeightMap | ArrayLike,
+    *,
+    dx_m: float | None = None,
+    dy_m: float | None = None,
+    modulus_pa: float | None = None,
+    youngs_modulus_pa: float | None = None,
+    poisson_ratio: float | None = None,
+    penetration_m: float | None = None,
+    percentile: float | None = None,
+    mean_pressure_pa: float | None = None,
+    load_n: float | None = None,
+    mean_gap_m: float | None = None,
+    hardness_pa: float | None = None,
+    boundary: Literal["periodic", "free"] = "periodic",
+    mean_compliance_m_per_pa: float | None = None,
+    tolerance: float | None = None,
+) -> ContactSolution:
+    """Press a rough elastic or elasto-plastic surface against a rigid flat.
+
+    Parameters
+    ----------
+    heights
+        A `HeightMap`, or heights in metre of shape (ny, nx). No height may be missing.
+    dx_m, dy_m
+        Distance between points, of an array; `dy_m` is `dx_m` when left out.
+    modulus_pa
+        Contact modulus E* = E/(1 − ν²). Or state `youngs_modulus_pa` and `poisson_ratio` (0.3 when left out).
+    penetration_m, percentile, mean_pressure_pa, load_n, mean_gap_m
+        Exactly one: depth of the flat below the highest point, percentage of the heights above the flat, mean pressure,
+        total force, or mean gap.
+    hardness_pa
+        Upper bound of the pressure; the contact is elastic when left out.
+    boundary
+        Continuation of the surface beyond the edge of the map.
+    mean_compliance_m_per_pa
+        Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*) if the
+        position of the flat is prescribed, otherwise 0.
+    tolerance
+        Bound on the relative residuals, 1e-8 when left out.
+
+    Raises
+    ------
+    NotConvergedError
+        The residuals stay above the tolerance.
+
+    Examples
+    --------
+    A sphere, against the solution of Hertz.
+
+    >>> import asperity, numpy as np
+    >>> x = np.linspace(-100e-6, 100e-6, 65)
+    >>> sphere = -(x**2 + x[:, None] ** 2) / (2 * 10e-3)
+    >>> found = asperity.solve_contact(sphere, dx_m=x[1] - x[0], modulus_pa=230e9, load_n=10, boundary="free")
+    >>> hertz = (6 * 10 * 230e9**2 / (np.pi**3 * 10e-3**2)) ** (1 / 3)
+    >>> bool(abs(found.max_pressure_pa / hertz - 1) < 0.02)
+    True
+    """
+    if isinstance(heights, HeightMap):
+        if dx_m is not None or dy_m is not None:
+            raise ValueError("a HeightMap has its own dx_m and dy_m")
+        dx_m, dy_m, heights = heights.dx_m, heights.dy_m, heights.heights
+    if dx_m is None:
+        raise ValueError("state dx_m, the distance between points")
+    dy_m = dx_m if dy_m is None else dy_m
+    if youngs_modulus_pa is not None and poisson_ratio is None:
+        poisson_ratio = 0.3
+    settings = {
+        "modulus_pa": modulus_pa,
+        "youngs_modulus_pa": youngs_modulus_pa,
+        "poisson_ratio": poisson_ratio,
+        "penetration_m": penetration_m,
+        "percentile": percentile,
+        "mean_pressure_pa": mean_pressure_pa,
+        "load_n": load_n,
+        "mean_gap_m": mean_gap_m,
+        "hardness_pa": hardness_pa,
+        "boundary": boundary,
+        "mean_compliance_m_per_pa": mean_compliance_m_per_pa,
+        "tolerance": tolerance,
+    }
+    found = _core.solve_contact(np.asarray(heights, dtype=np.float64), dx_m, dy_m, settings)
+    return ContactSolution(**found, dx_m=dx_m, dy_m=dy_m)

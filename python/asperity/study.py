@@ -1,0 +1,140 @@
+"""Runs of whole studies: surface, pressure, friction, vibration and verdict."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity import _core
+from asperity._progress import Progress, callback
+from asperity.friction import FrictionProcess
+from asperity.results import PressureResult, Results, VerdictResult
+from asperity.surface import field_to_xarray
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+
+class Table(dict[str, NDArray[np.float64] | list[str]]):
+    """Columns of equal length by name; rows may have names in the column ``name``."""
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the table as a data frame."""
+        import pandas
+
+        return pandas.DataFrame(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Values on a grid, shape (ny, nx), NaN where undefined."""
+
+    name: str
+    values: NDArray[np.float64]
+    dx_m: float
+    dy_m: float
+    unit: str
+
+    def to_xarray(self) -> xarray.DataArray:
+        """Return the field with the coordinates of the cell centres."""
+        return field_to_xarray(self.values, self.dx_m, self.dy_m, name=self.name, unit=self.unit)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyResults(Results):
+    """Results of a run: the content of ``results.json``, with the tables and fields of the run folder."""
+
+    tables: Mapping[str, Table] = field(default_factory=dict, repr=False)
+    """Tables by name, as in ``tables/``."""
+    fields: Mapping[str, Field] = field(default_factory=dict, repr=False)
+    """Fields by name, as in ``fields/``."""
+    friction_process: FrictionProcess | None = field(default=None, repr=False)
+    """Friction process at the operating point, as in ``friction_process.json``."""
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the fields; each has its own coordinates, as their grids may differ."""
+        import xarray
+
+        renamed = (own.to_xarray().rename(x=f"x_{name}", y=f"y_{name}") for name, own in sorted(self.fields.items()))
+        return xarray.Dataset({str(array.name): array for array in renamed})
+
+
+def run_study(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    only: Literal["surface", "pressure", "friction", "vibration", "verdict"] | None = None,
+    seed: int | None = None,
+    progress: Progress = True,
+    out: str | os.PathLike[str] | None = None,
+) -> StudyResults:
+    """Run a study. The results are those of ``asperity run``, to the last bit.
+
+    Parameters
+    ----------
+    study
+        Study file, or its content as a dictionary. Quantities are texts with units, such as ``"210 GPa"``. Paths in a
+        file are relative to it, those in a dictionary to the working directory.
+    only
+        Compute this stage and the stages that it needs.
+    seed
+        Seed to use instead of the study's.
+    progress
+        True shows progress on a terminal or in a notebook. A function is called with the task, the number of blocks
+        done and the number of all blocks.
+    out
+        Folder to write, with tables, figures and a report; it must not exist.
+
+    Raises
+    ------
+    ValueError
+        A key or value of the study is wrong.
+    NotConvergedError
+        Too few samples are valid.
+    ResourceError
+        The study needs more memory than is free.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+    >>> found = asperity.run_study({"seed": 7, "surface": {**surface, "marginal": "normal"}})
+    >>> found.surface.covariance.std_m
+    1e-06
+    """
+    source = dict(study) if isinstance(study, Mapping) else os.fspath(study)
+    found = _core.run_study(source, only, seed, callback(progress), None if out is None else os.fspath(out))
+    results = StudyResults.from_dict(found["results"])
+    tables = {name: Table(columns) for name, columns in found["tables"].items()}
+    fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}
+    process = found["friction_process"] and FrictionProcess.from_dict(found["friction_process"])
+    for name, value in (("tables", tables), ("fields", fields), ("friction_process", process)):
+        object.__setattr__(results, name, value)
+    return results
+
+
+def pressure_distribution(
+    study: str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
+) -> PressureResult:
+    """Return the distribution of the contact pressure of a random surface: the pressure stage of a study.
+
+    The study has the sections ``surface``, ``material`` and ``pressure``; see `run_study` for the parameters, and for
+    tables and fields.
+    """
+    found = run_study(study, only="pressure", seed=seed, progress=progress).pressure
+    assert found is not None
+    return found
+
+
+def verdict(
+    study: str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
+) -> VerdictResult:
+    """Return the probability that a machine vibrates, over the uncertain values of a study; see `run_study`."""
+    found = run_study(study, only="verdict", seed=seed, progress=progress).verdict
+    assert found is not None
+    return found

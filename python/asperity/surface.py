@@ -1,0 +1,224 @@
+"""Height maps of measured and random surfaces."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity import _core
+from asperity._record import Record
+
+if TYPE_CHECKING:
+    import xarray
+
+    from asperity.results import SurfaceStatistics
+
+_AS_MEASURED = {"level": "none", "outliers": 0, "lost": 0}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Autocorrelation(Record):
+    """Correlation of the heights at the lags along both axes."""
+
+    lag_x_m: NDArray[np.float64]
+    """Lags along x, up to half the map."""
+    acf_x: NDArray[np.float64]
+    """Correlation at these lags, 1 at lag 0."""
+    lag_y_m: NDArray[np.float64]
+    """Lags along y."""
+    acf_y: NDArray[np.float64]
+    """Correlation at these lags."""
+    correlation_length_x_m: float | None
+    """Lag along x at which the correlation falls to 1/e."""
+    correlation_length_y_m: float | None
+    """Lag along y at which the correlation falls to 1/e."""
+    variance_m2: float
+    """Variance of the heights."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialSpectrum(Record):
+    """Radially averaged power spectral density, two-sided: its integral over d²q/(2π)² is the variance."""
+
+    q_rad_per_m: NDArray[np.float64]
+    """Mean wavenumber of each ring."""
+    psd_m4: NDArray[np.float64]
+    """Mean power spectral density of each ring."""
+    reliable_low_rad_per_m: float
+    """Lower end of the wavenumbers at which the spectrum shows the surface."""
+    reliable_high_rad_per_m: float
+    """Upper end of these wavenumbers."""
+    upper_limit: str
+    """Limit that sets the upper end: ``pixel``, ``roll_off`` or ``noise_floor``."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeightMap:
+    """Heights on a regular grid; missing heights are NaN.
+
+    `read` and `from_array` create maps.
+    """
+
+    heights: NDArray[np.float64]
+    """Heights in metre, shape (ny, nx), row 0 at the top; read-only."""
+    dx_m: float
+    """Distance between points along x."""
+    dy_m: float
+    """Distance between points along y."""
+    _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, repr=False)
+
+    def __post_init__(self) -> None:
+        own = self.heights.view()
+        own.flags.writeable = False
+        object.__setattr__(self, "heights", own)
+
+    @staticmethod
+    def read(
+        path: str | os.PathLike[str],
+        *,
+        channel: str | int | None = None,
+        dx_m: float | None = None,
+        dy_m: float | None = None,
+        height_unit: str | None = None,
+    ) -> HeightMap:
+        """Read a measured surface. The content of the file decides its format, not its name.
+
+        Parameters
+        ----------
+        path
+            File of a format that ``asperity formats`` lists.
+        channel
+            Map to read from a file that contains several: its name, or its number counted from 1.
+        dx_m, dy_m
+            Distance between points, required for files that store none; `dy_m` is `dx_m` when left out.
+        height_unit
+            Unit of the heights (``m``, ``mm``, ``um`` or ``nm``) of files that state none.
+
+        Raises
+        ------
+        OSError
+            The file cannot be read.
+        FormatError
+            The file is damaged, or of a format that is not read.
+        """
+        name = None if channel is None else str(channel)
+        heights, pitch_m, notes = _core.read_map(os.fspath(path), name, dx_m, dy_m, height_unit)
+        for note in notes:
+            warnings.warn(f"{path}: {note}", stacklevel=2)
+        return HeightMap(heights, *pitch_m)
+
+    @staticmethod
+    def from_array(z: ArrayLike, *, dx_m: float, dy_m: float | None = None) -> HeightMap:
+        """Create a map from heights in metre, shape (ny, nx). NaN and infinite heights are missing.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> asperity.HeightMap.from_array([[0.0, 1e-6], [float("nan"), 2e-6]], dx_m=1e-6)
+        HeightMap(2 × 2 points, 1e-06 × 1e-06 m, 1 missing)
+        """
+        dy_m = dx_m if dy_m is None else dy_m
+        return HeightMap(_core.height_map(np.asarray(z, dtype=np.float64), dx_m, dy_m), dx_m, dy_m)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of rows and of columns, (ny, nx)."""
+        ny, nx = self.heights.shape
+        return ny, nx
+
+    def __repr__(self) -> str:
+        """Return shape, pixel size and missing points."""
+        missing = int(np.isnan(self.heights).sum())
+        return (
+            f"HeightMap({self.shape[1]} × {self.shape[0]} points, {self.dx_m:g} × {self.dy_m:g} m, {missing} missing)"
+        )
+
+    def level(
+        self,
+        form: str = "plane",
+        *,
+        outliers: float | None = None,
+        s_filter_m: float | None = None,
+        l_filter_m: float | None = None,
+        robust: bool = False,
+    ) -> HeightMap:
+        """Return the roughness: the map without form, outliers and filtered waves.
+
+        Parameters
+        ----------
+        form
+            ``none``, ``mean``, ``plane``, ``quadratic``, ``polynomial:N``, ``cylinder`` or ``sphere``.
+        outliers
+            Heights farther from the median than this many robust standard deviations become missing.
+        s_filter_m, l_filter_m
+            Cut-offs of the Gaussian filters of ISO 16610-61 that remove shorter, and longer, waves.
+        robust
+            Whether the L-filter resists grooves and spikes (ISO 16610-71).
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> y, x = np.mgrid[:4, :5]
+        >>> tilted = asperity.HeightMap.from_array(1e-6 * x - 2e-6 * y, dx_m=1e-6)
+        >>> bool(abs(tilted.level("plane").heights).max() < 1e-18)
+        True
+        """
+        steps = {
+            "level": form,
+            "outliers": outliers,
+            "s_filter_m": s_filter_m,
+            "l_filter_m": l_filter_m,
+            "robust": robust,
+        }
+        heights, history = _core.level(self.heights, self.dx_m, self.dy_m, steps)
+        if history["lost"]:
+            lost = f"the robust filter found no surface around {history['lost']} heights; they count as missing"
+            warnings.warn(lost, stacklevel=2)
+        return HeightMap(heights, self.dx_m, self.dy_m, history)
+
+    def statistics(self) -> SurfaceStatistics:
+        """Return ISO 25178-2 parameters, correlation lengths and the fractal dimension, with 95 % intervals.
+
+        The attributes are the keys of ``asperity surface stats --json``. Nothing is removed before; see `level`.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> wave = 1e-6 * np.sin(2 * np.pi * np.arange(64) / 16) * np.ones((64, 1))
+        >>> found = asperity.HeightMap.from_array(wave, dx_m=1e-6).statistics()
+        >>> round(found.Sq_m / 1e-6 * 2**0.5, 12)
+        1.0
+        """
+        from asperity.results import SurfaceStatistics
+
+        return SurfaceStatistics.from_dict(_core.statistics(self.heights, self.dx_m, self.dy_m, dict(self._history)))
+
+    def acf(self) -> Autocorrelation:
+        """Return the autocorrelation along both axes, at lags up to half the map."""
+        return Autocorrelation.from_dict(_core.acf(self.heights, self.dx_m, self.dy_m))
+
+    def psd(self) -> RadialSpectrum:
+        """Return the radially averaged power spectral density."""
+        return RadialSpectrum.from_dict(_core.psd(self.heights, self.dx_m, self.dy_m))
+
+    def to_xarray(self) -> xarray.DataArray:
+        """Return the heights with the coordinates of the cell centres."""
+        return field_to_xarray(self.heights, self.dx_m, self.dy_m, name="height", unit="m")
+
+
+def field_to_xarray(values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str) -> xarray.DataArray:
+    """Return a field on a grid with the coordinates of the cell centres."""
+    import xarray
+
+    ny, nx = values.shape
+    coordinates = {"y": (np.arange(ny) + 0.5) * dy_m, "x": (np.arange(nx) + 0.5) * dx_m}
+    array = xarray.DataArray(values, coordinates, ("y", "x"), name, {"units": unit})
+    for axis in ("x", "y"):
+        array[axis].attrs["units"] = "m"
+    return array

@@ -1,0 +1,61 @@
+import math
+
+import numpy as np
+import pytest
+
+import asperity
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+def test_the_indices_of_a_lognormal_product_are_those_of_the_closed_form(sparse):
+    # y = e^{a ξ₀ + b ξ₁} has V = e^{s}(e^{s} − 1) with s = a² + b², and S₀ = (e^{a²} − 1)/(e^{s} − 1).
+    a, b = 0.5, 0.3
+    product = asperity.Expansion.of(
+        lambda xi: math.exp(a * xi[0] + b * xi[1]), variables=2, degree=8, samples=400, seed=1, sparse=sparse
+    )
+    s = math.exp(a * a + b * b)
+    assert product.mean == pytest.approx(s**0.5, rel=1e-4)
+    assert product.variance == pytest.approx(s * (s - 1), rel=1e-3)
+    found = product.sobol_indices()
+    expected = [(math.exp(c * c) - 1) / (s - 1) for c in (a, b)]
+    assert found.first_order == pytest.approx(expected, abs=1e-3)
+    assert found.total == pytest.approx([1 - expected[1], 1 - expected[0]], abs=1e-3)
+
+
+def test_a_polynomial_is_reproduced():
+    xi = asperity.design("sobol", seed=2, samples=64, variables=3)
+    values = 1 + 2 * xi[:, 0] - xi[:, 1] * xi[:, 2] + xi[:, 2] ** 2
+    expansion = asperity.Expansion.fit(xi, values, degree=2)
+    fresh = np.random.default_rng(1).normal(size=(10, 3))
+    expected = 1 + 2 * fresh[:, 0] - fresh[:, 1] * fresh[:, 2] + fresh[:, 2] ** 2
+    assert expansion.evaluate(fresh) == pytest.approx(expected, abs=1e-10)
+    # Variances: 4 of ξ₀, 1 of ξ₁ξ₂, 2 of ξ₂².
+    assert expansion.variance == pytest.approx(7)
+    assert expansion.sobol_indices().total == pytest.approx([4 / 7, 1 / 7, 3 / 7])
+    assert expansion.relative_error == pytest.approx(0, abs=1e-20)
+    assert expansion.powers.shape == (10, 3)
+    assert expansion.coefficients[expansion.powers.tolist().index([0, 1, 1])] == pytest.approx(-1)
+
+
+def test_designs_are_stratified_and_depend_on_the_seed():
+    for method in ("latin_hypercube", "maximin_latin_hypercube", "sobol", "monte_carlo"):
+        xi = asperity.design(method, seed=1, samples=32, variables=4)
+        assert xi.shape == (32, 4)
+        assert np.array_equal(xi, asperity.design(method, seed=1, samples=32, variables=4))
+        assert not np.array_equal(xi, asperity.design(method, seed=2, samples=32, variables=4))
+
+
+def test_wrong_samples_are_refused():
+    with pytest.raises(ValueError, match="no sampler"):
+        asperity.design("halton", seed=1, samples=2, variables=1)
+    with pytest.raises(ValueError, match="2 samples have 3 values"):
+        asperity.Expansion.fit(np.zeros((2, 1)), np.zeros(3), degree=1)
+    with pytest.raises(ValueError, match="not finite"):
+        asperity.Expansion.fit(np.ones((5, 1)), [1, 2, 3, 4, np.nan], degree=1)
+    with pytest.raises(ValueError, match="samples"):
+        asperity.Expansion.fit(np.ones((2, 1)), np.ones(2), degree=3)
+    expansion = asperity.Expansion.fit([[-1.0], [0.0], [1.0]], [0.0, 1.0, 2.0], degree=1)
+    with pytest.raises(ValueError, match="0 variables"):
+        expansion.evaluate(np.zeros((3, 0)))
+    with pytest.raises(TypeError):
+        expansion.evaluate([1.0, 2.0])

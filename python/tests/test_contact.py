@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+
+import asperity
+
+
+def test_a_contact_equals_that_of_the_command_line(program, rough, tmp_path):
+    file = tmp_path / "rough.npy"
+    np.save(file, rough)
+    pressed = ("--youngs-modulus", "210GPa", "--hardness", "5GPa", "--boundary", "periodic", "--penetration", "1um")
+    expected = program(
+        "contact", file, "--pixel-size", "1um", "--height-unit", "m", *pressed, "--quiet", "--level", "none"
+    )
+    found = asperity.solve_contact(rough, dx_m=1e-6, youngs_modulus_pa=210e9, hardness_pa=5e9, penetration_m=1e-6)
+    numbers = {key: value for key, value in found.to_dict().items() if key in expected}
+    assert len(numbers) == 12
+    assert numbers == {key: expected[key] for key in numbers}
+
+
+def test_a_sphere_is_pressed_as_by_hertz():
+    x = np.linspace(-100e-6, 100e-6, 129)
+    radius_m, modulus_pa, load_n = 10e-3, 230e9, 10.0
+    sphere = -(x**2 + x[:, None] ** 2) / (2 * radius_m)
+    found = asperity.solve_contact(sphere, dx_m=x[1] - x[0], modulus_pa=modulus_pa, load_n=load_n, boundary="free")
+    area = np.pi * (0.75 * load_n * radius_m / modulus_pa) ** (2 / 3)
+    assert found.max_pressure_pa == pytest.approx(1.5 * load_n / area, rel=0.01)
+    assert found.load_n == pytest.approx(load_n, rel=1e-7)
+    assert found.penetration_m == pytest.approx(area / np.pi / radius_m, rel=0.01)
+
+
+def test_fields_satisfy_the_conditions_of_contact(rough):
+    found = asperity.solve_contact(rough, dx_m=1e-6, modulus_pa=1e11, mean_pressure_pa=1e9, hardness_pa=8e9)
+    pressed = found.pressure_pa > 0
+    assert (found.gap_m[pressed] == 0).all()
+    assert (found.gap_m[~pressed] >= 0).all()
+    assert found.pressure_pa.max() <= 8e9
+    assert (found.plastic_displacement_m[found.pressure_pa < 8e9] == 0).all()
+    assert found.pressure_pa.mean() == pytest.approx(1e9, rel=1e-7)
+    assert found.contact_fraction == pressed.mean()
+
+
+def test_wrong_problems_raise_by_kind(rough):
+    def solve(**settings):
+        return asperity.solve_contact(rough, **{"dx_m": 1e-6, "modulus_pa": 1e11, "load_n": 1.0, **settings})
+
+    for settings, message in [
+        ({"load_n": None}, "exactly one"),
+        ({"percentile": 50.0}, "exactly one"),
+        ({"modulus_pa": None}, "modulus_pa"),
+        ({"modulus_pa": -1.0}, "modulus"),
+        ({"load_n": float("nan")}, "not a finite number"),
+        ({"boundary": "open"}, "`open` is no boundary"),
+        ({"dx_m": None}, "dx_m"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            solve(**settings)
+    with pytest.raises(ValueError, match="missing"):
+        asperity.solve_contact(np.where(rough > 1e-6, np.nan, rough), dx_m=1e-6, modulus_pa=1e11, load_n=1.0)
+    with pytest.raises(asperity.NotConvergedError, match="not converged after"):
+        solve(tolerance=1e-300)
+    huge = np.broadcast_to(rough[:1, :1], (1 << 15, 1 << 15))
+    with pytest.raises((asperity.ResourceError, MemoryError)):
+        asperity.solve_contact(huge, dx_m=1e-6, modulus_pa=1e11, load_n=1.0)
+
+
+def test_a_solution_is_a_data_set_of_xarray(rough):
+    pytest.importorskip("xarray")
+    found = asperity.solve_contact(rough, dx_m=1e-6, modulus_pa=1e11, load_n=1.0)
+    fields = found.to_xarray()
+    assert fields.pressure_pa.attrs["units"] == "Pa"
+    assert set(fields) == {"pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m"}
+    assert "pressure_pa" in found._repr_html_()

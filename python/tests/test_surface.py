@@ -1,0 +1,81 @@
+import numpy as np
+import pytest
+
+import asperity
+from asperity import HeightMap
+from support import SCAN
+
+
+def test_statistics_equal_those_of_the_command_line(program):
+    expected = program("surface", "stats", SCAN, "--level", "plane", "--quiet")
+    found = HeightMap.read(SCAN).level("plane").statistics().to_dict()
+    assert found == {key: value for key, value in expected.items() if key in found}
+    assert {"Sq_m", "Sdq_interval", "hurst_se"} < found.keys()
+    assert expected.keys() - found.keys() == {"format", "channel", "warnings"} & expected.keys()
+
+
+def test_statistics_have_companions_and_survive_a_dictionary():
+    found = HeightMap.read(SCAN).level("plane").statistics()
+    low, high = found.Sq_m_interval
+    assert low < found.Sq_m < high
+    assert "Sq_m_se" in dir(found)
+    assert type(found).from_dict(found.to_dict()) == found
+    with pytest.raises(AttributeError, match="Sq_mm"):
+        _ = found.Sq_mm
+
+
+def test_a_wave_has_its_statistics():
+    x = 1e-6 * np.arange(256)
+    wave = 1e-6 * np.sin(2 * np.pi * x / 32e-6) * np.ones((64, 1))
+    heights = HeightMap.from_array(wave, dx_m=1e-6, dy_m=2e-6)
+    found = heights.statistics()
+    assert found.Sq_m == pytest.approx(1e-6 / 2**0.5, rel=1e-12)
+    assert (found.nx, found.ny, found.dy_m) == (256, 64, 2e-6)
+    correlation = heights.acf()
+    assert correlation.acf_x[32] == pytest.approx(1, abs=1e-9)
+    assert correlation.acf_x[16] == pytest.approx(-1, abs=1e-9)
+    assert correlation.variance_m2 == pytest.approx(0.5e-12, rel=1e-12)
+    assert correlation.lag_y_m[1] == 2e-6
+    spectrum = heights.psd()
+    peak = spectrum.q_rad_per_m[np.argmax(spectrum.psd_m4)]
+    assert peak == pytest.approx(2 * np.pi / 32e-6, rel=0.1)
+
+
+def test_heights_are_copied_once_and_keep_their_values(rough):
+    for z in (rough, np.asfortranarray(rough), rough[:, ::-1], rough[::2, 1:]):
+        found = HeightMap.from_array(z, dx_m=1e-6)
+        assert np.array_equal(found.heights, z)
+        assert not np.shares_memory(found.heights, z)
+        assert not found.heights.flags.writeable
+        assert found.heights.flags.c_contiguous
+    assert found.shape == (32, 63)
+
+
+def test_missing_heights_stay_missing():
+    found = HeightMap.from_array([[0.0, np.nan, 1.0], [np.inf, 2.0, 5.0]], dx_m=1e-6)
+    assert np.isnan(found.heights).sum() == 2
+    assert repr(found) == "HeightMap(3 × 2 points, 1e-06 × 1e-06 m, 2 missing)"
+    assert found.statistics().missing_points == 2
+
+
+def test_wrong_maps_and_files_raise_by_kind(tmp_path):
+    with pytest.raises(ValueError, match="at least 2 × 2"):
+        HeightMap.from_array([[1.0]], dx_m=1e-6)
+    with pytest.raises(ValueError, match="pixel size"):
+        HeightMap.from_array(np.ones((3, 3)), dx_m=-1)
+    with pytest.raises(FileNotFoundError, match=r"gone\.x3p"):
+        HeightMap.read(tmp_path / "gone.x3p")
+    damaged = tmp_path / "damaged.x3p"
+    damaged.write_bytes(SCAN.read_bytes()[:2000])
+    with pytest.raises(asperity.FormatError, match=r"damaged\.x3p"):
+        HeightMap.read(damaged)
+    with pytest.raises(ValueError, match="`cone`"):
+        HeightMap.read(SCAN).level("cone")
+
+
+def test_a_map_is_an_array_of_xarray(rough):
+    pytest.importorskip("xarray")
+    found = HeightMap.from_array(rough, dx_m=1e-6, dy_m=2e-6).to_xarray()
+    assert found.attrs["units"] == "m"
+    assert float(found.y[1]) == 3e-6
+    assert float(found.x[0]) == 0.5e-6

@@ -1,0 +1,137 @@
+"""Write python/asperity/results.py from the JSON Schema of results; with --check, compare."""
+
+from __future__ import annotations
+
+import json
+import pathlib
+import subprocess
+import sys
+import textwrap
+from typing import Any
+
+from asperity import _core
+
+TARGET = pathlib.Path(__file__).parents[1] / "python" / "asperity" / "results.py"
+HEAD = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
+
+The attributes are the keys of ``results.json``: SI units, with the unit in the name. An undefined number is None, and
+an interval is [low, high] at 95 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal
+
+from asperity._record import Record, WithCompanions
+'''
+SCALARS = {"number": "float", "integer": "int", "string": "str", "boolean": "bool", "null": "None"}
+Schema = dict[str, Any]
+
+
+def name_of(reference: str) -> str:
+    """Return the name of a referenced definition."""
+    return reference.rpartition("/")[2]
+
+
+def is_choice(schema: Schema) -> bool:
+    """Return whether a definition is a set of names, or of types."""
+    return "properties" not in schema
+
+
+def annotation(schema: Schema) -> str:
+    """Return the type of a value."""
+    if "$ref" in schema:
+        return name_of(schema["$ref"])
+    if "oneOf" in schema:
+        return f"Literal[{', '.join(json.dumps(option['const']) for option in schema['oneOf'])}]"
+    if "anyOf" in schema:
+        return " | ".join(annotation(option) for option in schema["anyOf"])
+    kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+    inner = {"array": schema.get("items", {}), "object": schema.get("additionalProperties", {})}
+    shapes = {"array": "list[{}]", "object": "dict[str, {}]"}
+    return " | ".join(SCALARS.get(kind) or shapes[kind].format(annotation(inner[kind])) for kind in kinds)
+
+
+def references(schema: Any) -> list[str]:
+    """Return the names of all definitions that a value uses."""
+    if isinstance(schema, list):
+        return [name for item in schema for name in references(item)]
+    if not isinstance(schema, dict):
+        return []
+    own = [name_of(schema["$ref"])] if "$ref" in schema else []
+    return own + [name for value in schema.values() for name in references(value)]
+
+
+def text(description: str, indent: str) -> str:
+    """Return a docstring."""
+    lines = textwrap.wrap(description.replace("\\", "\\\\"), 110) or ["…"]
+    if len(lines) == 1:
+        return f'{indent}"""{lines[0]}"""\n'
+    return f'{indent}"""' + f"\n{indent}".join(lines) + f'\n{indent}"""\n'
+
+
+def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
+    """Return the source of a class."""
+    required, properties = set(schema.get("required", [])), dict(schema["properties"])
+    parts = [definitions[part] for option in schema.get("anyOf", []) for part in references(option)]
+    for part in parts:
+        for key, value in part["properties"].items():
+            properties.setdefault(key, value)
+    has_companions = any("patternProperties" in part for part in [schema, *parts])
+    base = "WithCompanions" if has_companions else "Record"
+    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}({base}):\n"
+    source += text(schema["description"], "    ") + "\n"
+    for key, value in properties.items():
+        kind = annotation(value)
+        optional = key not in required
+        if optional and not kind.endswith("None"):
+            kind += " | None"
+        source += f"    {key}: {kind}{' = None' if optional else ''}\n"
+        description = value.get("description") or definitions.get(name_of(value.get("$ref", "")), {}).get("description")
+        source += text(description or "…", "    ") if description else ""
+    if has_companions:
+        source += "    companions: Mapping[str, Any] = field(default_factory=dict)\n"
+        source += text("Further keys: intervals ``x_interval``, standard errors ``x_se`` and the like.", "    ")
+    used = {
+        key: [part for part in references(value) if not is_choice(definitions[part])]
+        for key, value in properties.items()
+    }
+    nested = ", ".join(f'"{key}": {parts[0]}' for key, parts in used.items() if parts)
+    return source + (f"\n    _nested: ClassVar[Mapping[str, type[Record]]] = {{{nested}}}\n" if nested else "")
+
+
+def module() -> str:
+    """Return the source of the module, every class after those that it uses."""
+    schema = json.loads(_core.results_schema())
+    definitions: dict[str, Schema] = schema["$defs"]
+    source, done = HEAD, set[str]()
+
+    def add(name: str) -> None:
+        nonlocal source
+        if name in done:
+            return
+        done.add(name)
+        own = definitions[name]
+        for part in references(own):
+            add(part)
+        if is_choice(own):
+            source += f"\n{name} = {annotation(own)}\n" + text(own["description"], "")
+        else:
+            source += dataclass(name, own, definitions)
+
+    for name in definitions:
+        add(name)
+    root = {key: value for key, value in schema.items() if key != "$defs"}
+    source += dataclass("Results", root, definitions)
+    ruff = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(TARGET), "-"]
+    return subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
+
+
+if __name__ == "__main__":
+    made = module()
+    if "--check" not in sys.argv:
+        TARGET.write_text(made, encoding="utf-8")
+    elif TARGET.read_text(encoding="utf-8") != made:
+        sys.exit(f"{TARGET} is not current; run python {__file__}")
