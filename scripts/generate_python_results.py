@@ -123,8 +123,6 @@ def module() -> str:
 
     for name in definitions:
         add(name)
-    root = {key: value for key, value in schema.items() if key != "$defs"}
-    source += dataclass("Results", root, definitions)
     ruff = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(TARGET), "-"]
     return subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
 

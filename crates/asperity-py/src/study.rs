@@ -105,11 +105,12 @@ pub(crate) fn run_study<'py>(
     let only = only.map(|only| Stage::from_name(only).raise()).transpose()?;
     let study = source.parse()?;
     let study = if let Some(seed) = seed { study.with_seed(seed) } else { study };
-    for stage in study.estimate(rayon::current_num_threads()) {
-        require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name()))?;
-    }
     let outcome = long::run(py, progress.as_ref(), move |monitor| {
         let folder = source.folder();
+        let scan_points = study.scan_points(&folder).map_err(|error| source.exception(&error))?;
+        for stage in study.estimate(scan_points, rayon::current_num_threads()) {
+            require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name()))?;
+        }
         let staging = out.map(|out| {
             let scans = study.scan_paths(&folder);
             let inputs: Vec<&Path> = source.file.iter().chain(&scans).map(PathBuf::as_path).collect();

@@ -67,7 +67,7 @@ pub fn write_campaign(
 ) -> Result<(), StoreError> {
     staging.write(FILE, campaign.resolved().as_bytes())?;
     staging.write(PROVENANCE, &json_bytes(provenance)?)?;
-    campaign_files(results, &mut |name, bytes| staging.write(name, bytes))?;
+    campaign_files(results, |name, bytes| staging.write(name, bytes))?;
     #[cfg(feature = "report")]
     {
         let run = asperity_report::CampaignRun {
@@ -90,7 +90,7 @@ pub fn write_campaign(
 /// The error of `write`.
 pub fn campaign_files(
     results: &CampaignResults,
-    write: &mut dyn FnMut(&str, &[u8]) -> Result<(), StoreError>,
+    mut write: impl FnMut(&str, &[u8]) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
     write(RESULTS, &json_bytes(results)?)?;
     write("members.csv", &members_csv(results)?)
