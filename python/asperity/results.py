@@ -160,6 +160,93 @@ class AtMeanLoad(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
+class VariedKey(Record):
+    """Key of a study that differs between the members."""
+
+    key: str
+    """Name, `section.key`; of a component of a list `section.key[0]`, of the standard deviations of uncertain values
+    `section.key_std`.
+    """
+    sampled: bool
+    """Whether the values are draws of a distribution."""
+    unit: str
+    """SI unit of the values; empty for numbers and texts."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemberWarning(Record):
+    """Warning of some members."""
+
+    members: list[int]
+    """Numbers of the members, counted from 1."""
+    warning: str
+    """The warning with the numbers of the first of these members."""
+
+
+KindResult = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "divergence", "none"]
+"""Kind of motion that the machine settles into."""
+
+InputValue = int | float | str
+"""Value of an input."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemberResult(Record):
+    """One member of a campaign: its values, and its answers or the reason why it has none."""
+
+    damping_margin: float | None
+    """Margin of the damping: damping ratio minus `limit_damping_ratio`."""
+    failed: bool
+    """Whether the member has no answer."""
+    friction_mean: float | None
+    """Mean friction coefficient, of the operating point or as stated."""
+    friction_std: float | None
+    """Standard deviation of the friction coefficient of one window."""
+    kind: KindResult | None
+    """Kind of motion, with uncertain values at their centres."""
+    limit_damping_ratio: float | None
+    """Damping ratio above which no vibration persists, with uncertain values at their centres."""
+    probability: float | None
+    """Probability of vibration over the uncertain values."""
+    probability_interval: list[float] | None
+    """Its 95 % interval: the error of the computation."""
+    reason: str | None = None
+    """Reason of the failure."""
+    scan: str | None = None
+    """Scan, relative to the campaign file; absent if the members have the scan of the study."""
+    values: list[InputValue]
+    """Values of the keys: numbers in SI, uncertain ones at their centres, or texts as stated."""
+    vibrates: bool | None
+    """Whether the machine vibrates if its motion begins in stick, with uncertain values at their centres."""
+    warnings: int | None
+    """Number of warnings."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignResults(Record):
+    """Rows of all members of a campaign."""
+
+    keys: list[VariedKey]
+    """Keys that differ between the members, in the order of their values."""
+    member_warnings: list[MemberWarning]
+    """Warnings of the members. Warnings that differ in numbers only are one."""
+    members: list[MemberResult]
+    """The members in their order."""
+    schema_version: int
+    """Version of the keys."""
+    seed: int
+    """Seed of the campaign."""
+    warnings: list[str]
+    """Warnings, in sentences."""
+
+    _nested: ClassVar[Mapping[str, type[Record]]] = {
+        "keys": VariedKey,
+        "member_warnings": MemberWarning,
+        "members": MemberResult,
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
 class CoarseEntry(Record):
     """Contact solves on one coarser grid."""
 
@@ -380,10 +467,6 @@ class CycleResult(Record):
     """Duration of the slip."""
     velocity_min: float | None
     """Least velocity."""
-
-
-KindResult = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "divergence", "none"]
-"""Kind of motion that the machine settles into."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -976,9 +1059,6 @@ class IndexEntry(Record):
 
 InputKind = Literal["measured", "stated", "uncertain", "unknown", "default"]
 """Origin of the value of an input."""
-
-InputValue = float | str
-"""Value of an input."""
 
 
 @dataclass(frozen=True, kw_only=True)
