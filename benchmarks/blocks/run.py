@@ -1,4 +1,4 @@
-"""Times stored blocks: their share of a computation, and reading them again in `merge` and `status`.
+"""Times stored blocks: their share of a computation, and reading them again in `merge` and `status`; and campaigns beside a bare loop.
 
     python3 benchmarks/blocks/run.py [--counts 10000 100000] [--print]
 
@@ -9,6 +9,8 @@ long and more. Writes RESULTS.md beside this file; `--print` prints it instead.
 import argparse
 import datetime
 import os
+import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -23,7 +25,8 @@ ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent))
 from harness import commit, duration, machine, table
 
-PROGRAM = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve() / "release" / "asperity"
+BUILT = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve() / "release"
+PROGRAM = BUILT / "asperity"
 REPEATS = 3
 STUDY = """seed = 1
 [vibration]
@@ -42,10 +45,33 @@ evaluations = {count}
 """
 
 
-def measured(folder, *words):
+# Each takes some 20 ms of one core.
+MEMBER = """seed = 1
+[vibration]
+mass = "1 kg"
+natural_frequency = "316 rad/s"
+damping_ratio = 0.2
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.003
+stribeck = 4.2
+static_friction = 0.1
+friction_std = 0.002
+friction_marginal = "normal"
+friction_correlation_length = "20 um"
+damping_sweep = [0.1, 0.3, 2]
+trajectories = 8
+duration = 12.0
+"""
+MEMBERS = [100, 1000]
+PAIRS = 3
+
+
+def measured(folder, *words, program=PROGRAM):
     """Returns seconds and peak memory in MB of a command."""
     began = time.perf_counter()
-    child = subprocess.Popen([PROGRAM, *words, "--quiet"], cwd=folder, stdout=subprocess.DEVNULL)
+    quiet = ["--quiet"] if program == PROGRAM else []
+    child = subprocess.Popen([program, *words, *quiet], cwd=folder, stdout=subprocess.DEVNULL)
     _, status, used = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode:
@@ -71,6 +97,36 @@ def row(count):
         size = sum(file.stat().st_size for file in Path(folder, "stored-0", ".asperity-blocks").rglob("*") if file.is_file())
         files = sum(1 for _ in Path(folder, "stored-0", ".asperity-blocks").rglob("*.blocks"))
     return {"alone": alone, "stored": stored, "again": again, "merged": merged, "status": status, "size": size / 1e6, "files": files}
+
+
+def campaigns():
+    """Times campaigns and the bare loop over the same members in turn. Returns seconds and memory of each, and the ratios of time."""
+    found = {}
+    for count in MEMBERS:
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "study.toml").write_text(MEMBER)
+            pairs = []
+            for number in range(PAIRS):
+                bare = measured(folder, "study.toml", str(count), "sweep.toml", program=BUILT / "time_campaign")
+                pairs.append((bare, measured(folder, "campaign", "sweep.toml", "--out", f"campaign-{number}")))
+                shutil.rmtree(Path(folder, ".asperity-blocks"), ignore_errors=True)
+        found[count] = pairs
+    return found
+
+
+def of_campaigns(found):
+    body = []
+    for count, pairs in found.items():
+        ratios = sorted(campaign[0] / bare[0] for bare, campaign in pairs)
+        cells = [f"{duration(min(p[side][0] for p in pairs))}, {max(p[side][1] for p in pairs):.0f} MB" for side in (0, 1)]
+        body.append([f"{count:,}", *cells, f"{statistics.median(ratios):.3f} ({ratios[0]:.3f} to {ratios[-1]:.3f})"])
+    return f"""
+## Campaigns
+
+A bare loop over the studies of the members, and `asperity campaign`, which also stores blocks and writes table and report, {PAIRS} times in turn: least
+time and largest memory, and the median of the ratios with its range.
+
+{table(["members", "bare loop", "campaign", "ratio of time"], body)}"""
 
 
 def report(rows):
@@ -100,8 +156,8 @@ def main():
     options.add_argument("--counts", type=int, nargs="+", default=[10_000, 100_000])
     options.add_argument("--print", action="store_true")
     chosen = options.parse_args()
-    subprocess.run(["cargo", "build", "--release", "--package", "asperity-cli"], cwd=ROOT, check=True)
-    text = report({count: row(count) for count in chosen.counts})
+    subprocess.run(["cargo", "build", "--release", "-p", "asperity-cli", "-p", "asperity-benchmarks", "--bins"], cwd=ROOT, check=True)
+    text = report({count: row(count) for count in chosen.counts}) + of_campaigns(campaigns())
     if chosen.print:
         print(text)
     else:

@@ -91,7 +91,10 @@ pub(crate) fn solve_contact<'py>(
     let (control, substrate) = (settings.control()?, settings.substrate()?);
     let (ny, nx) = heights_m.as_array().dim();
     let grid = Grid::new(nx, ny, dx_m, dy_m).raise()?;
-    require_memory(memory_bytes(grid.points(), BoundaryKind::from_name(&settings.boundary).raise()?), "the contact problem")?;
+    require_memory(
+        memory_bytes(grid.points(), BoundaryKind::from_name(&settings.boundary).raise()?),
+        "the contact problem",
+    )?;
     let heights_m = owned(&heights_m);
     let boundary = settings.boundary(grid, &substrate, control)?;
     let mut solver = Solver::default();

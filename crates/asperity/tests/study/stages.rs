@@ -379,3 +379,27 @@ fn a_stage_without_its_section_is_refused() {
     assert!(matches!(error, StudyError::NoStage("pressure")));
     assert_eq!(error.kind(), FailureKind::Configuration);
 }
+
+#[test]
+fn a_folder_that_is_removed_while_it_is_written_is_whole_or_an_error() {
+    let parent = tempfile::tempdir().unwrap();
+    let remove_all = || {
+        for entry in fs::read_dir(parent.path()).unwrap() {
+            fs::remove_dir_all(entry.unwrap().path()).unwrap();
+        }
+    };
+    // Before the first file.
+    let staging = Staging::open(&parent.path().join("run"), false, &[]).unwrap();
+    remove_all();
+    staging.write("one.txt", b"1").unwrap();
+    let run = staging.commit().unwrap();
+    // asperity knows the folder as its own.
+    drop(Staging::open(&run, true, &[]).unwrap());
+    // Between two files.
+    let staging = Staging::open(&parent.path().join("other"), false, &[]).unwrap();
+    staging.write("one.txt", b"1").unwrap();
+    remove_all();
+    staging.write("two.txt", b"2").unwrap();
+    assert!(matches!(staging.commit(), Err(StoreError::Io { .. })));
+    assert!(!parent.path().join("other").exists());
+}
