@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "psd", "read_map", "results_schema", "run_study", "simulate_friction", "solve_contact", "stability_map", "statistics"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "psd", "read_map", "results_schema", "run_study", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part"]
 
 @final
 class Expansion:
@@ -136,6 +136,12 @@ def limit_cycle(oscillator: Oscillator) -> Any:
     Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
     """
 
+def merge_parts(study: Any, only: str | None, seed: SupportsIndex | None, parts: SupportsGetItem[int, str | PathLike[str]], run: str | PathLike[str], finish: bool, library: str | PathLike[str]) -> tuple[dict | None, int]:
+    """
+    Joins parts beside the folder `run` and, with `finish`, computes what is missing. Returns the results, or none if
+    blocks are missing, and the number of finished blocks.
+    """
+
 def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:
     """
     Computes the radially averaged power spectral density.
@@ -175,4 +181,10 @@ def stability_map(oscillator: Oscillator, fluctuation: dict, axes: dict, traject
 def statistics(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, history: dict) -> Any:
     """
     Computes the statistics of a map, with the keys of `asperity surface stats --json`.
+    """
+
+def study_part(study: Any, only: str | None, seed: SupportsIndex | None, part: tuple[SupportsIndex, SupportsIndex], folder: str | PathLike[str], library: str | PathLike[str]) -> bool:
+    """
+    Computes a part, number and count, of the blocks that can be computed now, into a folder. Blocks in the folder above
+    it are used. Returns whether the study is complete.
     """

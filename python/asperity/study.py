@@ -108,7 +108,11 @@ def run_study(
     1e-06
     """
     source = dict(study) if isinstance(study, Mapping) else os.fspath(study)
-    found = _core.run_study(source, only, seed, callback(progress), None if out is None else os.fspath(out))
+    return collect(_core.run_study(source, only, seed, callback(progress), None if out is None else os.fspath(out)))
+
+
+def collect(found: Mapping[str, Any]) -> StudyResults:
+    """Return the results of a run from the parts that the compiled module returns."""
     results = StudyResults.from_dict(found["results"])
     tables = {name: Table(columns) for name, columns in found["tables"].items()}
     fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}

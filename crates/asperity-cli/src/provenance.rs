@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use asperity::study::result::{Machine, Program};
-use asperity::study::{Provenance, elementary_functions};
+use asperity::study::{Provenance, elementary_functions, instruction_sets};
 
 use crate::failure::{Failure, Kind};
 use crate::run_folder::load_failure;
@@ -50,24 +50,4 @@ fn processor() -> Option<String> {
     let text = fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
-}
-
-/// Returns the instruction sets on which the last bits of results may depend.
-fn instruction_sets() -> Vec<String> {
-    let mut found = Vec::new();
-    #[cfg(target_arch = "x86_64")]
-    for (name, present) in [
-        ("sse4.1", std::is_x86_feature_detected!("sse4.1")),
-        ("avx", std::is_x86_feature_detected!("avx")),
-        ("avx2", std::is_x86_feature_detected!("avx2")),
-        ("fma", std::is_x86_feature_detected!("fma")),
-        ("avx512f", std::is_x86_feature_detected!("avx512f")),
-    ] {
-        if present {
-            found.push(name.to_owned());
-        }
-    }
-    #[cfg(target_arch = "aarch64")]
-    found.push("neon".to_owned());
-    found
 }

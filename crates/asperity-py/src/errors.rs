@@ -67,7 +67,10 @@ pub(crate) fn with_message(error: &(dyn Error + 'static), message: String) -> Py
     if let Some(StudyFileError { in_data: true, .. }) = error.downcast_ref() {
         return defined::FormatError::new_err(message);
     }
-    if let Some(StoreError::Io { source, .. }) = error.downcast_ref() {
+    if let Some(StudyError::Blocks(error)) = error.downcast_ref() {
+        return with_message(error, message);
+    }
+    if let Some(StoreError::Io { source, .. } | StoreError::Input { source, .. }) = error.downcast_ref() {
         return PyOSError::new_err((source.raw_os_error(), message));
     }
     match kind(error) {

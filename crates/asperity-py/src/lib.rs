@@ -9,6 +9,7 @@ mod contact;
 mod convert;
 mod errors;
 mod long;
+mod parts;
 mod pool;
 mod process;
 mod random_surface;
@@ -26,6 +27,8 @@ mod _core {
     use crate::chaos::{Expansion, design};
     #[pymodule_export]
     use crate::contact::solve_contact;
+    #[pymodule_export]
+    use crate::parts::{merge_parts, study_part};
     #[pymodule_export]
     use crate::process::{fit_friction_record, friction_process, simulate_friction};
     #[pymodule_export]

@@ -17,7 +17,7 @@ use crate::process::dictionary;
 use crate::resources::require_memory;
 
 /// A study and where it comes from.
-struct Source {
+pub(crate) struct Source {
     text: String,
     /// Its file; `None` for a dictionary.
     file: Option<PathBuf>,
@@ -42,7 +42,7 @@ impl Source {
     }
 
     /// Returns the folder to which the paths in the study are relative.
-    fn folder(&self) -> PathBuf {
+    pub(crate) fn folder(&self) -> PathBuf {
         let parent = self.file.as_deref().and_then(Path::parent);
         parent.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_path_buf()
     }
@@ -59,7 +59,7 @@ impl Source {
     }
 
     /// Returns the exception of a failed run, with the line of the file that caused it.
-    fn exception(&self, error: &StudyError) -> PyErr {
+    pub(crate) fn exception(&self, error: &StudyError) -> PyErr {
         let message = match (error, error.line_in(&self.text).filter(|_| self.file.is_some())) {
             // The error of a scan already names its file.
             (StudyError::Scan(_) | StudyError::Map { .. }, _) => error.to_string(),
@@ -89,6 +89,18 @@ fn optional_seed(seed: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
     if seed.is_none() { Ok(None) } else { whole(seed).map(Some) }
 }
 
+/// Returns a study with its source, and the stage that is asked for.
+pub(crate) fn chosen(
+    study: &Bound<'_, PyAny>,
+    only: Option<&str>,
+    seed: Option<u64>,
+) -> PyResult<(Source, Study, Option<Stage>)> {
+    let source = Source::new(study)?;
+    let only = only.map(|only| Stage::from_name(only).raise()).transpose()?;
+    let study = source.parse()?;
+    Ok((source, if let Some(seed) = seed { study.with_seed(seed) } else { study }, only))
+}
+
 /// Runs a study, the path of a file or a dictionary. Returns results, tables and fields; with `out` also writes the run
 /// folder.
 #[pyfunction]
@@ -101,10 +113,7 @@ pub(crate) fn run_study<'py>(
     progress: Option<Bound<'py, PyAny>>,
     out: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let source = Source::new(study)?;
-    let only = only.map(|only| Stage::from_name(only).raise()).transpose()?;
-    let study = source.parse()?;
-    let study = if let Some(seed) = seed { study.with_seed(seed) } else { study };
+    let (source, study, only) = chosen(study, only, seed)?;
     let outcome = long::run(py, progress.as_ref(), move |monitor| {
         let folder = source.folder();
         let scan_points = study.scan_points(&folder).map_err(|error| source.exception(&error))?;
@@ -131,7 +140,7 @@ pub(crate) fn run_study<'py>(
     answer(py, outcome)
 }
 
-fn answer(py: Python<'_>, outcome: Outcome) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn answer(py: Python<'_>, outcome: Outcome) -> PyResult<Bound<'_, PyDict>> {
     let (tables, fields) = (PyDict::new(py), PyDict::new(py));
     for (name, table) in outcome.tables {
         let columns = PyDict::new(py);

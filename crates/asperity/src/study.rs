@@ -43,7 +43,7 @@ use asperity_base::sentence;
 
 pub use blocks::{
     BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, elementary_functions,
-    program_difference, sha256,
+    instruction_sets, program_difference, sha256,
 };
 pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
 pub use check::{InvalidValue, Study};

@@ -88,7 +88,12 @@ impl Computation {
 
     /// Reads a campaign file and the study that its members vary.
     pub(super) fn campaign(file: &Path, seed: Option<u64>) -> Result<Self, Failure> {
-        let (path, text) = study_file::read(file, |text, _| Campaign::study_path(text, file))?;
+        let study_path = study_file::read(file, |text, _| Campaign::study_path(text, file));
+        let (path, text) =
+            study_path.map_err(|failure| match study_file::has_any(file, &["surface", "vibration"]) {
+                true => Failure::usage(format_args!("{0} is a study: `asperity run {0}` computes it", file.display())),
+                false => failure,
+            })?;
         let parse = |study: &str, _: &str| Campaign::parse(&text, file, study, seed);
         let (campaign, _) = study_file::read(&study_file::folder_of(file).join(path), parse)?;
         Ok(Self::new(file, text, Work::Campaign(Box::new(campaign))))

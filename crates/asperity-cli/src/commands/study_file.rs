@@ -25,17 +25,17 @@ pub(super) fn read<T>(
 
 /// Reads a study, with another seed if one is given; returns also its text.
 pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<(Study, String), Failure> {
-    let (study, text) = read(path, Study::parse).map_err(|failure| match is_campaign(path) {
+    let (study, text) = read(path, Study::parse).map_err(|failure| match has_any(path, &["study"]) {
         true => Failure::usage(format_args!("{0} is a campaign: `asperity campaign {0}` computes it", path.display())),
         false => failure,
     })?;
     Ok((if let Some(seed) = seed { study.with_seed(seed) } else { study }, text))
 }
 
-/// Returns whether a file names the study of a campaign.
-fn is_campaign(path: &Path) -> bool {
+/// Returns whether a TOML file has one of the keys, of which campaigns have `study` and studies have sections.
+pub(super) fn has_any(path: &Path, keys: &[&str]) -> bool {
     let table = fs::read_to_string(path).ok().and_then(|text| text.parse::<toml::Table>().ok());
-    table.is_some_and(|table| table.contains_key("study"))
+    table.is_some_and(|table| keys.iter().any(|key| table.contains_key(*key)))
 }
 
 /// Returns the folder of a file; the paths in the file are relative to it.

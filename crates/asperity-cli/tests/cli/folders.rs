@@ -361,7 +361,7 @@ fn a_full_or_read_only_disk_gives_one_message_in_plain_words() {
         refuses("size=64k,ro", "", line, &["disk/map.npy", "read-only"]);
     }
     refuses("size=256k", "", "run study.toml --out disk/out", &["the run needs about", "are free for disk/out"]);
-    refuses("size=256k", "", "surface generate spec.toml --count 1000 --out disk/out", &["needs about 6 MB"]);
+    refuses("size=256k", "", "surface generate spec.toml --count 1000 --out disk/out", &["needs about 6.1 MB"]);
     // A disk that is full from the start, and one that fills up: the files of small maps are larger than their heights.
     let filled = "head -c 1000000 /dev/zero > disk/filler 2> /dev/null;";
     let full = |line: &str| {

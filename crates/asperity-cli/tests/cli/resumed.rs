@@ -85,6 +85,7 @@ fn a_finished_folder_is_no_result_of_other_scans() {
     run_in(at, "run one.toml --out campaigns/lots --resume").refuses(2, &["another study"]);
     run_in(at, "campaign lots.toml --out runs/two --resume").refuses(2, &["another campaign"]);
     run_in(at, "run lots.toml").refuses(2, &["lots.toml is a campaign"]);
+    run_in(at, "campaign two.toml").refuses(2, &["two.toml is a study"]);
 }
 
 #[test]

@@ -208,6 +208,7 @@ impl StudyError {
             | Self::Map { .. }
             | Self::Heights(_)
             | Self::NoInterval { .. }
+            | Self::Blocks(StoreError::Input { .. })
             | Self::FrictionProcess { .. } => FailureKind::Input,
             Self::Cancelled(_)
             | Self::Pressure(PressureError::Cancelled(_))

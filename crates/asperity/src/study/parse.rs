@@ -133,6 +133,8 @@ fn wrong_type(message: &str) -> Option<String> {
         "a boolean" => "true or false",
         "a sequence" => "a list",
         "a map" => "a table",
+        // Names of types mean nothing to the reader.
+        section if section.starts_with("struct ") => "a table",
         expected => expected,
     };
     // "integer `7`", "string \"640 s\"", "integer `99999999999999999999` as i128".

@@ -153,6 +153,6 @@ mod tests {
         let wanted = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(found.inputs["abc.txt"], wanted);
         assert_eq!(found.inputs[&file.display().to_string()], wanted);
-        assert!(matches!(provenance("abc", 1, &[folder.path().join("gone")]), Err(StoreError::Io { .. })));
+        assert!(matches!(provenance("abc", 1, &[folder.path().join("gone")]), Err(StoreError::Input { .. })));
     }
 }

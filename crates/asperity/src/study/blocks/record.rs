@@ -84,6 +84,26 @@ pub fn elementary_functions() -> String {
     super::sha256(&bytes)
 }
 
+/// Returns the instruction sets on which the last bits of results may depend.
+pub fn instruction_sets() -> Vec<String> {
+    let mut found = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    for (name, present) in [
+        ("sse4.1", std::is_x86_feature_detected!("sse4.1")),
+        ("avx", std::is_x86_feature_detected!("avx")),
+        ("avx2", std::is_x86_feature_detected!("avx2")),
+        ("fma", std::is_x86_feature_detected!("fma")),
+        ("avx512f", std::is_x86_feature_detected!("avx512f")),
+    ] {
+        if present {
+            found.push(name.to_owned());
+        }
+    }
+    #[cfg(target_arch = "aarch64")]
+    found.push("neon".to_owned());
+    found
+}
+
 impl RunRecord {
     /// Returns what differs from another part of the same run.
     pub fn difference(&self, other: &Self) -> Option<&'static str> {

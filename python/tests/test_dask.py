@@ -1,0 +1,98 @@
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import asperity
+from support import ROOT
+
+distributed = pytest.importorskip("distributed")
+
+STUDY = {
+    "seed": 5,
+    "surface": {
+        "covariance": "exponential",
+        "marginal": "normal",
+        "rms_height": "1 um",
+        "correlation_length": "20 um",
+    },
+    "material": {"youngs_modulus": "210 GPa", "hardness": "2 GPa"},
+    "pressure": {
+        "size": ["100 um", "100 um"],
+        "points": [48, 48],
+        "percentile": 50.0,
+        "fine_solves": 100,
+        "reference_samples": 400,
+        "variables": 4,
+        "degree": 2,
+    },
+}
+
+
+def same(found, wanted):
+    assert found.to_dict() == wanted.to_dict()
+    for name, table in wanted.tables.items():
+        for column, values in table.items():
+            np.testing.assert_array_equal(found.tables[name][column], values)
+    for name, field in wanted.fields.items():
+        np.testing.assert_array_equal(found.fields[name].values, field.values)
+
+
+@pytest.fixture(scope="module")
+def wanted():
+    return asperity.run_study(STUDY, progress=False)
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("workers", [1, 3])
+def test_a_cluster_gives_the_bits_of_one_machine(workers, wanted):
+    from asperity import dask
+
+    with (
+        distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        same(dask.run(STUDY, client), wanted)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_lost_worker_costs_only_time(wanted):
+    from asperity import dask
+
+    with (
+        distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        lost = []
+
+        def kill():
+            while not lost:
+                busy = [address for address, tasks in client.processing().items() if tasks]
+                if busy:
+                    lost.append(client.scheduler_info(n_workers=-1)["workers"][busy[0]]["nanny"])
+                    os.kill(client.run(os.getpid)[busy[0]], signal.SIGKILL)
+                time.sleep(0.01)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        found = dask.run(STUDY, client)
+        killer.join()
+        assert lost
+        same(found, wanted)
+
+
+@pytest.mark.filterwarnings("default")
+def test_errors_reach_the_client(tmp_path):
+    from asperity import dask
+
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        with pytest.raises(FileNotFoundError, match=r"gone\.npy"):
+            dask.run({"seed": 1, "surface": {"file": str(tmp_path / "gone.npy")}}, client)
+        found = dask.run(ROOT / "studies" / "paper.toml", client, only="surface")
+        assert found.surface is not None
