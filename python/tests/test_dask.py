@@ -66,20 +66,24 @@ def test_a_lost_worker_costs_only_time(wanted):
         distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        lost = []
+        lost, ended = [], threading.Event()
+        pids = client.run(os.getpid)
 
         def kill():
-            while not lost:
+            while not lost and not ended.is_set():
                 busy = [address for address, tasks in client.processing().items() if tasks]
                 if busy:
-                    lost.append(client.scheduler_info(n_workers=-1)["workers"][busy[0]]["nanny"])
-                    os.kill(client.run(os.getpid)[busy[0]], signal.SIGKILL)
+                    lost.append(busy[0])
+                    os.kill(pids[busy[0]], signal.SIGKILL)
                 time.sleep(0.01)
 
         killer = threading.Thread(target=kill)
         killer.start()
-        found = dask.run(STUDY, client)
-        killer.join()
+        try:
+            found = dask.run(STUDY, client)
+        finally:
+            ended.set()
+            killer.join()
         assert lost
         same(found, wanted)
 
