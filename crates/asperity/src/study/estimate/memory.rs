@@ -31,7 +31,7 @@ const CELL_BYTES: f64 = 330.0;
 /// Most bytes of the pressures that the Monte Carlo samples keep, in single precision.
 const MOST_FIELD_BYTES: f64 = 536_870_912.0;
 /// Bytes per normal variable of the generator of strips.
-const GENERATOR_BYTES: f64 = 67.0;
+const GENERATOR_BYTES: f64 = 74.0;
 /// Bytes per point of a strip that all threads share.
 const RECORDS_BYTES: f64 = 80.0;
 /// Bytes per point of a strip's normal variables, heights and window sums.
