@@ -39,7 +39,7 @@ from asperity.vibration import (
 )
 
 if TYPE_CHECKING:
-    from asperity.study import pressure_distribution, run_study, verdict
+    from asperity.study import pressure_distribution, run_campaign, run_study, verdict
 
 __all__ = [
     "ContactSolution",
@@ -70,6 +70,7 @@ __all__ = [
     "friction_process",
     "limit_cycle",
     "pressure_distribution",
+    "run_campaign",
     "run_study",
     "solve_contact",
     "stability_map",
@@ -79,7 +80,7 @@ __all__ = [
 __version__ = version("asperity")
 
 # Modules that take long to load, by the names that they define.
-_LAZY = {name: "study" for name in ("pressure_distribution", "run_study", "verdict")}
+_LAZY = {name: "study" for name in ("pressure_distribution", "run_campaign", "run_study", "verdict")}
 
 
 def __getattr__(name: str) -> Any:

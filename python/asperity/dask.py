@@ -1,24 +1,27 @@
-"""Studies on a Dask cluster."""
+"""Studies and campaigns on a Dask cluster."""
 
 from __future__ import annotations
 
 import io
+import math
 import os
 import pathlib
 import tempfile
+import time
 import zipfile
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from asperity import _core
-from asperity.study import StudyResults, collect
+from asperity.results import CampaignResults
+from asperity.study import StudyResults, collect, request
 
 if TYPE_CHECKING:
     from distributed import Client
 
 _BLOCKS = ".asperity-blocks"
-# Fewer new blocks per part are not worth another pass over the study.
-_FEWEST = 4
+# After a pass that took less, the rest is not worth another one.
+_SHORT_S = 2.0
 
 
 def _packed(folder: pathlib.Path) -> bytes:
@@ -36,13 +39,22 @@ def _unpack(archive: bytes, folder: pathlib.Path) -> None:
         files.extractall(folder / _BLOCKS)
 
 
-def _part(source: Any, only: str | None, seed: int | None, part: tuple[int, int], known: bytes) -> bytes:
-    """Compute a part on a worker and return its blocks; `known` holds those of earlier passes."""
+def _part(
+    asked: dict[str, Any], program: dict[str, Any], part: tuple[int, int], known: bytes | None, storage: str | None
+) -> bytes | None:
+    """Compute a part on a worker; return its blocks, or leave them in `storage`. `known` are those of earlier passes."""
+    if _core.module_program(_core.__file__) != program:
+        raise RuntimeError("a worker has another build of asperity, or another processor, than the client")
+    asked = asked | {"library": _core.__file__}
+    name = f"part-{part[0]}"
+    if storage is not None:
+        _core.study_part(asked, part, os.path.join(storage, name))
+        return None
     with tempfile.TemporaryDirectory() as folder:
-        own = pathlib.Path(folder, "part")
-        _unpack(known, pathlib.Path(folder))
-        _core.study_part(source, only, seed, part, os.fspath(own), _core.__file__)
-        return _packed(own)
+        if known is not None:
+            _unpack(known, pathlib.Path(folder))
+        _core.study_part(asked, part, os.path.join(folder, name))
+        return _packed(pathlib.Path(folder, name))
 
 
 def run(
@@ -52,49 +64,56 @@ def run(
     only: Literal["surface", "pressure", "friction", "vibration", "verdict"] | None = None,
     seed: int | None = None,
     parts: int | None = None,
-) -> StudyResults:
-    """Run a study on the workers of a Dask cluster. The results are those of one machine, to the last bit.
+    storage: str | os.PathLike[str] | None = None,
+) -> StudyResults | CampaignResults:
+    """Run a study or a campaign on the workers of a Dask cluster. The results are those of one machine, to the last bit.
 
-    Each task computes a part of the blocks that can be computed: contact solutions, strips, batches of trajectories.
-    The client joins them, and the next tasks compute the loops that need them, until too little is left to share; the
-    rest is computed by the client. A task whose worker is lost runs again on another one. Dask's dashboard shows the
-    tasks. The blocks travel as bytes; scans are read by every worker, from paths that it must see.
+    Each task computes a part of the blocks that can be computed: members of a campaign, contact solutions, strips,
+    batches of trajectories. The client joins them, and the next tasks compute the loops that need them, until too
+    little is left to share; the rest is computed by the client. A task whose worker is lost runs again on another one.
+    Dask's dashboard shows the tasks. Scans are read by every worker, from paths that it must see.
 
     Parameters
     ----------
-    study, only, seed
-        See `asperity.run_study`.
+    study
+        Study or campaign file, or a study as a dictionary.
     client
-        Client of the cluster. Workers have the same version of asperity and processors with the same instruction sets.
+        Client of the cluster. Workers have the same build of asperity and processors with the same instruction sets.
+    only, seed
+        See `asperity.run_study`.
     parts
         Number of tasks of a pass; four per worker by default.
+    storage
+        Folder that client and workers see, for finished blocks: a run that was interrupted goes on from them. Without
+        it blocks travel as bytes.
 
     Raises
     ------
     RuntimeError
-        A worker has another version of asperity, or a processor with other instruction sets.
+        A worker has another build of asperity, or a processor with other instruction sets.
     """
-    source: Any = dict(study) if isinstance(study, Mapping) else os.path.abspath(study)
+    asked = request(study if isinstance(study, Mapping) else os.path.abspath(study), only, seed)
+    program = _core.module_program(_core.__file__)
     count = parts or 4 * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
-    with tempfile.TemporaryDirectory() as folder:
-        target, before = pathlib.Path(folder, "run"), -1
-        blocks: list[bytes] = []
+    shared = None if storage is None else os.path.abspath(storage)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary if shared is None else shared)
+        folder.mkdir(parents=True, exist_ok=True)
+        target, before, took_s = os.fspath(folder / "run"), -1, math.inf
         while True:
-            names = [pathlib.Path(folder, f"part-{number}") for number in range(len(blocks))]
-            for name, archive in zip(names, blocks, strict=True):
-                _unpack(archive, name)
-            paths = [os.fspath(name) for name in names]
-            found, done = _core.merge_parts(source, only, seed, paths, os.fspath(target), False, _core.__file__)
-            if found is None and blocks and done - before < _FEWEST * count:
-                if done == before:
-                    raise RuntimeError("the workers have another build of asperity or other processors than the client")
-                found, _ = _core.merge_parts(source, only, seed, [], os.fspath(target), True, _core.__file__)
+            paths = [os.fspath(path) for path in sorted(folder.glob("part-*")) if (path / _BLOCKS).exists()]
+            found, done = _core.merge_parts(asked, paths, target, False)
+            if found is None and (done == before or took_s < _SHORT_S):
+                found, _ = _core.merge_parts(asked, [], target, True)
             if found is not None:
                 return collect(found)
-            before = done
-            known = client.scatter(_packed(pathlib.Path(folder)), broadcast=True)
+            before, start = done, time.monotonic()
+            known = None if shared else client.scatter(_packed(folder), broadcast=True)
             tasks = [
-                client.submit(_part, source, only, seed, (number, count), known, pure=False)
+                client.submit(_part, asked, program, (number, count), known, shared, pure=False)
                 for number in range(1, count + 1)
             ]
-            blocks = client.gather(tasks)
+            for number, blocks in enumerate(client.gather(tasks), start=1):
+                if blocks is not None:
+                    _unpack(blocks, folder / f"part-{number}")
+            took_s = time.monotonic() - start

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from asperity import _core
 from asperity._progress import Progress, callback
 from asperity.friction import FrictionProcess
-from asperity.results import PressureResult, Results, VerdictResult
+from asperity.results import CampaignResults, PressureResult, Results, VerdictResult
 from asperity.surface import field_to_xarray
 
 if TYPE_CHECKING:
@@ -88,7 +88,8 @@ def run_study(
         True shows progress on a terminal or in a notebook. A function is called with the task, the number of blocks
         done and the number of all blocks.
     out
-        Folder to write, with tables, figures and a report; it must not exist.
+        Folder to write, with tables, figures and a report; it must not exist. An interrupted run goes on from its
+        finished blocks when it is run again with the same folder.
 
     Raises
     ------
@@ -107,12 +108,51 @@ def run_study(
     >>> found.surface.covariance.std_m
     1e-06
     """
-    source = dict(study) if isinstance(study, Mapping) else os.fspath(study)
-    return collect(_core.run_study(source, only, seed, callback(progress), None if out is None else os.fspath(out)))
+    found = _core.compute(request(study, only, seed), False, callback(progress), None if out is None else os.fspath(out))
+    results = collect(found)
+    assert isinstance(results, StudyResults)
+    return results
 
 
-def collect(found: Mapping[str, Any]) -> StudyResults:
-    """Return the results of a run from the parts that the compiled module returns."""
+def run_campaign(
+    campaign: str | os.PathLike[str],
+    *,
+    seed: int | None = None,
+    progress: Progress = True,
+    out: str | os.PathLike[str] | None = None,
+) -> CampaignResults:
+    """Run a campaign: one study over lists, grids and samples of its values, and over scans.
+
+    Parameters
+    ----------
+    campaign
+        Campaign file.
+    seed, progress, out
+        See `run_study`.
+
+    Raises
+    ------
+    ValueError
+        A key or value of the campaign or of its study is wrong.
+    ResourceError
+        A member needs more memory than is free.
+    """
+    found = _core.compute(request(campaign, None, seed), True, callback(progress), None if out is None else os.fspath(out))
+    results = collect(found)
+    assert isinstance(results, CampaignResults)
+    return results
+
+
+def request(source: str | os.PathLike[str] | Mapping[str, Any], only: str | None, seed: int | None) -> dict[str, Any]:
+    """Return what the compiled module is asked for."""
+    given: Any = dict(source) if isinstance(source, Mapping) else os.fspath(source)
+    return {"source": given, "only": only, "seed": seed, "library": _core.__file__}
+
+
+def collect(found: Mapping[str, Any]) -> StudyResults | CampaignResults:
+    """Return the results from the parts that the compiled module returns."""
+    if "campaign" in found:
+        return CampaignResults.from_dict(found["campaign"])
     results = StudyResults.from_dict(found["results"])
     tables = {name: Table(columns) for name, columns in found["tables"].items()}
     fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}

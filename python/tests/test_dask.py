@@ -32,6 +32,22 @@ STUDY = {
 }
 
 
+MACHINE = """
+seed = 1
+[vibration]
+natural_frequency = "316 rad/s"
+mass = "1 kg"
+normal_force = "2.5 kN"
+nominal_area = "833 mm^2"
+dimensionless_belt_velocity = 0.1
+damping_ratio = 0.1
+stribeck = 4.2
+static_friction = 0.2
+friction_std = 0
+[verdict]
+"""
+
+
 def same(found, wanted):
     assert found.to_dict() == wanted.to_dict()
     for name, table in wanted.tables.items():
@@ -100,3 +116,39 @@ def test_errors_reach_the_client(tmp_path):
             dask.run({"seed": 1, "surface": {"file": str(tmp_path / "gone.npy")}}, client)
         found = dask.run(ROOT / "studies" / "paper.toml", client, only="surface")
         assert found.surface is not None
+
+
+def test_a_worker_with_another_build_is_refused():
+    from asperity import dask, study
+
+    asked = study.request(STUDY, None, None)
+    with pytest.raises(RuntimeError, match="another build of asperity"):
+        dask._part(asked, {"sha256": "0"}, (1, 1), None, None)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path):
+    from asperity import dask
+
+    (tmp_path / "study.toml").write_text(MACHINE)
+    campaign = tmp_path / "campaign.toml"
+    campaign.write_text('study = "study.toml"\n[values]\nvibration.damping_ratio = [0.05, 0.1, 0.2, 0.3, 0.4]\n')
+    wanted = asperity.run_campaign(campaign, progress=False)
+    assert [member.answers.vibrates for member in wanted.members] == [True, True, True, False, False]
+    storage = tmp_path / "blocks"
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        found = dask.run(campaign, client, storage=storage)
+        assert found.to_dict() == wanted.to_dict()
+        parts = sorted(path.name for path in storage.glob("part-*"))
+        assert len(parts) == 8
+        # What is stored is not computed again: no task is needed.
+        client.close()
+        assert dask.run(campaign, _NoTasks(), storage=storage).to_dict() == wanted.to_dict()
+
+
+class _NoTasks:
+    def scheduler_info(self, **_):
+        return {"workers": {}}

@@ -73,6 +73,39 @@ def test_a_run_folder_has_the_results_and_is_never_replaced(program, tmp_path):
         asperity.run_study(MACHINE, out=tmp_path / "run")
 
 
+def test_an_interrupted_run_goes_on_from_its_blocks(program, tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY)
+    out = tmp_path / "run"
+
+    def interrupt(task, done, total):
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        asperity.run_study(file, progress=interrupt, out=out)
+    assert not out.exists()
+    assert list(tmp_path.glob(".asperity-blocks/*"))
+    expected = asperity.run_study(file, progress=False)
+    assert asperity.run_study(file, progress=False, out=out) == expected
+    provenance = json.loads((out / "provenance.json").read_text())
+    assert provenance["started_unix_s"] > 0
+    assert len(provenance["program"]["sha256"]) == len(provenance["inputs"]["study.toml"]) == 64
+
+
+def test_a_campaign_equals_that_of_the_command_line(program, tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY)
+    file = tmp_path / "campaign.toml"
+    file.write_text('study = "study.toml"\n[values]\nmaterial.hardness = ["2 GPa", "3 GPa"]\n')
+    expected = program("campaign", file, "--out", tmp_path / "campaign", "--quiet")
+    found = asperity.run_campaign(file, progress=False, out=tmp_path / "own")
+    assert found.to_dict() == expected
+    assert (tmp_path / "own" / "members.csv").read_text() == (tmp_path / "campaign" / "members.csv").read_text()
+    with pytest.raises(ValueError, match=r"found a campaign; asperity\.run_campaign"):
+        asperity.run_study(file)
+    with pytest.raises(ValueError, match=r"found a study; asperity\.run_study"):
+        asperity.run_campaign(tmp_path / "study.toml")
+
+
 def test_results_are_tables_of_pandas_and_html():
     pytest.importorskip("pandas")
     found = asperity.run_study(MACHINE)

@@ -26,6 +26,7 @@ mod scrambled_sobol;
 use rand::Rng;
 use thiserror::Error;
 
+use asperity_base::choice;
 use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::random::{Stream, stream};
 use maximin::{MAX_SAMPLES, maximin_strata};
@@ -35,24 +36,25 @@ use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 /// Largest number of variables whose permutations are kept; others are made anew for each point.
 const KEPT_PERMUTATIONS: usize = 64;
 
-/// Placement of the points of a design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SamplingMethod {
-    /// Independent points.
-    MonteCarlo,
-    /// One point in each of n strata of every coordinate, paired at random.
-    ///
-    /// # References
-    /// McKay, Beckman & Conover, *Technometrics* **21** (1979) 239, <https://doi.org/10.1080/00401706.1979.10489755>.
-    LatinHypercube,
-    /// Latin hypercube with a large minimum distance between points; see [`maximin`](self#maximin-latin-hypercubes). At
-    /// most 2,000 samples.
-    ///
-    /// # References
-    /// Morris & Mitchell, *J. Stat. Plan. Inference* **43** (1995) 381, <https://doi.org/10.1016/0378-3758(94)00035-T>.
-    MaximinLatinHypercube,
-    /// Sobol' points with Owen's nested uniform scrambling; at most 1,867 coordinates.
-    Sobol,
+choice! {
+    /// Placement of the points of a design.
+    pub enum SamplingMethod: "sampler" {
+        /// Independent points.
+        MonteCarlo = "monte_carlo",
+        /// One point in each of n strata of every coordinate, paired at random.
+        ///
+        /// # References
+        /// McKay, Beckman & Conover, *Technometrics* **21** (1979) 239, <https://doi.org/10.1080/00401706.1979.10489755>.
+        LatinHypercube = "latin_hypercube",
+        /// Latin hypercube with a large minimum distance between points; see [`maximin`](self#maximin-latin-hypercubes). At
+        /// most 2,000 samples.
+        ///
+        /// # References
+        /// Morris & Mitchell, *J. Stat. Plan. Inference* **43** (1995) 381, <https://doi.org/10.1016/0378-3758(94)00035-T>.
+        MaximinLatinHypercube = "maximin_latin_hypercube",
+        /// Sobol' points with Owen's nested uniform scrambling; at most 1,867 coordinates.
+        Sobol = "sobol",
+    }
 }
 
 /// Reason why a design could not be created.

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 
 use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::result::StageCost;
+use asperity::study::{forget_peak_memory, peak_memory_bytes};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::failure::{Failure, Kind};
 use crate::output::{print_message, record_warning};
-use crate::resources::{forget_peak_memory, peak_memory_bytes};
 
 /// Time between two progress lines if stderr is no terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use asperity::study::folder_of;
 use asperity_formats::check_writable;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -315,13 +316,6 @@ pub(crate) fn write_failure(path: &Path, error: &io::Error) -> Failure {
         return Failure::new(Kind::Resources, format!("{what}: nothing can be created in this folder"));
     }
     Failure::io(Kind::Runtime, what, error)
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 #[cfg(test)]

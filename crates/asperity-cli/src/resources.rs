@@ -1,7 +1,8 @@
 //! Checks of free memory and disk space before a computation starts.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+
+use asperity::study::free_memory_bytes;
 
 use crate::failure::{Failure, Kind};
 
@@ -16,8 +17,7 @@ pub(crate) fn limit_memory(bytes: f64, what: &str, most: f64) -> Result<(), Fail
 
 /// Fails if `bytes` exceed the free memory. Systems that do not report it pass.
 pub(crate) fn require_memory(bytes: f64, what: &str) -> Result<(), Failure> {
-    let free = fs::read_to_string("/proc/meminfo").ok().and_then(|text| available_bytes(&text));
-    match free {
+    match free_memory_bytes() {
         Some(free) if bytes > free => Err(Failure::new(
             Kind::Resources,
             format!("{what} needs about {}; {} of memory are free", shown(bytes), shown(free)),
@@ -51,28 +51,6 @@ fn free_disk_bytes(_path: &Path) -> Option<f64> {
     None
 }
 
-/// Returns the largest resident memory of the program since the last [`forget_peak_memory`], where the system reports it.
-pub(crate) fn peak_memory_bytes() -> Option<f64> {
-    kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
-}
-
-/// Starts to measure the peak of memory anew, where the system can.
-pub(crate) fn forget_peak_memory() {
-    // Elsewhere the peak is that since the start.
-    let _ = fs::write("/proc/self/clear_refs", "5");
-}
-
-fn available_bytes(meminfo: &str) -> Option<f64> {
-    kibibytes(meminfo, "MemAvailable:")
-}
-
-/// Returns the bytes of an entry in a list of the system.
-fn kibibytes(list: &str, name: &str) -> Option<f64> {
-    let line = list.lines().find(|line| line.starts_with(name))?;
-    let kibibytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kibibytes * 1024.0)
-}
-
 fn shown(bytes: f64) -> String {
     let [number, unit] = match bytes {
         bytes if bytes < 1e6 => [format!("{:.0}", bytes * 1e-3), "kB".into()],
@@ -89,9 +67,6 @@ mod tests {
 
     #[test]
     fn more_than_the_free_memory_or_disk_is_refused() {
-        let meminfo = "MemTotal:       16000000 kB\nMemFree:  1 kB\nMemAvailable:    8000000 kB\n";
-        assert_eq!(available_bytes(meminfo), Some(8_192_000_000.0));
-        assert_eq!(available_bytes("nothing"), None);
         assert!(require_memory(1e3, "a test").is_ok() && limit_memory(1e3, "a test", 1e3).is_ok());
         assert_eq!(limit_memory(1e3, "a test", 999.0).unwrap_err().kind(), Kind::Resources);
         assert!(require_disk(1.0, Path::new("no/such/folder"), "a test").is_ok());

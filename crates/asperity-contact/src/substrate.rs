@@ -20,7 +20,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{ContactError, Elastic};
+use crate::{Boundary, ContactError, Control, Elastic};
 use asperity_base::map::Grid;
 
 mod point_load;
@@ -104,6 +104,14 @@ impl Substrate {
     pub fn usual_mean_compliance_m_per_pa(&self, grid: Grid) -> f64 {
         let longest_m = grid.width_m().max(grid.height_m());
         self.mean_compliance_m_per_pa().unwrap_or_else(|| self.compliance_m_per_pa(TAU / longest_m))
+    }
+
+    /// Returns the periodic boundary with a mean compliance in m/Pa, by default the usual one where `control` prescribes the place of the
+    /// plane. Otherwise it changes the displacement of the plane alone, and is zero by default.
+    pub fn periodic(&self, grid: Grid, control: Control, mean_compliance_m_per_pa: Option<f64>) -> Boundary {
+        let usual = || self.usual_mean_compliance_m_per_pa(grid);
+        let default = || if control.prescribes_plane() { usual() } else { 0.0 };
+        Boundary::Periodic { mean_compliance_m_per_pa: mean_compliance_m_per_pa.unwrap_or_else(default) }
     }
 
     /// Returns 1/C(q) in Pa/m for q > 0.

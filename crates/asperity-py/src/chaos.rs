@@ -1,5 +1,6 @@
 //! Designs of experiments and polynomial chaos expansions.
 
+use asperity::choice::Choice;
 use asperity::chaos::{self, Basis, Candidates, Design, SamplingMethod, SparseRegression};
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -22,17 +23,7 @@ pub(crate) fn design<'py>(
     #[pyo3(from_py_with = whole)] samples: usize,
     #[pyo3(from_py_with = whole)] variables: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let method = match method {
-        "monte_carlo" => SamplingMethod::MonteCarlo,
-        "latin_hypercube" => SamplingMethod::LatinHypercube,
-        "maximin_latin_hypercube" => SamplingMethod::MaximinLatinHypercube,
-        "sobol" => SamplingMethod::Sobol,
-        other => {
-            return Err(value_error(format_args!(
-                "`{other}` is no sampler; write one of monte_carlo, latin_hypercube, maximin_latin_hypercube, sobol"
-            )));
-        }
-    };
+    let method = SamplingMethod::from_name(method).raise()?;
     let xi = long::run(py, None, move |_| {
         let design = Design::new(method, seed, STAGE, samples, variables).raise()?;
         let mut xi = Array2::zeros((samples, variables));

@@ -68,11 +68,7 @@ impl Settings {
             (BoundaryKind::Free, Some(_)) => {
                 Err(value_error("mean_compliance_m_per_pa requires boundary=\"periodic\"; a free surface has its own"))
             }
-            (BoundaryKind::Periodic, given) => {
-                let usual = || substrate.usual_mean_compliance_m_per_pa(grid);
-                let default = || if control.prescribes_plane() { usual() } else { 0.0 };
-                Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.unwrap_or_else(default) })
-            }
+            (BoundaryKind::Periodic, given) => Ok(substrate.periodic(grid, control, given)),
         }
     }
 }

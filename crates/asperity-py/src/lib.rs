@@ -28,13 +28,13 @@ mod _core {
     #[pymodule_export]
     use crate::contact::solve_contact;
     #[pymodule_export]
-    use crate::parts::{merge_parts, study_part};
+    use crate::parts::{merge_parts, module_program, study_part};
     #[pymodule_export]
     use crate::process::{fit_friction_record, friction_process, simulate_friction};
     #[pymodule_export]
     use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]
-    use crate::study::{results_schema, run_study};
+    use crate::study::{compute, results_schema};
     #[pymodule_export]
     use crate::surface::{acf, height_map, level, psd, read_map, statistics};
     #[pymodule_export]

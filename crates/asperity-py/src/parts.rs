@@ -1,55 +1,45 @@
-//! Parts of a study on several machines: blocks that a worker computes, and the run of all parts.
+//! Parts of a study or a campaign on several machines: blocks that a worker computes, and the results of all parts.
 
 use std::path::{Path, PathBuf};
 
-use asperity::study::result::Program;
-use asperity::study::{
-    RunBlocks, RunRecord, Share, Stage, Study, StudyError, elementary_functions, file_hash, instruction_sets,
-};
+use asperity::study::{Computation, RunBlocks, RunRecord, Share, StudyError, program};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::convert::to_python;
 use crate::errors::Raise;
 use crate::long;
-use crate::study::{answer, chosen};
+use crate::study::{Request, answer, failed};
 
-/// Returns what stored blocks depend on beside the study. `library` is the file of this module.
-fn program(library: &Path) -> PyResult<Program> {
-    Ok(Program {
-        sha256: file_hash(library).raise()?,
-        dependencies_sha256: String::new(),
-        instruction_sets: instruction_sets(),
-        functions: elementary_functions(),
-    })
+fn record(computation: &Computation, library: &Path, shard: Option<[usize; 2]>) -> PyResult<RunRecord> {
+    computation.record(program(library, String::new()).raise()?, shard).raise()
 }
 
-fn record(study: &Study, only: Option<Stage>, library: &Path, shard: Option<[usize; 2]>) -> PyResult<RunRecord> {
-    Ok(RunRecord { seed: study.seed(), only, shard, program: program(library)?, ..RunRecord::default() })
+/// Returns what decides the last bits of results: the file of this module, and what it finds on this machine.
+#[pyfunction]
+pub(crate) fn module_program(py: Python<'_>, library: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+    to_python(py, &program(&library, String::new()).raise()?)
 }
 
 /// Computes a part, number and count, of the blocks that can be computed now, into a folder. Blocks in the folder above
-/// it are used. Returns whether the study is complete.
+/// it are used. Returns whether all are known.
 #[pyfunction]
-#[pyo3(signature = (study, only, seed, part, folder, library))]
 pub(crate) fn study_part(
     py: Python<'_>,
-    study: &Bound<'_, PyAny>,
-    only: Option<&str>,
-    seed: Option<u64>,
+    request: Request<'_>,
     part: (usize, usize),
     folder: PathBuf,
-    library: PathBuf,
 ) -> PyResult<bool> {
-    let (source, study, only) = chosen(study, only, seed)?;
+    let (computation, library) = (request.computation()?, request.library);
     long::run(py, None, move |monitor| {
         let (number, of) = part;
-        let record = record(&study, only, &library, Some([number, of]))?;
+        let record = record(&computation, &library, Some([number, of]))?;
         let blocks = RunBlocks::open(&folder, record, Share::Part { number, of }).raise()?;
-        let found = study.run_with(Some(&blocks), &source.folder(), only, monitor);
+        let found = computation.compute(Some(&blocks), monitor);
         blocks.flush().raise()?;
         match found {
             Err(StudyError::Incomplete) => Ok(false),
-            found => found.map(|_| true).map_err(|error| source.exception(&error)),
+            found => found.map(|_| true).map_err(|error| failed(&computation, &error)),
         }
     })
 }
@@ -57,32 +47,27 @@ pub(crate) fn study_part(
 /// Joins parts beside the folder `run` and, with `finish`, computes what is missing. Returns the results, or none if
 /// blocks are missing, and the number of finished blocks.
 #[pyfunction]
-#[pyo3(signature = (study, only, seed, parts, run, finish, library))]
-#[expect(clippy::too_many_arguments, reason = "the arguments of a Python function")]
 pub(crate) fn merge_parts<'py>(
     py: Python<'py>,
-    study: &Bound<'py, PyAny>,
-    only: Option<&str>,
-    seed: Option<u64>,
+    request: Request<'py>,
     parts: Vec<PathBuf>,
     run: PathBuf,
     finish: bool,
-    library: PathBuf,
 ) -> PyResult<(Option<Bound<'py, PyDict>>, usize)> {
-    let (source, study, only) = chosen(study, only, seed)?;
-    let (outcome, done) = long::run(py, None, move |monitor| {
+    let (computation, library) = (request.computation()?, request.library);
+    let (computed, done) = long::run(py, None, move |monitor| {
         let share = if finish { Share::All } else { Share::None };
-        let blocks = RunBlocks::open(&run, record(&study, only, &library, None)?, share).raise()?;
+        let blocks = RunBlocks::open(&run, record(&computation, &library, None)?, share).raise()?;
         for part in &parts {
             blocks.import(part).raise()?;
         }
-        let found = study.run_with(Some(&blocks), &source.folder(), only, monitor);
+        let found = computation.compute(Some(&blocks), monitor);
         blocks.flush().raise()?;
         let done = blocks.rounds().iter().map(|round| round.done).sum();
         match found {
             Err(StudyError::Incomplete) => Ok((None, done)),
-            found => found.map(|outcome| (Some(outcome), done)).map_err(|error| source.exception(&error)),
+            found => found.map(|found| (Some(found), done)).map_err(|error| failed(&computation, &error)),
         }
     })?;
-    Ok((outcome.map(|outcome| answer(py, outcome)).transpose()?, done))
+    Ok((computed.map(|found| answer(py, found)).transpose()?, done))
 }

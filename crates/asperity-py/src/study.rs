@@ -2,145 +2,147 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use asperity::choice::Choice;
-use asperity::study::result::{Machine, Outcome};
-use asperity::study::{Provenance, Stage, Staging, Study, StudyError, provenance, write_run};
+use asperity::monitor::Cancelled;
+use asperity::study::{
+    Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, Staging, Study, StudyError, Work, folder_of,
+    machine, program,
+};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{to_python, to_value, whole};
-use crate::errors::{Raise, refused, value_error, with_message};
+use crate::errors::{Raise, exception, refused, value_error, with_message};
 use crate::long;
 use crate::process::dictionary;
 use crate::resources::require_memory;
 
-/// A study and where it comes from.
-pub(crate) struct Source {
-    text: String,
-    /// Its file; `None` for a dictionary.
-    file: Option<PathBuf>,
+/// Returns the content of a file or, of a dictionary, TOML.
+fn text_of(study: &Bound<'_, PyAny>) -> PyResult<(String, Option<PathBuf>)> {
+    if study.is_instance_of::<PyDict>() {
+        let table = toml::Table::try_from(to_value(study)?).raise()?;
+        return Ok((toml::to_string(&table).raise()?, None));
+    }
+    let file: PathBuf = study.extract()?;
+    Ok((read(&file)?, Some(file)))
 }
 
-impl Source {
-    fn new(study: &Bound<'_, PyAny>) -> PyResult<Self> {
-        if study.is_instance_of::<PyDict>() {
-            let table = toml::Table::try_from(to_value(study)?).raise()?;
-            return Ok(Self { text: toml::to_string(&table).raise()?, file: None });
-        }
-        let file: PathBuf = study.extract()?;
-        let bytes = fs::read(&file).map_err(|error| refused(file.display(), &error))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| value_error(format_args!("{}: not a text file; a study is a TOML file", file.display())))?;
-        Ok(Self { text, file: Some(file) })
-    }
-
-    /// Returns the name of the study in messages.
-    fn name(&self) -> String {
-        self.file.as_ref().map_or_else(|| "study".into(), |file| file.display().to_string())
-    }
-
-    /// Returns the folder to which the paths in the study are relative.
-    pub(crate) fn folder(&self) -> PathBuf {
-        let parent = self.file.as_deref().and_then(Path::parent);
-        parent.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_path_buf()
-    }
-
-    fn parse(&self) -> PyResult<Study> {
-        Study::parse(&self.text, &self.name()).map_err(|error| match &self.file {
-            Some(_) => with_message(&error, error.to_string()),
-            // The lines of a dictionary are not those of the user.
-            None => {
-                let line = self.text.lines().nth(error.line - 1).unwrap_or_default();
-                with_message(&error, format!("study, at `{line}`: {}", error.message))
-            }
-        })
-    }
-
-    /// Returns the exception of a failed run, with the line of the file that caused it.
-    pub(crate) fn exception(&self, error: &StudyError) -> PyErr {
-        let message = match (error, error.line_in(&self.text).filter(|_| self.file.is_some())) {
-            // The error of a scan already names its file.
-            (StudyError::Scan(_) | StudyError::Map { .. }, _) => error.to_string(),
-            (_, Some(line)) => format!("{}:{line}: {error}", self.name()),
-            (_, None) => format!("{}: {error}", self.name()),
-        };
-        with_message(error, message)
-    }
-
-    /// Begins the provenance of a run.
-    fn provenance(&self, study: &Study) -> PyResult<Provenance> {
-        let name = self.file.as_deref().and_then(Path::file_stem).map_or("study".into(), |stem| stem.to_string_lossy());
-        let folder = self.folder();
-        let data = study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder));
-        let inputs: Vec<PathBuf> = self.file.iter().cloned().chain(data).collect();
-        let machine = Machine {
-            system: std::env::consts::OS.into(),
-            architecture: std::env::consts::ARCH.into(),
-            processor: None,
-            threads: rayon::current_num_threads(),
-        };
-        Ok(Provenance { machine, ..provenance(&name, study.seed(), &inputs).raise()? })
-    }
+fn read(file: &Path) -> PyResult<String> {
+    let bytes = fs::read(file).map_err(|error| refused(file.display(), &error))?;
+    String::from_utf8(bytes)
+        .map_err(|_| value_error(format_args!("{}: not a text file; a study is a TOML file", file.display())))
 }
 
 fn optional_seed(seed: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
     if seed.is_none() { Ok(None) } else { whole(seed).map(Some) }
 }
 
-/// Returns a study with its source, and the stage that is asked for.
-pub(crate) fn chosen(
-    study: &Bound<'_, PyAny>,
-    only: Option<&str>,
+/// Study or campaign that a Python program asks for.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request<'py> {
+    /// Path of a study or a campaign, or a study as a dictionary.
+    source: Bound<'py, PyAny>,
+    only: Option<String>,
+    #[pyo3(from_py_with = optional_seed)]
     seed: Option<u64>,
-) -> PyResult<(Source, Study, Option<Stage>)> {
-    let source = Source::new(study)?;
-    let only = only.map(|only| Stage::from_name(only).raise()).transpose()?;
-    let study = source.parse()?;
-    Ok((source, if let Some(seed) = seed { study.with_seed(seed) } else { study }, only))
+    /// File of this module.
+    pub(crate) library: PathBuf,
 }
 
-/// Runs a study, the path of a file or a dictionary. Returns results, tables and fields; with `out` also writes the run
-/// folder.
+impl Request<'_> {
+    /// Reads the study or the campaign and checks it.
+    pub(crate) fn computation(&self) -> PyResult<Computation> {
+        let only = self.only.as_deref().map(|only| Stage::from_name(only).raise()).transpose()?;
+        let (text, file) = text_of(&self.source)?;
+        let is_campaign = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("study"));
+        if let (true, Some(file)) = (is_campaign, &file) {
+            if only.is_some() {
+                return Err(value_error(format_args!("{} is a campaign, of which no stage can be chosen", file.display())));
+            }
+            let study = Campaign::study_path(&text, file).raise()?;
+            let campaign = Campaign::parse(&text, file, &read(&folder_of(file).join(study))?, self.seed).raise()?;
+            return Ok(Computation::campaign(file.clone(), text, campaign));
+        }
+        let name = file.as_ref().map_or_else(|| "study".into(), |file| file.display().to_string());
+        let study = Study::parse(&text, &name).map_err(|error| match &file {
+            Some(_) => with_message(&error, error.to_string()),
+            // The lines of a dictionary are not those of the user.
+            None => {
+                let line = text.lines().nth(error.line - 1).unwrap_or_default();
+                with_message(&error, format!("study, at `{line}`: {}", error.message))
+            }
+        })?;
+        let study = if let Some(seed) = self.seed { study.with_seed(seed) } else { study };
+        Ok(Computation::study(file, text, study, only))
+    }
+}
+
+/// Returns the exception of a failed computation.
+pub(crate) fn failed(computation: &Computation, error: &StudyError) -> PyErr {
+    with_message(error, computation.message(error))
+}
+
+/// Computes a study or, with `campaign`, a campaign. Returns results, tables and fields; with `out` also writes the folder, and goes on from the blocks that
+/// an interrupted computation left beside it.
 #[pyfunction]
-#[pyo3(signature = (study, only, seed, progress, out))]
-pub(crate) fn run_study<'py>(
+#[pyo3(signature = (request, campaign, progress, out))]
+pub(crate) fn compute<'py>(
     py: Python<'py>,
-    study: &Bound<'py, PyAny>,
-    only: Option<&str>,
-    #[pyo3(from_py_with = optional_seed)] seed: Option<u64>,
+    request: Request<'py>,
+    campaign: bool,
     progress: Option<Bound<'py, PyAny>>,
     out: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (source, study, only) = chosen(study, only, seed)?;
-    let outcome = long::run(py, progress.as_ref(), move |monitor| {
-        let folder = source.folder();
-        let scan_points = study.scan_points(&folder).map_err(|error| source.exception(&error))?;
-        for stage in study.estimate(scan_points, rayon::current_num_threads()) {
-            require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name()))?;
+    let computation = request.computation()?;
+    if campaign != matches!(computation.work(), Work::Campaign(_)) {
+        let (found, name) = if campaign { ("study", "run_study") } else { ("campaign", "run_campaign") };
+        return Err(value_error(format_args!("found a {found}; asperity.{name} computes it")));
+    }
+    let library = request.library;
+    let computed = long::run(py, progress.as_ref(), move |monitor| {
+        let largest = computation.largest_stage(rayon::current_num_threads());
+        if let Some(largest) = largest.map_err(|error| failed(&computation, &error))? {
+            require_memory(largest.memory_bytes, &format!("the {} stage", largest.stage.name()))?;
         }
-        let staging = out.map(|out| {
-            let scans = study.scan_paths(&folder);
-            let inputs: Vec<&Path> = source.file.iter().chain(&scans).map(PathBuf::as_path).collect();
-            Ok::<_, PyErr>((Staging::open(&out, false, &inputs).raise()?, source.provenance(&study)?))
-        });
-        let staging = staging.transpose()?;
-        let outcome = study.run(&folder, only, monitor).map_err(|error| source.exception(&error))?;
-        if let Some((staging, provenance)) = staging {
-            let provenance = Provenance { only: only.map(|stage| stage.name().to_owned()), ..provenance };
-            write_run(&staging, &study, &folder, &outcome, &provenance).raise()?;
-            if monitor.cancelled() {
-                return Err(source.exception(&StudyError::Cancelled(asperity::monitor::Cancelled)));
-            }
-            staging.commit().raise()?;
+        let Some(out) = out else {
+            return computation.compute(None, monitor).map_err(|error| failed(&computation, &error));
+        };
+        let program = program(&library, String::new()).raise()?;
+        let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+        let provenance = computation.provenance().raise()?;
+        let provenance = Provenance { started_unix_s, machine: machine(), program: program.clone(), ..provenance };
+        let inputs = computation.inputs();
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let staging = Staging::open(&out, false, &inputs).raise()?;
+        let blocks = RunBlocks::open(&out, computation.record(program, None).raise()?, Share::All).raise()?;
+        let computed = computation.compute(Some(&blocks), monitor);
+        blocks.flush().raise()?;
+        let computed = computed.map_err(|error| failed(&computation, &error))?;
+        computation.write(&staging, &computed, &provenance).raise()?;
+        if monitor.cancelled() {
+            return Err(exception(&Cancelled));
         }
-        Ok(outcome)
+        staging.commit().raise()?;
+        blocks.finish().raise()?;
+        Ok(computed)
     })?;
-    answer(py, outcome)
+    answer(py, computed)
 }
 
-pub(crate) fn answer(py: Python<'_>, outcome: Outcome) -> PyResult<Bound<'_, PyDict>> {
+/// Returns the parts of results: of a study with its tables, fields and friction process.
+pub(crate) fn answer(py: Python<'_>, computed: Computed) -> PyResult<Bound<'_, PyDict>> {
+    let answer = PyDict::new(py);
+    let outcome = match computed {
+        Computed::Run(outcome) => *outcome,
+        Computed::Campaign(results) => {
+            answer.set_item("campaign", to_python(py, &results)?)?;
+            return Ok(answer);
+        }
+    };
     let (tables, fields) = (PyDict::new(py), PyDict::new(py));
     for (name, table) in outcome.tables {
         let columns = PyDict::new(py);
@@ -156,7 +158,6 @@ pub(crate) fn answer(py: Python<'_>, outcome: Outcome) -> PyResult<Bound<'_, PyD
         let (dx_m, dy_m) = (field.grid.dx_m(), field.grid.dy_m());
         fields.set_item(name, (PyArray2::from_owned_array(py, field.values), dx_m, dy_m, field.unit))?;
     }
-    let answer = PyDict::new(py);
     let process = outcome.friction_process.as_ref().map(|process| dictionary(py, process)).transpose()?;
     answer.set_item("friction_process", process)?;
     answer.set_item("results", to_python(py, &outcome.results)?)?;

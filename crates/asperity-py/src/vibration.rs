@@ -76,7 +76,7 @@ pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) ->
 }
 
 /// Fluctuation of the friction coefficient.
-#[derive(Clone, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Fluctuation {
     friction_std: f64,
@@ -86,9 +86,9 @@ struct Fluctuation {
 }
 
 impl Fluctuation {
-    /// Returns the model with another standard deviation, its length in the unit of a load ratio.
-    fn model(&self, std: f64, load: f64) -> PyResult<ProcessModel> {
-        Ok(ProcessModel::new(self.marginal.parse().map_err(value_error)?, std, self.correlation_length / load))
+    fn model(&self) -> PyResult<ProcessModel> {
+        let marginal = self.marginal.parse().map_err(value_error)?;
+        Ok(ProcessModel::new(marginal, self.friction_std, self.correlation_length))
     }
 
     /// Warns if a fraction of the values is clipped. Fails if it is above the limit and not allowed.
@@ -120,7 +120,7 @@ pub(crate) fn ensemble<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (own, fluctuation): (_, Fluctuation) = (oscillator.0.clone(), from_python(fluctuation)?);
-    let model = clipped_to_positive(&own, fluctuation.model(fluctuation.friction_std, 1.0)?, 1.0);
+    let model = clipped_to_positive(&own, fluctuation.model()?, 1.0);
     let clipped_fraction = model.clipped_fraction();
     let process = FrictionProcess::new(model).raise()?;
     fluctuation.accept(py, clipped_fraction)?;
@@ -169,26 +169,14 @@ pub(crate) fn stability_map<'py>(
     let [x, y] = [x, y].map(MapAxis::check);
     let (x, y) = (x.map_err(value_error)?, y.map_err(value_error)?);
     let settings = MapSettings { x, y, depth, ensemble: EnsembleSettings::new(trajectories, duration, seed) };
+    let friction = fluctuation.model()?;
     // An invalid distribution is an error of the arguments and not of a point.
-    FrictionProcess::new(fluctuation.model(fluctuation.friction_std, 1.0)?).raise()?;
-    let marginal = fluctuation.model(1.0, 1.0)?;
-    let own = fluctuation.clone();
-    let model = move |point: [f64; 2]| {
-        let (oscillator, std, load) = over.at(&stated, own.friction_std, point)?;
-        let correlation_length = own.correlation_length / load;
-        let model = ProcessModel { std, correlation_length, ..marginal.clone() };
-        let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, model, 1.0));
-        Ok::<_, VibrationError>((oscillator, model))
-    };
-    let mut clipped_fraction = 0.0_f64;
-    for point in settings.first_grid() {
-        let (_, model) = model(point).raise()?;
-        clipped_fraction = clipped_fraction.max(model.map_or(0.0, |model| model.clipped_fraction()));
-    }
+    FrictionProcess::new(friction.clone()).raise()?;
+    let clipped_fraction = settings.clipped_fraction(over, &stated, &friction).raise()?;
     fluctuation.accept(py, clipped_fraction)?;
     let found = long::run(py, progress.as_ref(), move |monitor| {
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = model([x, y])?;
+            let (oscillator, model) = over.machine(&stated, &friction, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         vibration::stability_map(&machine, &settings, monitor).raise()

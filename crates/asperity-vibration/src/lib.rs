@@ -81,7 +81,7 @@ pub use sound::{Sound, SoundSettings};
 #[doc(hidden)]
 pub use stability_map::grid_contour;
 pub use stability_map::{
-    FluctuatingOscillator, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap,
+    CONSTANT_STD, FluctuatingOscillator, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap,
     stability_map,
 };
 pub use structure::{

@@ -8,16 +8,21 @@ use serde::{Deserialize, Serialize};
 
 pub use self::contour::grid_contour;
 use self::contour::{boundary, contour};
-use super::{Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, limit_cycle, limit_damping};
+use super::{
+    Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, clipped_to_positive, limit_cycle,
+    limit_damping,
+};
 use asperity_base::blocks::Task;
 use asperity_base::choice;
 use asperity_base::monitor::{Monitor, Quiet};
-use asperity_process::FrictionProcess;
+use asperity_process::{FrictionProcess, ProcessModel};
 
 /// Fraction of the trajectories after which a point is decided if all of them agree.
 const FIRST_FRACTION: f64 = 0.25;
 /// Least number of trajectories that may decide a point.
 const FIRST_COUNT: usize = 64;
+/// Standard deviation of friction below which it is constant.
+pub const CONSTANT_STD: f64 = 1e-12;
 /// Largest number of halvings of a cell.
 const MAX_DEPTH: u32 = 8;
 
@@ -43,23 +48,27 @@ impl MapOver {
         }
     }
 
-    /// Returns the oscillator at a point, the standard deviation of its friction and the load over the stated one.
+    /// Returns the oscillator at a point and the model of its friction, clipped to stay positive; `None` below [`CONSTANT_STD`]. Both arguments are of the stated load; lengths at the point are in units of its own load.
     ///
     /// # Errors
     /// A parameter is out of range.
-    pub fn at(
+    pub fn machine(
         self,
         stated: &Oscillator,
-        friction_std: f64,
+        friction: &ProcessModel,
         [x, y]: [f64; 2],
-    ) -> Result<(Oscillator, f64, f64), VibrationError> {
+    ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
         let ([damping_ratio, belt_velocity], std, load) = match self {
-            Self::DampingVelocity => ([x, y], friction_std, 1.0),
+            Self::DampingVelocity => ([x, y], friction.std, 1.0),
             Self::DampingScatter => ([x, stated.belt_velocity()], y, 1.0),
-            Self::VelocityLoad => ([stated.damping_ratio(), x], friction_std, y),
+            Self::VelocityLoad => ([stated.damping_ratio(), x], friction.std, y),
         };
         let at = Parameters { damping_ratio, belt_velocity, ..stated.parameters().clone() };
-        Ok((Oscillator::new(at)?.under_load(load)?, std, load))
+        let oscillator = Oscillator::new(at)?.under_load(load)?;
+        let (shape, correlation_length) = (friction.shape.in_unit(load), friction.correlation_length / load);
+        let model = ProcessModel { std, shape, correlation_length, ..friction.clone() };
+        let model = (std >= CONSTANT_STD).then(|| clipped_to_positive(&oscillator, model, 1.0));
+        Ok((oscillator, model))
     }
 }
 
@@ -111,11 +120,22 @@ pub struct MapSettings {
 }
 
 impl MapSettings {
-    /// Returns the points of the first grid.
-    pub fn first_grid(&self) -> impl Iterator<Item = [f64; 2]> {
+    /// Returns the largest fraction of the friction values that is clipped at a point of the first grid, of machines by
+    /// [`MapOver::machine`].
+    ///
+    /// # Errors
+    /// A parameter is out of range.
+    pub fn clipped_fraction(
+        &self,
+        over: MapOver,
+        stated: &Oscillator,
+        friction: &ProcessModel,
+    ) -> Result<f64, VibrationError> {
         let values = |axis: MapAxis| (0..=axis.cells).map(move |i| axis.at(i, axis.cells));
-        let y = self.y;
-        values(self.x).flat_map(move |x| values(y).map(move |y| [x, y]))
+        let points = values(self.x).flat_map(|x| values(self.y).map(move |y| [x, y]));
+        points.map(|point| over.machine(stated, friction, point)).try_fold(0.0_f64, |largest, found| {
+            Ok(largest.max(found?.1.map_or(0.0, |model| model.clipped_fraction())))
+        })
     }
 }
 

@@ -6,6 +6,7 @@
 mod blocks;
 mod campaign;
 mod check;
+mod computation;
 mod contact_check;
 mod counterface;
 mod coupled_stage;
@@ -32,6 +33,7 @@ mod spectra;
 mod store;
 mod surface_result;
 mod surface_stage;
+mod system;
 mod twin;
 mod uncertain;
 mod uncertain_surface;
@@ -42,11 +44,12 @@ mod write_run;
 use asperity_base::sentence;
 
 pub use blocks::{
-    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, elementary_functions,
-    instruction_sets, program_difference, sha256,
+    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, program,
+    program_difference, sha256,
 };
 pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
 pub use check::{InvalidValue, Study};
+pub use computation::{Computation, Computed, Work, folder_of};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};
 pub use estimate::StageEstimate;
@@ -66,6 +69,7 @@ pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen, draw_map};
 pub use store::{Staging, StoreError, StoredField, StoredRun, file_hash, json_bytes};
 pub use surface_result::{covariance_result, part_statistics, surface_statistics};
+pub use system::{forget_peak_memory, free_memory_bytes, machine, peak_memory_bytes};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
 pub use verdict::VERDICT_SAMPLES;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity::study::{Stage, StageEstimate, Study};
+use asperity::study::{Stage, StageEstimate, Study, folder_of};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -27,7 +27,7 @@ pub(crate) struct Check {
 impl Check {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (study, text) = study_file::study(&self.study, None)?;
-        let folder = study_file::folder_of(&self.study);
+        let folder = folder_of(&self.study);
         let failure = |e| study_file::failure(&self.study, Some(&text), &e);
         let mut warnings = study.check_scans(folder).map_err(failure)?;
         let mut problems = Vec::new();

@@ -9,8 +9,8 @@ use std::time::Duration;
 use asperity::quantity::Time;
 use asperity::study::result::Results;
 use asperity::study::{
-    Campaign, CampaignResults, FailureKind, Outcome, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage,
-    Staging, StoredCampaign, StoredRun, Study, StudyError, StudyFileError, resolved_study, write_campaign, write_run,
+    Campaign, CampaignResults, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage,
+    Staging, StoredCampaign, StoredRun, StudyError, Work, folder_of, resolved_study,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -19,32 +19,15 @@ use super::{campaign, run, study_file};
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::{Terminal, duration};
-use crate::output::{Answer, print};
+use crate::output::{Answer, columns, print};
 use crate::provenance;
 use crate::resources::{limit_memory, require_disk, require_memory};
 use crate::run_folder::{begin_folder, load_failure, store_failure};
 
-/// Bytes of the folder of a campaign per member.
-const MEMBER_BYTES: f64 = 2048.0;
-
 /// Study or campaign to compute.
 pub(super) struct Computation {
-    /// Its file and the text of the file.
+    own: asperity::study::Computation,
     file: PathBuf,
-    text: String,
-    work: Work,
-    pub(super) name: String,
-}
-
-enum Work {
-    Study { study: Box<Study>, only: Option<Stage> },
-    Campaign(Box<Campaign>),
-}
-
-/// Results of a computation that was just done.
-pub(super) enum Computed {
-    Run(Box<Outcome>),
-    Campaign(CampaignResults),
 }
 
 /// Results of a finished folder.
@@ -70,12 +53,11 @@ impl Found<'_> {
     }
 }
 
-impl Computed {
-    pub(super) fn found(&self) -> Found<'_> {
-        match self {
-            Self::Run(outcome) => Found::Run(&outcome.results),
-            Self::Campaign(results) => Found::Campaign(results),
-        }
+/// Returns the results that were just computed.
+pub(super) fn found(computed: &Computed) -> Found<'_> {
+    match computed {
+        Computed::Run(outcome) => Found::Run(&outcome.results),
+        Computed::Campaign(results) => Found::Campaign(results),
     }
 }
 
@@ -83,7 +65,7 @@ impl Computation {
     /// Reads a study file.
     pub(super) fn study(file: &Path, seed: Option<u64>, only: Option<Stage>) -> Result<Self, Failure> {
         let (study, text) = study_file::study(file, seed)?;
-        Ok(Self::new(file, text, Work::Study { study: Box::new(study), only }))
+        Ok(Self::new(asperity::study::Computation::study(Some(file.into()), text, study, only), file))
     }
 
     /// Reads a campaign file and the study that its members vary.
@@ -95,58 +77,37 @@ impl Computation {
                 false => failure,
             })?;
         let parse = |study: &str, _: &str| Campaign::parse(&text, file, study, seed);
-        let (campaign, _) = study_file::read(&study_file::folder_of(file).join(path), parse)?;
-        Ok(Self::new(file, text, Work::Campaign(Box::new(campaign))))
+        let (campaign, _) = study_file::read(&folder_of(file).join(path), parse)?;
+        Ok(Self::new(asperity::study::Computation::campaign(file.into(), text, campaign), file))
     }
 
-    fn new(file: &Path, text: String, work: Work) -> Self {
-        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Self { file: file.into(), text, work, name }
+    fn new(own: asperity::study::Computation, file: &Path) -> Self {
+        Self { own, file: file.into() }
     }
 
     /// Returns the study or the campaign of stored blocks.
     pub(super) fn of(record: &RunRecord) -> Result<Self, Failure> {
-        let wrong = |error: StudyFileError| {
+        let own = asperity::study::Computation::of_record(record).map_err(|error| {
             Failure::new(if error.in_data { Kind::Data } else { Kind::Usage }, error.to_string())
-        };
-        let RunRecord { file, study, campaign, seed, only, .. } = record;
-        let Some(text) = campaign else {
-            let study = Study::parse(study, &file.display().to_string()).map_err(wrong)?.with_seed(*seed);
-            return Ok(Self::new(file, record.study.clone(), Work::Study { study: Box::new(study), only: *only }));
-        };
-        let parse = |seed| Campaign::parse(text, file, study, seed).map_err(wrong);
-        let campaign = match parse(None)? {
-            own if own.seed() == *seed => own,
-            _ => parse(Some(*seed))?,
-        };
-        Ok(Self::new(file, text.clone(), Work::Campaign(Box::new(campaign))))
+        })?;
+        Ok(Self::new(own, &record.file))
     }
 
-    fn seed(&self) -> u64 {
-        match &self.work {
-            Work::Study { study, .. } => study.seed(),
-            Work::Campaign(campaign) => campaign.seed(),
-        }
-    }
-
-    fn only(&self) -> Option<Stage> {
-        match &self.work {
-            Work::Study { only, .. } => *only,
-            Work::Campaign(_) => None,
-        }
+    pub(super) fn name(&self) -> String {
+        self.own.name()
     }
 
     /// Returns the default folder.
     pub(super) fn destination(&self) -> PathBuf {
-        match &self.work {
+        match self.own.work() {
             Work::Study { .. } => run::default_destination(&self.file),
-            Work::Campaign(_) => Path::new("campaigns").join(&self.name),
+            Work::Campaign(_) => Path::new("campaigns").join(self.name()),
         }
     }
 
     /// Returns what is computed in words, for a campaign.
     pub(super) fn extent(&self) -> Option<String> {
-        let Work::Campaign(campaign) = &self.work else { return None };
+        let Work::Campaign(campaign) = self.own.work() else { return None };
         let shared = match campaign.shared_stages() {
             0 => String::new(),
             1 => "; one friction stage is common to several".to_owned(),
@@ -158,56 +119,27 @@ impl Computation {
 
     /// Returns the record of the run, or of one part of it.
     pub(super) fn record(&self, shard: Option<[usize; 2]>) -> Result<RunRecord, Failure> {
-        let file = std::path::absolute(&self.file).map_err(|e| Failure::io(Kind::Data, self.file.display(), &e))?;
-        let (study, campaign) = match &self.work {
-            Work::Study { .. } => (self.text.clone(), None),
-            Work::Campaign(campaign) => (campaign.study_text().to_owned(), Some(self.text.clone())),
-        };
-        let (name, seed, only) = (self.name.clone(), self.seed(), self.only());
-        let (program, inputs) = (provenance::program()?, self.data_hashes()?);
-        Ok(RunRecord { name, file, study, campaign, seed, only, inputs, program, shard, ..RunRecord::default() })
-    }
-
-    /// Returns the files that the study or the campaign reads.
-    fn data(&self) -> Vec<PathBuf> {
-        match &self.work {
-            Work::Study { study, .. } => {
-                let folder = study_file::folder_of(&self.file);
-                study.scan_paths(folder).into_iter().chain(study.friction_process_path(folder)).collect()
-            }
-            Work::Campaign(campaign) => campaign.inputs(),
-        }
+        self.own.record(provenance::program()?, shard).map_err(|e| store_failure(&e))
     }
 
     /// Returns the SHA-256 of the files that the study or the campaign reads, by name.
     pub(super) fn data_hashes(&self) -> Result<BTreeMap<String, String>, Failure> {
-        let found = asperity::study::provenance(&self.name, self.seed(), &self.data());
-        found.map(|provenance| provenance.inputs).map_err(|e| store_failure(&e))
+        self.own.data_hashes().map_err(|e| store_failure(&e))
     }
 
     /// Returns the files that the computation reads.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
-        std::iter::once(self.file.clone()).chain(self.data()).collect()
+        self.own.inputs()
     }
 
     /// Begins the provenance of the run.
     pub(super) fn provenance(&self) -> Result<Provenance, Failure> {
-        let provenance = provenance::begin(&self.name, self.seed(), &self.inputs())?;
-        Ok(Provenance { only: self.only().map(|stage| stage.name().to_owned()), ..provenance })
+        provenance::begin(self.own.provenance().map_err(|e| load_failure(&e))?)
     }
 
     /// Fails if the memory of the machine, or a limit in bytes, is too small.
     pub(super) fn require_memory(&self, most_bytes: Option<f64>) -> Result<(), Failure> {
-        let threads = rayon::current_num_threads();
-        let stages = match &self.work {
-            Work::Study { study, .. } => {
-                let points = study.scan_points(study_file::folder_of(&self.file));
-                let points = points.map_err(|error| study_file::failure(&self.file, Some(&self.text), &error))?;
-                study.estimate(points, threads)
-            }
-            Work::Campaign(campaign) => campaign.estimate(threads),
-        };
-        let largest = stages.iter().max_by(|a, b| a.memory_bytes.total_cmp(&b.memory_bytes));
+        let largest = self.own.largest_stage(rayon::current_num_threads()).map_err(|error| self.failure(&error))?;
         let Some(largest) = largest else { return Ok(()) };
         let what = format!("the {} stage", largest.stage.name());
         require_memory(largest.memory_bytes, &what)?;
@@ -216,11 +148,15 @@ impl Computation {
 
     /// Fails if the disk of the destination is too small.
     pub(super) fn require_disk(&self, destination: &Path) -> Result<(), Failure> {
-        let (what, bytes) = match &self.work {
-            Work::Study { study, .. } => ("the run", study.disk_bytes() + scan_field_bytes(&self.data())),
-            Work::Campaign(campaign) => ("the campaign", MEMBER_BYTES * campaign.members() as f64),
+        let what = match self.own.work() {
+            Work::Study { .. } => "the run",
+            Work::Campaign(_) => "the campaign",
         };
-        require_disk(bytes, destination, what)
+        require_disk(self.own.disk_bytes(), destination, what)
+    }
+
+    fn failure(&self, error: &StudyError) -> Failure {
+        study_file::with_message(error, self.own.message(error))
     }
 
     /// Computes with the stored blocks; `None` if blocks of other parts are missing. Keeps the finished ones if it ends early.
@@ -235,14 +171,7 @@ impl Computation {
             // The program ends; an error would have no reader.
             let _ = kept.flush();
         });
-        let (found, text) = match &self.work {
-            Work::Study { study, only } => {
-                let found = study.run_with(Some(blocks), study_file::folder_of(&self.file), *only, monitor);
-                (found.map(|outcome| Computed::Run(Box::new(outcome))), Some(self.text.as_str()))
-            }
-            Work::Campaign(campaign) => (campaign.run_with(Some(blocks), monitor).map(Computed::Campaign), None),
-        };
-        let outcome = match found {
+        let outcome = match self.own.compute(Some(blocks), monitor) {
             Err(StudyError::Incomplete) => Ok(None),
             Err(StudyError::Blocks(error)) => Err(store_failure(&error)),
             Err(error) => match monitor.exceeded_time().filter(|_| error.kind() == FailureKind::Cancelled) {
@@ -253,7 +182,7 @@ impl Computation {
                 }
                 None => {
                     let reason = Answer::default().with("reason", error.to_string());
-                    Err(study_file::failure(&self.file, text, &error).print(reason, json)?)
+                    Err(self.failure(&error).print(reason, json)?)
                 }
             },
             Ok(outcome) => Ok(Some(outcome)),
@@ -262,10 +191,9 @@ impl Computation {
         outcome
     }
 
-    /// Computes a campaign without stored blocks.
-    pub(super) fn members_again(&self, monitor: &Terminal) -> Result<CampaignResults, Failure> {
-        let Work::Campaign(campaign) = &self.work else { unreachable!("a study has no members") };
-        campaign.run_with(None, monitor).map_err(|error| study_file::failure(&self.file, None, &error))
+    /// Computes without stored blocks.
+    pub(super) fn again(&self, monitor: &Terminal) -> Result<Computed, Failure> {
+        self.own.compute(None, monitor).map_err(|error| self.failure(&error))
     }
 
     /// Writes the folder, and ends the use of its blocks.
@@ -277,7 +205,7 @@ impl Computation {
         blocks: &RunBlocks,
         monitor: &Terminal,
     ) -> Result<PathBuf, Failure> {
-        let warnings = match computed.found() {
+        let warnings = match found(computed) {
             Found::Run(results) => &results.warnings,
             Found::Campaign(results) => &results.warnings,
         };
@@ -288,16 +216,7 @@ impl Computation {
             monitor.note(&format!("{failed} {noun} failed; `asperity status {run}` lists them"));
         }
         (provenance.seconds, provenance.stages) = (monitor.seconds(), monitor.stages());
-        let written = match (&self.work, computed) {
-            (Work::Study { study, .. }, Computed::Run(outcome)) => {
-                write_run(&staging, study, study_file::folder_of(&self.file), outcome, &provenance)
-            }
-            (Work::Campaign(campaign), Computed::Campaign(results)) => {
-                write_campaign(&staging, campaign, results, &provenance)
-            }
-            _ => unreachable!("a computation has results of its own kind"),
-        };
-        written.map_err(|e| store_failure(&e))?;
+        self.own.write(&staging, computed, &provenance).map_err(|e| store_failure(&e))?;
         let written = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)))?;
         blocks.finish().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
@@ -317,13 +236,12 @@ impl Computation {
             let inputs = &provenance.inputs;
             inputs.len() == data.len() + 1 && data.iter().all(|(name, hash)| inputs.get(name) == Some(hash))
         };
-        let printed = match &self.work {
+        let printed = match self.own.work() {
             Work::Study { .. } if StoredCampaign::is_campaign(folder) => None,
             Work::Campaign(_) if StoredRun::is_run(folder) && !StoredCampaign::is_campaign(folder) => None,
             Work::Study { study, only } => {
                 let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
-                let resolved =
-                    resolved_study(study, study_file::folder_of(&self.file)).map_err(|e| store_failure(&e))?;
+                let resolved = resolved_study(study, self.own.folder()).map_err(|e| store_failure(&e))?;
                 let same = run.study == resolved && run.provenance.only.as_deref() == only.map(|stage| stage.name());
                 (same && same_inputs(&run.provenance)).then(|| Found::Run(&run.results).print(json, folder))
             }
@@ -336,7 +254,7 @@ impl Computation {
         match printed {
             Some(printed) => printed.map(|()| true),
             None => {
-                let other = match &self.work {
+                let other = match self.own.work() {
                     Work::Study { .. } => "the run of another study",
                     Work::Campaign(_) => "another campaign",
                 };
@@ -395,15 +313,7 @@ pub(super) fn as_table(rounds: &[RoundState]) -> String {
         [round.stage.clone(), round.name.clone(), expected, done, failed, missing]
     };
     let rows: Vec<[String; 6]> = std::iter::once(head).chain(sums.iter().map(row)).collect();
-    let widths: Vec<usize> =
-        (0..6).map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();
-    rows.iter().fold(String::new(), |mut text, [stage, task, counts @ ..]| {
-        text += &format!("{stage:<0$}  {task:<1$}", widths[0], widths[1]);
-        for (count, width) in counts.iter().zip(&widths[2..]) {
-            text += &format!("  {count:>width$}");
-        }
-        text + "\n"
-    })
+    columns(&rows)
 }
 
 /// Returns which loops lack blocks, in words.
@@ -412,13 +322,6 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
     let words =
         lacks.map(|round| format!("{} ({} of {} blocks)", round.name, round.expected - round.done, round.expected));
     words.collect::<Vec<_>>().join(", ")
-}
-
-/// Estimates the disk space of the heights of scans in a run folder: raw and prepared, each as NPY file and VTK image. Scans may be
-/// compressed.
-fn scan_field_bytes(scans: &[PathBuf]) -> f64 {
-    const BYTES_PER_BYTE: f64 = 19.0;
-    scans.iter().filter_map(|scan| scan.metadata().ok()).map(|scan| BYTES_PER_BYTE * scan.len() as f64).sum()
 }
 
 /// Flags of a computation.
@@ -478,7 +381,7 @@ impl Options {
         let computed = computation.compute(&blocks, self.json, monitor)?;
         let computed = computed.ok_or_else(|| Failure::new(Kind::Runtime, StudyError::Incomplete.to_string()))?;
         let written = computation.write(staging, &computed, provenance, &blocks, monitor)?;
-        computed.found().print(self.json, &written)
+        found(&computed).print(self.json, &written)
     }
 
     /// Computes one part of the blocks.
@@ -486,7 +389,7 @@ impl Options {
         let [number, of] = shard;
         let record = computation.record(Some(shard))?;
         let folder = self.out.clone().unwrap_or_else(|| {
-            let name = format!("{}-part-{number}-of-{of}", computation.name);
+            let name = format!("{}-part-{number}-of-{of}", computation.name());
             computation.destination().with_file_name(name)
         });
         if StoredRun::is_run(&folder) {

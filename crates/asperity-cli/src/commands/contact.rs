@@ -236,11 +236,7 @@ impl Contact {
                      pressed by a stated distance; prescribe the mean pressure, the load or the mean gap",
                 ))
             }
-            (BoundaryKind::Periodic, Some(given)) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: given.0 }),
-            (BoundaryKind::Periodic, None) if control.prescribes_plane() => {
-                Ok(Boundary::Periodic { mean_compliance_m_per_pa: substrate.usual_mean_compliance_m_per_pa(grid) })
-            }
-            (BoundaryKind::Periodic, None) => Ok(Boundary::Periodic { mean_compliance_m_per_pa: 0.0 }),
+            (BoundaryKind::Periodic, given) => Ok(substrate.periodic(grid, control, given.map(|given| given.0))),
         }
     }
 

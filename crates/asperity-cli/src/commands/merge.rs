@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use asperity::study::{RunStatus, Share, program_difference};
 use clap::Args;
 
-use super::computation::{Computation, as_json, missing, open, removed_at_exit};
+use super::computation::{Computation, as_json, found, missing, open, removed_at_exit};
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;
@@ -84,6 +84,6 @@ impl Merge {
             return Err(Failure::new(Kind::Data, format!("blocks are missing: {words}; {advice}")));
         };
         let written = computation.write(staging, &computed, provenance, &blocks, monitor)?;
-        computed.found().print(self.json, &written)
+        found(&computed).print(self.json, &written)
     }
 }

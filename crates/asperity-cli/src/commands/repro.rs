@@ -4,14 +4,13 @@ use std::fs;
 use std::path::PathBuf;
 
 use asperity::study::{
-    BlockPlace, Provenance, RunStatus, Share, StoreError, StoredCampaign, StoredRun, campaign_files,
+    BlockPlace, Computed, Provenance, RunStatus, Share, StoreError, StoredCampaign, StoredRun, campaign_files,
     program_difference, result_files,
 };
 use clap::Args;
 use serde_json::Value;
 
 use super::computation::{Computation, open};
-use super::study_file;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::print;
@@ -34,33 +33,28 @@ impl Repro {
         if let Some(place) = &self.sample {
             return self.sample(place, monitor);
         }
-        if StoredCampaign::is_campaign(&self.dir) {
-            return self.campaign(monitor);
+        let mut members = Vec::new();
+        let (computation, provenance) = if StoredCampaign::is_campaign(&self.dir) {
+            let stored = StoredCampaign::load(&self.dir).map_err(|e| load_failure(&e))?;
+            members = stored.results.members;
+            (Computation::campaign(&self.dir.join("campaign.toml"), None)?, stored.provenance)
+        } else {
+            let stored = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
+            let only = stored.provenance.only.as_deref().map(str::parse).transpose();
+            let only = only.map_err(|error| Failure::data(self.dir.display(), &error))?;
+            (Computation::study(&self.dir.join("study.toml"), None, only)?, stored.provenance)
+        };
+        self.require_inputs(&computation, &provenance)?;
+        match computation.again(monitor)? {
+            Computed::Run(outcome) => self.compare(|write| result_files(&outcome, write)),
+            Computed::Campaign(mut results) => {
+                // Scans have absolute paths in the folder's campaign.
+                for (own, before) in results.members.iter_mut().zip(members) {
+                    own.scan = before.scan;
+                }
+                self.compare(|write| campaign_files(&results, write))
+            }
         }
-        let stored = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
-        let only = stored.provenance.only.as_deref().map(str::parse).transpose();
-        let only = only.map_err(|error| Failure::data(self.dir.display(), &error))?;
-        let file = self.dir.join("study.toml");
-        let (study, text) = study_file::study(&file, None)?;
-        self.require_inputs(&Computation::study(&file, None, only)?, &stored.provenance)?;
-        let outcome = study
-            .run(study_file::folder_of(&file), only, monitor)
-            .map_err(|error| study_file::failure(&file, Some(&text), &error))?;
-        self.compare(|write| result_files(&outcome, write))
-    }
-
-    /// Computes the members of a campaign again.
-    fn campaign(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let stored = StoredCampaign::load(&self.dir).map_err(|e| load_failure(&e))?;
-        let file = self.dir.join("campaign.toml");
-        let computation = Computation::campaign(&file, None)?;
-        self.require_inputs(&computation, &stored.provenance)?;
-        let mut results = computation.members_again(monitor)?;
-        // Scans have absolute paths in the folder's campaign.
-        for (own, before) in results.members.iter_mut().zip(&stored.results.members) {
-            own.scan.clone_from(&before.scan);
-        }
-        self.compare(|write| campaign_files(&results, write))
     }
 
     /// Fails if a scan has changed since.

@@ -48,7 +48,7 @@ pub(crate) struct Slurm {
 
 impl Slurm {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let name = Computation::study(&self.study, None, None)?.name;
+        let name = Computation::study(&self.study, None, None)?.name();
         let script = PathBuf::from(format!("{name}.slurm.sh"));
         if script.exists() && !self.force {
             let script = script.display();

@@ -37,9 +37,11 @@ impl Status {
         if !self.json {
             let state = if is_complete { "finished" } else { "not finished" };
             let part = record.shard.map_or_else(String::new, |[number, of]| format!(", part {number} of {of}"));
-            let mut text = format!("{}{part}: {state}\n\n{}", record.file.display(), as_table(&status.rounds));
+            let (file, seed) = (record.file.display(), record.seed);
+            let mut text = format!("{file}, seed {seed}{part}: {state}\n\n{}", as_table(&status.rounds));
             for failure in &status.failures {
-                text += &format!("\n{}: {}\n", failure.place, failure.reason);
+                let again = format!("asperity repro {} --sample {}", self.dir.display(), failure.place);
+                text += &format!("\n{}: {}\n  {again}\n", failure.place, failure.reason);
             }
             return print(&text);
         }

@@ -38,17 +38,14 @@ pub(super) fn has_any(path: &Path, keys: &[&str]) -> bool {
     table.is_some_and(|table| keys.iter().any(|key| table.contains_key(*key)))
 }
 
-/// Returns the folder of a file; the paths in the file are relative to it.
-pub(super) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
 /// Converts an error of a study; `path` is its file. With `text`, the text of the file, the message names the line of the
 /// value that caused the error.
 pub(super) fn failure(path: &Path, text: Option<&str>, error: &StudyError) -> Failure {
+    with_message(error, error.message_in(&path.display().to_string(), text))
+}
+
+/// Converts an error of a study with this message.
+pub(super) fn with_message(error: &StudyError, message: String) -> Failure {
     let kind = match error.kind() {
         FailureKind::Configuration => Kind::Usage,
         FailureKind::Input => Kind::Data,
@@ -56,11 +53,5 @@ pub(super) fn failure(path: &Path, text: Option<&str>, error: &StudyError) -> Fa
         FailureKind::Cancelled => return Failure::from(asperity::monitor::Cancelled),
         FailureKind::Runtime => Kind::Runtime,
     };
-    let path = path.display();
-    match (error, text.and_then(|text| error.line_in(text))) {
-        // The error of a scan already names its file.
-        (StudyError::Scan(_) | StudyError::Map { .. }, _) => Failure::new(kind, error.to_string()),
-        (_, Some(line)) => Failure::new(kind, format!("{path}:{line}: {error}")),
-        (_, None) => Failure::new(kind, format!("{path}: {error}")),
-    }
+    Failure::new(kind, message)
 }

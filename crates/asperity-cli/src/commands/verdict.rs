@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use asperity::study::{CsvTable, Stage, VERDICT_SAMPLES};
+use asperity::study::{CsvTable, Stage, VERDICT_SAMPLES, folder_of};
 use asperity_report::{verdict_sentence, verdict_text};
 use clap::Args;
 
@@ -34,7 +34,7 @@ pub(crate) struct Verdict {
 impl Verdict {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (study, text) = study_file::study(&self.study, self.seed)?;
-        let folder = study_file::folder_of(&self.study);
+        let folder = folder_of(&self.study);
         if let Some(file) = &self.export_samples {
             check_target("--export-samples", file, &[&self.study])?;
         }

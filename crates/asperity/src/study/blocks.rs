@@ -21,7 +21,7 @@ use asperity_formats::{remove_abandoned_files, replace_file};
 use sha2::{Digest, Sha256};
 
 use self::file::{Block, Entry, Round};
-pub use self::record::{RunRecord, elementary_functions, instruction_sets, program_difference};
+pub use self::record::{RunRecord, program, program_difference};
 use self::writer::Writer;
 use crate::study::StoreError;
 

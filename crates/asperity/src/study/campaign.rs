@@ -128,11 +128,13 @@ impl Campaign {
     /// Returns the study file and the data that the members read, each once, and whether all members read it.
     fn files(&self) -> Vec<(PathBuf, bool)> {
         let folder = self.study_folder();
-        let of_member = |study: Study| -> Vec<PathBuf> {
-            study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder)).collect()
-        };
-        let members = self.one_by_one().into_iter().filter_map(|member| self.member(member).ok());
-        let members: Vec<Vec<PathBuf>> = members.map(of_member).collect();
+        let members: Vec<Study> = self.one_by_one().into_iter().filter_map(|m| self.member(m).ok()).collect();
+        let mut readers: BTreeMap<PathBuf, usize> = BTreeMap::new();
+        for study in &members {
+            let files: BTreeSet<PathBuf> =
+                study.scan_paths(&folder).into_iter().chain(study.friction_process_path(&folder)).collect();
+            files.into_iter().for_each(|file| *readers.entry(file).or_default() += 1);
+        }
         let mut samples = Vec::new();
         sample_files(&self.table, &mut samples);
         if let Ok(campaign) = toml::from_str(&self.text) {
@@ -140,8 +142,7 @@ impl Campaign {
         }
         let common = samples.into_iter().map(|file| (folder.join(file), true));
         let study = (self.folder.join(&self.study_path), true);
-        let of_members =
-            members.iter().flatten().map(|file| (file.clone(), members.iter().all(|own| own.contains(file))));
+        let of_members = readers.into_iter().map(|(file, readers)| (file, readers == members.len()));
         let mut known = BTreeSet::new();
         let all = std::iter::once(study).chain(of_members).chain(common);
         all.filter(|(file, _)| known.insert(file.clone())).collect()

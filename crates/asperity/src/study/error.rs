@@ -178,8 +178,18 @@ impl StudyError {
         Self::Counterface(Box::new(self))
     }
 
+    /// Returns the error as a sentence that begins with the file. With its text, the line of the value that caused the error follows.
+    pub fn message_in(&self, file: &str, text: Option<&str>) -> String {
+        match (self, text.and_then(|text| self.line_in(text))) {
+            // The error of a scan already names its file.
+            (Self::Scan(_) | Self::Map { .. }, _) => self.to_string(),
+            (_, Some(line)) => format!("{file}:{line}: {self}"),
+            (_, None) => format!("{file}: {self}"),
+        }
+    }
+
     /// Returns the line of the value in `text`, the study file, that caused the error; `None` if no single value did.
-    pub fn line_in(&self, text: &str) -> Option<usize> {
+    fn line_in(&self, text: &str) -> Option<usize> {
         self.key().map(|(section, key)| line_of_key(text, section, key))
     }
 

@@ -80,7 +80,7 @@ impl StageEstimate {
 
 impl Study {
     /// Returns the rough cost of every stage of the study with `threads` threads; `scan_points` is the number of heights of its scans
-    /// ([`Study::scan_points`]). Reads and computes nothing.
+    /// ([`Study::scan_points`]). Reads no file.
     pub fn estimate(&self, scan_points: usize, threads: usize) -> Vec<StageEstimate> {
         let mut stages = self.stage_estimates(threads);
         if self.surface.is_some() {

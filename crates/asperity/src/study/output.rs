@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::friction::process::FittedProcess;
 use crate::study::result::{Outcome, Results};
-use crate::study::{CsvTable, QuantityMap};
+use crate::study::{CsvTable, QuantityMap, sentence};
 
 /// Tables, fields and sentences of one stage.
 #[derive(Debug, Clone, Default)]
@@ -25,6 +25,17 @@ impl StageOutput {
         self.assumptions.extend(part.assumptions);
         self.warnings.extend(part.warnings);
     }
+}
+
+/// Returns the warning that statistics leave out failed samples.
+pub(super) fn left_out(what: &str, failed: usize, of: usize) -> Option<String> {
+    let percent = sentence::digits(100.0 * failed as f64 / of as f64);
+    (failed > 0).then(|| {
+        format!(
+            "{failed} of {of} {what} failed ({percent} %) and are left out; failures may depend on the surface, so the others need not be a \
+             random choice"
+        )
+    })
 }
 
 /// Output of all stages, in their order.

@@ -13,7 +13,7 @@ use crate::monitor::Monitor;
 use crate::pressure::{Method, MethodComparison, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
-use crate::study::output::StageOutput;
+use crate::study::output::{StageOutput, left_out};
 use crate::study::result::PressureResult;
 use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::RandomSurface;
@@ -46,17 +46,6 @@ pub(super) fn half_space(
 
 /// Methods whose contact solutions the others share.
 const DESIGNS: [Method; 3] = [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol];
-
-/// Returns the warning that statistics leave out failed samples.
-pub(super) fn left_out(what: &str, failed: usize, of: usize) -> Option<String> {
-    let percent = sentence::digits(100.0 * failed as f64 / of as f64);
-    (failed > 0).then(|| {
-        format!(
-            "{failed} of {of} {what} failed ({percent} %) and are left out; failures may depend on the surface, so the others need not be a \
-             random choice"
-        )
-    })
-}
 
 /// Output of the pressure stage.
 pub(super) struct PressureStage {

@@ -21,13 +21,13 @@ use crate::friction::{Upscaling, WindowFriction};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::output::StageOutput;
-use crate::study::pressure_stage::left_out;
+use crate::study::output::left_out;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
 };
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::{
-    DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
+    CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
     clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
     limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
@@ -42,8 +42,6 @@ const CLOUD_TRAJECTORIES: usize = 60;
 const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
 /// Multiples of the fastest expected slip for which friction is kept positive; the next is tried if slips are faster.
 const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
-/// Standard deviation of μ below which friction counts as constant.
-const CONSTANT_STD: f64 = 1e-12;
 
 /// Output of the vibration stage.
 pub(super) struct VibrationStage {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use asperity::monitor::Monitor;
-use asperity::study::Specimen;
+use asperity::study::{Specimen, folder_of};
 use clap::Args;
 
 use super::maps::MapsOut;
@@ -40,7 +40,7 @@ impl Generate {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (mut specimen, text) = study_file::read(&self.spec, Specimen::parse)?;
         specimen.seed = self.seed.unwrap_or(specimen.seed);
-        let folder = study_file::folder_of(&self.spec);
+        let folder = folder_of(&self.spec);
         let scans = specimen.scan_paths(folder);
         let inputs: Vec<&Path> = scans.iter().chain([&self.spec]).map(PathBuf::as_path).collect();
         let maps = self.target.open(self.count, &inputs)?;

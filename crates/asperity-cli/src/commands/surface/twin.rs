@@ -31,7 +31,7 @@ use crate::monitor::Terminal;
 use crate::output::{self, Answer, columns};
 use crate::provenance;
 use crate::resources::{require_disk, require_memory};
-use crate::run_folder::{begin_folder, store_failure};
+use crate::run_folder::{begin_folder, load_failure, store_failure};
 
 /// Draws random maps with the statistics of a measured one, and compares them with it on one page.
 ///
@@ -193,7 +193,8 @@ impl Twin {
         begin_folder("--out", &self.out, self.force, &[&self.file])?;
         let name = self.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let scan = input::scan(&self.file, &self.options, monitor)?;
-        let mut provenance = provenance::begin(&name, self.seed, std::slice::from_ref(&self.file))?;
+        let inputs = asperity::study::provenance(&name, self.seed, std::slice::from_ref(&self.file));
+        let mut provenance = provenance::begin(inputs.map_err(|e| load_failure(&e))?)?;
         let at_once = rayon::current_num_threads().min(self.count);
         require_memory(
             options.memory_bytes(scan.heights_m.len(), scan.pitch_m, at_once),

@@ -2,9 +2,7 @@
 
 use asperity::friction::process::FrictionProcess;
 use asperity::study::stability_map_tables;
-use asperity::vibration::{
-    MapAxis, MapOver, MapResolution, MapSettings, VibrationError, clipped_to_positive, stability_map,
-};
+use asperity::vibration::{MapAxis, MapOver, MapResolution, MapSettings, stability_map};
 use clap::Args;
 
 use super::folder::Folder;
@@ -102,24 +100,16 @@ impl Map {
             MapOver::VelocityLoad => 0.5 * (x.from + x.to),
         };
         // Check the process once, so that an invalid distribution gives an error about the flag and not about a point.
-        let process = FrictionProcess::new(self.fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
+        let friction = self.fluctuation.model(self.friction_std, 1.0);
+        let process = FrictionProcess::new(friction.clone()).map_err(Failure::usage)?;
         let ensemble = self.trajectories.settings();
         let count = ensemble.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
         Paths { belt_velocity, duration: ensemble.duration, count }.note_time(&process, monitor);
-        let model = |point: [f64; 2]| {
-            let (oscillator, std, load) = over.at(&stated, self.friction_std, point)?;
-            let model = (std > 0.0).then(|| clipped_to_positive(&oscillator, self.fluctuation.model(std, load), 1.0));
-            Ok::<_, VibrationError>((oscillator, model))
-        };
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
-        let mut clipped = 0.0_f64;
-        for point in settings.first_grid() {
-            let (_, model) = model(point)?;
-            clipped = clipped.max(model.map_or(0.0, |model| model.clipped_fraction()));
-        }
+        let clipped = settings.clipped_fraction(over, &stated, &friction)?;
         self.clipping.accept(clipped, monitor)?;
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = model([x, y])?;
+            let (oscillator, model) = over.machine(&stated, &friction, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         let inputs = self.machine.friction.inputs();

@@ -9,7 +9,7 @@ use asperity_formats::replace_file;
 use serde::{Deserialize, Serialize};
 
 use crate::study::result::Program;
-use crate::study::{Stage, StoreError, json_bytes};
+use crate::study::{Stage, StoreError, file_hash, json_bytes};
 
 /// Extension of records.
 const EXTENSION: &str = "json";
@@ -45,6 +45,16 @@ pub struct RunRecord {
     pub finished: bool,
 }
 
+/// Returns what decides the last bits of results: the program in a file, the hash of the list of its libraries, and what it finds on this
+/// machine.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn program(file: &Path, dependencies_sha256: String) -> Result<Program, StoreError> {
+    let (instruction_sets, functions) = (instruction_sets(), elementary_functions());
+    Ok(Program { sha256: file_hash(file)?, dependencies_sha256, instruction_sets, functions })
+}
+
 /// Returns what differs between two programs.
 pub fn program_difference(one: &Program, other: &Program) -> Option<&'static str> {
     if (&one.sha256, &one.dependencies_sha256) != (&other.sha256, &other.dependencies_sha256) {
@@ -60,7 +70,7 @@ pub fn program_difference(one: &Program, other: &Program) -> Option<&'static str
 
 /// Returns the SHA-256 of values of the elementary functions, whose last bits differ between mathematical libraries, and between processors
 /// with the same library.
-pub fn elementary_functions() -> String {
+fn elementary_functions() -> String {
     const POINTS: u32 = 512;
     let unary = [
         f64::exp,
@@ -85,7 +95,7 @@ pub fn elementary_functions() -> String {
 }
 
 /// Returns the instruction sets on which the last bits of results may depend.
-pub fn instruction_sets() -> Vec<String> {
+fn instruction_sets() -> Vec<String> {
     let mut found = Vec::new();
     #[cfg(target_arch = "x86_64")]
     for (name, present) in [

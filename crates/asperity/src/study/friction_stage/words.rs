@@ -6,7 +6,7 @@ use crate::friction::{DISTANCES, LevelControl, RoughBody, SolvedLevel, TwoBodyFr
 use crate::stats::Interval;
 use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
-use crate::study::pressure_stage::left_out;
+use crate::study::output::left_out;
 use crate::study::sentence;
 
 /// Probability of a drift under stationarity below which it is warned about.

@@ -133,8 +133,11 @@ impl Staging {
         if !manifest.has_all_of(&Manifest::parse(&written)) {
             return Err(io::Error::new(io::ErrorKind::NotFound, "the folder was removed while it was written"));
         }
-        if !self.partial.join(MANIFEST).exists() {
-            return fs::write(self.partial.join(MANIFEST), manifest.text());
+        let path = self.partial.join(MANIFEST);
+        let anew;
+        if !path.exists() {
+            anew = File::create(path)?;
+            file = &anew;
         }
         file.rewind()?;
         file.set_len(0)?;

@@ -2,7 +2,7 @@
 
 use crate::friction::process::FrictionProcess;
 use crate::monitor::{Monitor, Quiet};
-use crate::vibration::{Ensemble, EnsembleSettings, VibrationError, clipped_to_positive};
+use crate::vibration::{CONSTANT_STD, Ensemble, EnsembleSettings, VibrationError, clipped_to_positive};
 
 use super::dynamics::Dynamics;
 use super::machines::Machine;
@@ -11,8 +11,6 @@ use super::machines::Machine;
 const TRAJECTORIES: [usize; 4] = [8, 32, 128, 512];
 /// Standard errors between φ and ½ at which it is decided.
 const STANDARD_ERRORS: f64 = 3.0;
-/// Standard deviation of μ below which friction counts as constant.
-const CONSTANT_STD: f64 = 1e-12;
 
 /// Returns whether a machine whose motion begins in stick vibrates for at least half of the second half of the duration, in the
 /// mean over the realisations of friction; `None` if its friction does not fluctuate, and for coupled modes.

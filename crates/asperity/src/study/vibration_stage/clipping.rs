@@ -35,7 +35,10 @@ impl Ensembles<'_> {
     /// It exceeds the limit of the study, under the main upscaling. The other upscaling serves for comparison and only
     /// warns.
     pub(super) fn clipped(&self, model: &ProcessModel, upscaling: Upscaling) -> Result<f64, StudyError> {
-        let fraction = model.clipped_fraction();
+        self.accept(model.clipped_fraction(), upscaling)
+    }
+
+    fn accept(&self, fraction: f64, upscaling: Upscaling) -> Result<f64, StudyError> {
         let leads = upscaling == self.study.upscaling;
         if leads && fraction > LARGEST_CLIPPED_FRACTION && !self.study.allow_clipping {
             return Err(StudyError::Clipped { upscaling: upscaling.name(), fraction, computed: self.window.computed });
@@ -48,12 +51,9 @@ impl Ensembles<'_> {
     /// # Errors
     /// At a point of the first grid more friction is clipped than the study allows.
     pub(super) fn map_clipping(&self, map: &MapSection) -> Result<Option<String>, StudyError> {
-        let mut largest = 0.0_f64;
-        for point in self.map_settings(map).first_grid() {
-            if let (_, Some(model)) = self.machine_and_model(map.over, point)? {
-                largest = largest.max(self.clipped(&model, self.study.upscaling)?);
-            }
-        }
+        let upscaling = self.study.upscaling;
+        let found = self.map_settings(map).clipped_fraction(map.over, &self.oscillator, &self.model(upscaling))?;
+        let largest = self.accept(found, upscaling)?;
         Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))
     }
 }

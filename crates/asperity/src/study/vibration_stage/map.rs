@@ -1,14 +1,11 @@
 //! Stability map of a study.
 
-use super::{CONSTANT_STD, Ensembles};
-use crate::friction::process::{FrictionProcess, ProcessModel};
+use super::Ensembles;
+use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
 use crate::study::file::MapSection;
 use crate::study::{CsvTable, StudyError};
-use crate::vibration::{
-    EnsembleSettings, MapAxis, MapCell, MapOver, MapPoint, MapSettings, Oscillator, StabilityMap, VibrationError,
-    clipped_to_positive, stability_map,
-};
+use crate::vibration::{EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, StabilityMap, stability_map};
 
 impl Ensembles<'_> {
     /// Returns the settings of a map.
@@ -20,27 +17,12 @@ impl Ensembles<'_> {
 
     /// Computes the map over the parameters of the study, with its main upscaling.
     pub(super) fn map(&self, section: &MapSection, monitor: &dyn Monitor) -> Result<StabilityMap, StudyError> {
+        let friction = self.model(self.study.upscaling);
         let machine = |x: f64, y: f64| {
-            let (oscillator, model) = self.machine_and_model(section.over, [x, y])?;
+            let (oscillator, model) = section.over.machine(&self.oscillator, &friction, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
         };
         Ok(stability_map(&machine, &self.map_settings(section), monitor)?)
-    }
-
-    /// Returns the machine at a point of the map and its friction process, `None` if friction is constant. Velocities
-    /// are in units of the stated load.
-    pub(super) fn machine_and_model(
-        &self,
-        over: MapOver,
-        point: [f64; 2],
-    ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
-        let stated = self.model(self.study.upscaling);
-        let (oscillator, std, load) = over.at(&self.oscillator, stated.std, point)?;
-        let (shape, correlation_length) = (stated.shape.in_unit(load), stated.correlation_length / load);
-        let model = ProcessModel { std, shape, correlation_length, ..stated };
-        let varies = std >= CONSTANT_STD;
-        let model = varies.then(|| clipped_to_positive(&oscillator, model, 1.0));
-        Ok((oscillator, model))
     }
 }
 

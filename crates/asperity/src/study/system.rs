@@ -1,0 +1,53 @@
+//! The machine as the operating system reports it.
+
+use std::fs;
+
+use asperity_results::Machine;
+
+/// Returns the machine and the number of threads of the present pool.
+pub fn machine() -> Machine {
+    Machine {
+        system: std::env::consts::OS.into(),
+        architecture: std::env::consts::ARCH.into(),
+        processor: fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+            let line = text.lines().find(|line| line.starts_with("model name"))?;
+            Some(line.split_once(':')?.1.trim().to_owned())
+        }),
+        threads: rayon::current_num_threads(),
+    }
+}
+
+/// Returns the free memory of the machine in byte, where the system reports it.
+pub fn free_memory_bytes() -> Option<f64> {
+    entry_bytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
+}
+
+/// Returns the largest resident memory of the program in byte since the last [`forget_peak_memory`], where the system reports it.
+pub fn peak_memory_bytes() -> Option<f64> {
+    entry_bytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
+/// Starts to measure the peak of memory anew, where the system can.
+pub fn forget_peak_memory() {
+    // Elsewhere the peak is that since the start.
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
+/// Returns the bytes of an entry in a list of the system.
+fn entry_bytes(list: &str, name: &str) -> Option<f64> {
+    let entry = list.lines().find_map(|line| line.strip_prefix(name))?;
+    let kibibytes: f64 = entry.split_whitespace().next()?.parse().ok()?;
+    Some(kibibytes * 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_kibibytes() {
+        let list = "MemTotal:       16000000 kB\nMemFree:  1 kB\nMemAvailable:    8000000 kB\n";
+        assert_eq!(entry_bytes(list, "MemAvailable:"), Some(8_192_000_000.0));
+        assert_eq!(entry_bytes("nothing", "MemAvailable:"), None);
+    }
+}
