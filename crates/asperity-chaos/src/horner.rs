@@ -1,5 +1,7 @@
 //! Sums of products of polynomials in nested form, evaluated at many points at once.
 
+use std::array;
+
 use super::{Basis, Factor};
 use asperity_base::wide::Kernel;
 
@@ -126,16 +128,13 @@ impl Horner {
     /// Evaluates up to [`LANES`] points; surplus lanes repeat the last point.
     #[inline(always)]
     fn evaluate<G: AsRef<[f64]>>(&self, xi_samples: &[G], scratch: &mut Scratch) -> [f64; LANES] {
-        let rows: [&[f64]; LANES] = std::array::from_fn(|lane| xi_samples[lane.min(xi_samples.len() - 1)].as_ref());
+        let rows: [&[f64]; LANES] = array::from_fn(|lane| xi_samples[lane.min(xi_samples.len() - 1)].as_ref());
         let psi = &mut scratch.polynomials[..self.polynomials];
         for recurrence in &self.recurrences {
-            let x: [f64; LANES] = std::array::from_fn(|lane| rows[lane][recurrence.variable]);
+            let x: [f64; LANES] = array::from_fn(|lane| rows[lane][recurrence.variable]);
             let (mut before, mut now) = ([0.0; LANES], [1.0; LANES]);
             for (row, &(inverse, b)) in psi[recurrence.first..].iter_mut().zip(&recurrence.steps) {
-                let mut next = [0.0; LANES];
-                for lane in 0..LANES {
-                    next[lane] = (x[lane] * now[lane] - b * before[lane]) * inverse;
-                }
+                let next = array::from_fn(|lane| (x[lane] * now[lane] - b * before[lane]) * inverse);
                 *row = next;
                 (before, now) = (now, next);
             }
@@ -145,15 +144,11 @@ impl Horner {
             value = [node.coefficient; LANES];
             for leaf in &self.leaves[node.leaves.clone()] {
                 let psi = &psi[leaf.polynomial as usize];
-                for lane in 0..LANES {
-                    value[lane] += leaf.coefficient * psi[lane];
-                }
+                value = array::from_fn(|lane| value[lane] + leaf.coefficient * psi[lane]);
             }
             for branch in &self.branches[node.branches.clone()] {
                 let (psi, sum) = (&psi[branch.polynomial as usize], &scratch.sums[branch.node as usize]);
-                for lane in 0..LANES {
-                    value[lane] += sum[lane] * psi[lane];
-                }
+                value = array::from_fn(|lane| value[lane] + sum[lane] * psi[lane]);
             }
             scratch.sums[number] = value;
         }

@@ -1,7 +1,7 @@
 //! Designs of experiments and polynomial chaos expansions.
 
-use asperity::choice::Choice;
 use asperity::chaos::{self, Basis, Candidates, Design, SamplingMethod, SparseRegression};
+use asperity::choice::Choice;
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;

@@ -61,7 +61,10 @@ impl Request<'_> {
         let is_campaign = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("study"));
         if let (true, Some(file)) = (is_campaign, &file) {
             if only.is_some() {
-                return Err(value_error(format_args!("{} is a campaign, of which no stage can be chosen", file.display())));
+                return Err(value_error(format_args!(
+                    "{} is a campaign, of which no stage can be chosen",
+                    file.display()
+                )));
             }
             let study = Campaign::study_path(&text, file).raise()?;
             let campaign = Campaign::parse(&text, file, &read(&folder_of(file).join(study))?, self.seed).raise()?;

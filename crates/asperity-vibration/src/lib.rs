@@ -81,8 +81,8 @@ pub use sound::{Sound, SoundSettings};
 #[doc(hidden)]
 pub use stability_map::grid_contour;
 pub use stability_map::{
-    CONSTANT_STD, FluctuatingOscillator, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings, StabilityMap,
-    stability_map,
+    CONSTANT_STD, FluctuatingOscillator, MapAxis, MapCell, MapContour, MapOver, MapPoint, MapResolution, MapSettings,
+    StabilityMap, stability_map,
 };
 pub use structure::{
     Basin, BasinBox, BifurcationDiagram, BifurcationPoint, BifurcationSettings, Branch, BranchEnd, BranchPoint,

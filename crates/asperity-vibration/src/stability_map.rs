@@ -133,9 +133,9 @@ impl MapSettings {
     ) -> Result<f64, VibrationError> {
         let values = |axis: MapAxis| (0..=axis.cells).map(move |i| axis.at(i, axis.cells));
         let points = values(self.x).flat_map(|x| values(self.y).map(move |y| [x, y]));
-        points.map(|point| over.machine(stated, friction, point)).try_fold(0.0_f64, |largest, found| {
-            Ok(largest.max(found?.1.map_or(0.0, |model| model.clipped_fraction())))
-        })
+        points
+            .map(|point| over.machine(stated, friction, point))
+            .try_fold(0.0_f64, |largest, found| Ok(largest.max(found?.1.map_or(0.0, |model| model.clipped_fraction()))))
     }
 }
 

@@ -44,8 +44,8 @@ mod write_run;
 use asperity_base::sentence;
 
 pub use blocks::{
-    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, program,
-    program_difference, sha256,
+    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, program, program_difference,
+    sha256,
 };
 pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
 pub use check::{InvalidValue, Study};

@@ -87,9 +87,8 @@ impl Computation {
 
     /// Returns the study or the campaign of stored blocks.
     pub(super) fn of(record: &RunRecord) -> Result<Self, Failure> {
-        let own = asperity::study::Computation::of_record(record).map_err(|error| {
-            Failure::new(if error.in_data { Kind::Data } else { Kind::Usage }, error.to_string())
-        })?;
+        let own = asperity::study::Computation::of_record(record)
+            .map_err(|error| Failure::new(if error.in_data { Kind::Data } else { Kind::Usage }, error.to_string()))?;
         Ok(Self::new(own, &record.file))
     }
 

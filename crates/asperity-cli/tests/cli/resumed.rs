@@ -113,7 +113,7 @@ fn parts_of_other_scans_and_folders_that_are_no_parts_are_not_merged() {
     run_in(at, "repro runs --sample trajectories:0").refuses(3, &["runs: no blocks of a run"]);
     let status = run_in(at, "status runs/first").stdout;
     let row = status.lines().find(|line| line.starts_with("vibration")).unwrap();
-    assert!(status.contains("machine.toml: finished\n") && row.ends_with(" 0"), "{status}");
+    assert!(status.contains("machine.toml, seed 5: finished\n") && row.ends_with(" 0"), "{status}");
     // A missing scan is missing data for every command.
     fs::remove_file(at.join("a.npy")).unwrap();
     for line in ["run one.toml", "run one.toml --shard 1/2", "run one.toml --out parts/1 --shard 1/2"] {

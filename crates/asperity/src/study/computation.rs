@@ -171,7 +171,8 @@ impl Computation {
         let stages = match &self.work {
             Work::Study { study, only } => {
                 // No other stage needs the pressure stage.
-                let needs = |stage| only.is_none_or(|only| stage <= only && (stage != Stage::Pressure || only == stage));
+                let needs =
+                    |stage| only.is_none_or(|only| stage <= only && (stage != Stage::Pressure || only == stage));
                 let mut stages = study.estimate(study.scan_points(self.folder())?, threads);
                 stages.retain(|own| needs(own.stage));
                 stages

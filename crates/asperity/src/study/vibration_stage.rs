@@ -27,9 +27,9 @@ use crate::study::result::{
 };
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::{
-    CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings, VibrationError,
-    clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
-    limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
+    CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings,
+    VibrationError, clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait,
+    deterministic_slips, limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the duration τ of the trajectory.

@@ -82,7 +82,8 @@ impl Staging {
     pub fn write(&self, relative: &str, bytes: &[u8]) -> Result<(), StoreError> {
         let path = self.partial.join(relative);
         let write = || {
-            writeln!(&self.manifest, "{UNFINISHED}  {relative}")?;
+            // One call, so that lines of several threads do not mix.
+            (&self.manifest).write_all(format!("{UNFINISHED}  {relative}\n").as_bytes())?;
             path.parent().map_or(Ok(()), fs::create_dir_all)?;
             fs::write(&path, bytes)
         };
@@ -297,5 +298,21 @@ fn remove_empty(folders: &[PathBuf]) {
     for folder in folders {
         // A folder with content stays.
         let _ = fs::remove_dir(folder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::blocks;
+
+    #[test]
+    fn files_of_many_threads_are_all_in_the_manifest() {
+        let folder = tempfile::tempdir().unwrap();
+        let staging = Staging::open(&folder.path().join("run"), false, &[]).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
+        pool.install(|| blocks::for_each(0..800, |i| staging.write(&format!("{}/{i}.txt", i % 7), b"").unwrap()));
+        let run = staging.commit().unwrap();
+        assert_eq!(Manifest::read(&run).unwrap().unwrap().foreign(&run).unwrap(), Vec::<String>::new());
     }
 }
