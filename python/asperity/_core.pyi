@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "psd", "read_map", "results_schema", "run_study", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "psd", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part"]
 
 @final
 class Expansion:
@@ -96,6 +96,12 @@ def acf(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: Suppor
     Computes the autocorrelation along both axes.
     """
 
+def compute(request: Incomplete, campaign: bool, progress: Any | None, out: str | PathLike[str] | None) -> dict:
+    """
+    Computes a study or, with `campaign`, a campaign. Returns results, tables and fields; with `out` also writes the folder, and goes on from the blocks that
+    an interrupted computation left beside it.
+    """
+
 def critical_damping(oscillator: Oscillator) -> Any:
     """
     Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
@@ -136,10 +142,15 @@ def limit_cycle(oscillator: Oscillator) -> Any:
     Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
     """
 
-def merge_parts(study: Any, only: str | None, seed: SupportsIndex | None, parts: SupportsGetItem[int, str | PathLike[str]], run: str | PathLike[str], finish: bool, library: str | PathLike[str]) -> tuple[dict | None, int]:
+def merge_parts(request: Incomplete, parts: SupportsGetItem[int, str | PathLike[str]], run: str | PathLike[str], finish: bool) -> tuple[dict | None, int]:
     """
     Joins parts beside the folder `run` and, with `finish`, computes what is missing. Returns the results, or none if
     blocks are missing, and the number of finished blocks.
+    """
+
+def module_program(library: str | PathLike[str]) -> Any:
+    """
+    Returns what decides the last bits of results: the file of this module, and what it finds on this machine.
     """
 
 def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:
@@ -155,12 +166,6 @@ def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat
 def results_schema() -> str:
     """
     Returns the JSON Schema of results, from which the dataclasses are generated.
-    """
-
-def run_study(study: Any, only: str | None, seed, progress: Any | None, out: str | PathLike[str] | None) -> dict:
-    """
-    Runs a study, the path of a file or a dictionary. Returns results, tables and fields; with `out` also writes the run
-    folder.
     """
 
 def simulate_friction(process: Any, length_m: SupportsFloat | SupportsIndex, step_m: SupportsFloat | SupportsIndex, seed, index) -> Incomplete:
@@ -183,8 +188,8 @@ def statistics(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m:
     Computes the statistics of a map, with the keys of `asperity surface stats --json`.
     """
 
-def study_part(study: Any, only: str | None, seed: SupportsIndex | None, part: tuple[SupportsIndex, SupportsIndex], folder: str | PathLike[str], library: str | PathLike[str]) -> bool:
+def study_part(request: Incomplete, part: tuple[SupportsIndex, SupportsIndex], folder: str | PathLike[str]) -> bool:
     """
     Computes a part, number and count, of the blocks that can be computed now, into a folder. Blocks in the folder above
-    it are used. Returns whether the study is complete.
+    it are used. Returns whether all are known.
     """

@@ -42,7 +42,7 @@ def _unpack(archive: bytes, folder: pathlib.Path) -> None:
 def _part(
     asked: dict[str, Any], program: dict[str, Any], part: tuple[int, int], known: bytes | None, storage: str | None
 ) -> bytes | None:
-    """Compute a part on a worker; return its blocks, or leave them in `storage`. `known` are those of earlier passes."""
+    """Compute a part on a worker; return its blocks or leave them in `storage`. `known` are those of earlier passes."""
     if _core.module_program(_core.__file__) != program:
         raise RuntimeError("a worker has another build of asperity, or another processor, than the client")
     asked = asked | {"library": _core.__file__}
@@ -66,7 +66,7 @@ def run(
     parts: int | None = None,
     storage: str | os.PathLike[str] | None = None,
 ) -> StudyResults | CampaignResults:
-    """Run a study or a campaign on the workers of a Dask cluster. The results are those of one machine, to the last bit.
+    """Run a study or a campaign on the workers of a Dask cluster. The results are those of one machine, bit by bit.
 
     Each task computes a part of the blocks that can be computed: members of a campaign, contact solutions, strips,
     batches of trajectories. The client joins them, and the next tasks compute the loops that need them, until too

@@ -108,7 +108,9 @@ def run_study(
     >>> found.surface.covariance.std_m
     1e-06
     """
-    found = _core.compute(request(study, only, seed), False, callback(progress), None if out is None else os.fspath(out))
+    found = _core.compute(
+        request(study, only, seed), False, callback(progress), None if out is None else os.fspath(out)
+    )
     results = collect(found)
     assert isinstance(results, StudyResults)
     return results
@@ -137,7 +139,9 @@ def run_campaign(
     ResourceError
         A member needs more memory than is free.
     """
-    found = _core.compute(request(campaign, None, seed), True, callback(progress), None if out is None else os.fspath(out))
+    found = _core.compute(
+        request(campaign, None, seed), True, callback(progress), None if out is None else os.fspath(out)
+    )
     results = collect(found)
     assert isinstance(results, CampaignResults)
     return results

@@ -134,7 +134,7 @@ def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path):
     campaign = tmp_path / "campaign.toml"
     campaign.write_text('study = "study.toml"\n[values]\nvibration.damping_ratio = [0.05, 0.1, 0.2, 0.3, 0.4]\n')
     wanted = asperity.run_campaign(campaign, progress=False)
-    assert [member.answers.vibrates for member in wanted.members] == [True, True, True, False, False]
+    assert [member.vibrates for member in wanted.members] == [True, True, True, False, False]
     storage = tmp_path / "blocks"
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
@@ -142,8 +142,8 @@ def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path):
     ):
         found = dask.run(campaign, client, storage=storage)
         assert found.to_dict() == wanted.to_dict()
-        parts = sorted(path.name for path in storage.glob("part-*"))
-        assert len(parts) == 8
+        # Each member is the block of one part.
+        assert len(list(storage.glob("part-*"))) == len(wanted.members)
         # What is stored is not computed again: no task is needed.
         client.close()
         assert dask.run(campaign, _NoTasks(), storage=storage).to_dict() == wanted.to_dict()

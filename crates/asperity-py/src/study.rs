@@ -47,8 +47,7 @@ pub(crate) struct Request<'py> {
     /// Path of a study or a campaign, or a study as a dictionary.
     source: Bound<'py, PyAny>,
     only: Option<String>,
-    #[pyo3(from_py_with = optional_seed)]
-    seed: Option<u64>,
+    seed: Bound<'py, PyAny>,
     /// File of this module.
     pub(crate) library: PathBuf,
 }
@@ -57,6 +56,7 @@ impl Request<'_> {
     /// Reads the study or the campaign and checks it.
     pub(crate) fn computation(&self) -> PyResult<Computation> {
         let only = self.only.as_deref().map(|only| Stage::from_name(only).raise()).transpose()?;
+        let seed = optional_seed(&self.seed)?;
         let (text, file) = text_of(&self.source)?;
         let is_campaign = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("study"));
         if let (true, Some(file)) = (is_campaign, &file) {
@@ -67,7 +67,7 @@ impl Request<'_> {
                 )));
             }
             let study = Campaign::study_path(&text, file).raise()?;
-            let campaign = Campaign::parse(&text, file, &read(&folder_of(file).join(study))?, self.seed).raise()?;
+            let campaign = Campaign::parse(&text, file, &read(&folder_of(file).join(study))?, seed).raise()?;
             return Ok(Computation::campaign(file.clone(), text, campaign));
         }
         let name = file.as_ref().map_or_else(|| "study".into(), |file| file.display().to_string());
@@ -79,7 +79,7 @@ impl Request<'_> {
                 with_message(&error, format!("study, at `{line}`: {}", error.message))
             }
         })?;
-        let study = if let Some(seed) = self.seed { study.with_seed(seed) } else { study };
+        let study = if let Some(seed) = seed { study.with_seed(seed) } else { study };
         Ok(Computation::study(file, text, study, only))
     }
 }
