@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from asperity import _core
+from asperity.interop import with_stated_distributions
 from asperity.study import StudyResults, collect
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def run(
     RuntimeError
         A worker has another version of asperity, or a processor with other instruction sets.
     """
-    source: Any = dict(study) if isinstance(study, Mapping) else os.path.abspath(study)
+    source: Any = with_stated_distributions(study) if isinstance(study, Mapping) else os.path.abspath(study)
     count = parts or 4 * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
     with tempfile.TemporaryDirectory() as folder:
         target, before = pathlib.Path(folder, "run"), -1

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from asperity import _core
 from asperity._progress import Progress, callback
 from asperity.friction import FrictionProcess
+from asperity.interop import with_stated_distributions
 from asperity.results import PressureResult, Results, VerdictResult
 from asperity.surface import field_to_xarray
 
@@ -79,7 +80,8 @@ def run_study(
     ----------
     study
         Study file, or its content as a dictionary. Quantities are texts with units, such as ``"210 GPa"``. Paths in a
-        file are relative to it, those in a dictionary to the working directory.
+        file are relative to it, those in a dictionary to the working directory. An uncertain number may be a
+        distribution of OpenTURNS, an uncertain quantity the result of `asperity.uncertain`.
     only
         Compute this stage and the stages that it needs.
     seed
@@ -107,7 +109,7 @@ def run_study(
     >>> found.surface.covariance.std_m
     1e-06
     """
-    source = dict(study) if isinstance(study, Mapping) else os.fspath(study)
+    source = with_stated_distributions(study) if isinstance(study, Mapping) else os.fspath(study)
     return collect(_core.run_study(source, only, seed, callback(progress), None if out is None else os.fspath(out)))
 
 
