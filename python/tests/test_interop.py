@@ -35,7 +35,7 @@ def corner():
     z = 1e-6 * np.random.default_rng(1).standard_normal((4, 6))
     z[0, -1] = 1e-3
     z[1, -1] = np.nan
-    return HeightMap.from_array(z, dx_m=0.3e-6, dy_m=0.7e-6)
+    return HeightMap.from_array(z, dx_m=0.7e-6, dy_m=0.3e-6)
 
 
 @pytest.fixture
@@ -51,9 +51,9 @@ def test_a_map_returns_from_surfacetopography(corner):
     found = corner.to_surfacetopography()
     back = HeightMap.from_surfacetopography(found)
     assert np.array_equal(back.heights, corner.heights, equal_nan=True)
-    assert (back.dx_m, back.dy_m) == pytest.approx((0.3e-6, 0.7e-6), rel=3e-16, abs=0)
+    assert (back.dx_m, back.dy_m) == pytest.approx((0.7e-6, 0.3e-6), rel=3e-16, abs=0)
     assert (found.unit, found.nb_grid_pts, found.is_periodic) == ("m", (6, 4), False)
-    assert found.physical_sizes == pytest.approx((1.8e-6, 2.8e-6))
+    assert found.physical_sizes == pytest.approx((4.2e-6, 1.2e-6))
     # The first index is that of the column.
     assert found.heights()[-1, 0] == 1e-3
     assert np.ma.is_masked(found.heights()[-1, 1])
@@ -64,7 +64,7 @@ def test_units_of_surfacetopography_become_metre(corner):
     topographies = package("SurfaceTopography")
     found = HeightMap.from_surfacetopography(corner.to_surfacetopography().to_unit("nm"))
     np.testing.assert_array_max_ulp(found.heights, corner.heights, 2)
-    assert (found.dx_m, found.dy_m) == pytest.approx((0.3e-6, 0.7e-6), rel=1e-15, abs=0)
+    assert (found.dx_m, found.dy_m) == pytest.approx((0.7e-6, 0.3e-6), rel=1e-15, abs=0)
     with pytest.raises(ValueError, match="has no unit"):
         HeightMap.from_surfacetopography(topographies.Topography(np.ones((3, 3)), (1.0, 1.0)))
     with pytest.raises(ValueError, match="line scan"):
@@ -99,8 +99,8 @@ def test_a_map_returns_from_surfalize(corner):
     found = corner.to_surfalize()
     back = HeightMap.from_surfalize(found)
     np.testing.assert_array_max_ulp(back.heights, corner.heights, 1)
-    assert (back.dx_m, back.dy_m) == pytest.approx((0.3e-6, 0.7e-6), rel=3e-16, abs=0)
-    assert (found.step_x, found.step_y) == pytest.approx((0.3, 0.7))
+    assert (back.dx_m, back.dy_m) == pytest.approx((0.7e-6, 0.3e-6), rel=3e-16, abs=0)
+    assert (found.step_x, found.step_y) == pytest.approx((0.7, 0.3))
     # surfalize counts y from the bottom of the surface.
     assert found.get_horizontal_profile(found.height_um).data[-1] == pytest.approx(1000)
     found.mask[2:, :3] = True
@@ -135,7 +135,7 @@ def test_a_map_returns_from_xarray(corner):
         assert (back.dx_m, back.dy_m) == (corner.dx_m, corner.dy_m)
     window = HeightMap.from_xarray(array.isel(x=slice(2, None)))
     assert np.array_equal(window.heights, corner.heights[:, 2:], equal_nan=True)
-    assert (window.dx_m, window.dy_m) == pytest.approx((0.3e-6, 0.7e-6), rel=1e-15, abs=0)
+    assert (window.dx_m, window.dy_m) == pytest.approx((0.7e-6, 0.3e-6), rel=1e-15, abs=0)
 
 
 def test_arrays_that_are_no_map_are_refused(corner):
