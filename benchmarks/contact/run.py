@@ -71,10 +71,13 @@ class Peer:
     def __init__(self, name, threads=1):
         self.name, self.threads, self.process = name, threads, None
 
+    def command(self):
+        return [PYTHON, HERE / "peers.py", self.name]
+
     def ask(self, job):
         if self.process is None:
             self.process = subprocess.Popen(
-                [PYTHON, HERE / "peers.py", self.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                self.command(), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL, text=True, env=environment(self.threads))
         line, reason = "", "crashed"
         try:

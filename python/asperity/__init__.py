@@ -14,6 +14,7 @@ from asperity.chaos import Expansion, design
 from asperity.contact import ContactSolution, solve_contact
 from asperity.errors import FormatError, NotConvergedError, ResourceError
 from asperity.friction import FrictionProcess, fit_friction_record, friction_process
+from asperity.interop import uncertain
 from asperity.random import (
     Covariance,
     KarhunenLoeve,
@@ -74,6 +75,7 @@ __all__ = [
     "run_study",
     "solve_contact",
     "stability_map",
+    "uncertain",
     "verdict",
 ]
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from asperity import _core
 from asperity._progress import Progress, callback
 from asperity.friction import FrictionProcess
+from asperity.interop import with_stated_distributions
 from asperity.results import CampaignResults, PressureResult, Results, VerdictResult
 from asperity.surface import field_to_xarray
 
@@ -79,7 +80,8 @@ def run_study(
     ----------
     study
         Study file, or its content as a dictionary. Quantities are texts with units, such as ``"210 GPa"``. Paths in a
-        file are relative to it, those in a dictionary to the working directory.
+        file are relative to it, those in a dictionary to the working directory. An uncertain number may be a
+        distribution of OpenTURNS, an uncertain quantity the result of `asperity.uncertain`.
     only
         Compute this stage and the stages that it needs.
     seed
@@ -149,7 +151,7 @@ def run_campaign(
 
 def request(source: str | os.PathLike[str] | Mapping[str, Any], only: str | None, seed: int | None) -> dict[str, Any]:
     """Return what the compiled module is asked for."""
-    given: Any = dict(source) if isinstance(source, Mapping) else os.fspath(source)
+    given: Any = with_stated_distributions(source) if isinstance(source, Mapping) else os.fspath(source)
     return {"source": given, "only": only, "seed": seed, "library": _core.__file__}
 
 

@@ -16,6 +16,8 @@ from asperity._record import Record
 
 if TYPE_CHECKING:
     import xarray
+    from SurfaceTopography import Topography
+    from surfalize import Surface
 
     from asperity.results import SurfaceStatistics
 
@@ -126,6 +128,39 @@ class HeightMap:
         dy_m = dx_m if dy_m is None else dy_m
         return HeightMap(_core.height_map(np.asarray(z, dtype=np.float64), dx_m, dy_m), dx_m, dy_m)
 
+    @staticmethod
+    def from_xarray(array: xarray.DataArray) -> HeightMap:
+        """Create a map from an array with the dimensions y and x, such as that of `to_xarray`.
+
+        The row with the smallest y is row 0. The coordinates rise in equal steps; their distance is the pixel size.
+        Heights and coordinates are in metre; an attribute ``units`` other than ``m`` is an error.
+        """
+        from asperity import interop
+
+        return interop.from_xarray(array)
+
+    @staticmethod
+    def from_surfacetopography(topography: Topography) -> HeightMap:
+        """Create a map from a ``Topography`` of SurfaceTopography, from its unit to metre.
+
+        ``heights()[i, j]`` becomes the height in row j and column i, so that row 0 is the line that the readers of
+        SurfaceTopography take from the top of the image. Undefined heights are missing. The periodic flag is dropped:
+        the boundary is an argument of `asperity.solve_contact`.
+        """
+        from asperity import interop
+
+        return interop.from_surfacetopography(topography)
+
+    @staticmethod
+    def from_surfalize(surface: Surface) -> HeightMap:
+        """Create a map from a ``Surface`` of surfalize, from micrometre to metre.
+
+        Rows and columns keep their order. Masked points and those that were not measured are missing.
+        """
+        from asperity import interop
+
+        return interop.from_surfalize(surface)
+
     @property
     def shape(self) -> tuple[int, int]:
         """Number of rows and of columns, (ny, nx)."""
@@ -210,6 +245,30 @@ class HeightMap:
     def to_xarray(self) -> xarray.DataArray:
         """Return the heights with the coordinates of the cell centres."""
         return field_to_xarray(self.heights, self.dx_m, self.dy_m, name="height", unit="m")
+
+    def to_surfacetopography(self, *, periodic: bool = False) -> Topography:
+        """Return the map as a ``Topography`` of SurfaceTopography, in metre; missing heights are masked.
+
+        The heights keep their bits. SurfaceTopography stores the size of the map, so its pixel size may differ from
+        `dx_m` in the last bit.
+
+        Parameters
+        ----------
+        periodic
+            Whether the surface continues periodically beyond the edge of the map.
+        """
+        from asperity import interop
+
+        return interop.to_surfacetopography(self, periodic)
+
+    def to_surfalize(self) -> Surface:
+        """Return the map as a ``Surface`` of surfalize.
+
+        surfalize has micrometre as its unit, so that heights may change in the last bit when they return to metre.
+        """
+        from asperity import interop
+
+        return interop.to_surfalize(self)
 
 
 def field_to_xarray(values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str) -> xarray.DataArray:

@@ -1,0 +1,162 @@
+"""Exchange with other packages: maps of SurfaceTopography, surfalize and xarray, and distributions of OpenTURNS."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from asperity.surface import HeightMap
+
+if TYPE_CHECKING:
+    import xarray
+    from openturns import Distribution
+    from SurfaceTopography import Topography
+    from surfalize import Surface
+
+_UM_PER_M = 1e6
+# Largest distance of a coordinate from an equal grid, over the pixel size: above the rounding of single precision.
+_EQUAL_STEPS = 1e-3
+
+
+def from_surfacetopography(topography: Topography) -> HeightMap:
+    """Return the map of a topography; see `asperity.HeightMap.from_surfacetopography`."""
+    if topography.dim == 1:
+        raise ValueError("a line scan is no map; use a two-dimensional Topography")
+    if topography.unit is None:
+        raise ValueError("the topography has no unit; create it with a unit, such as Topography(..., unit='m')")
+    own = topography.to_unit("m")
+    dx_m, dy_m = map(float, own.pixel_size)
+    return HeightMap.from_array(np.ma.filled(own.heights(), np.nan).T, dx_m=dx_m, dy_m=dy_m)
+
+
+def to_surfacetopography(heights: HeightMap, periodic: bool) -> Topography:
+    """Return a map as a topography; see `asperity.HeightMap.to_surfacetopography`."""
+    from SurfaceTopography import Topography
+
+    ny, nx = heights.shape
+    sizes_m = (nx * heights.dx_m, ny * heights.dy_m)
+    return Topography(heights.heights.T, sizes_m, periodic=periodic, unit="m")
+
+
+def from_surfalize(surface: Surface) -> HeightMap:
+    """Return the map of a surface; see `asperity.HeightMap.from_surfalize`."""
+    heights_m = np.asarray(surface.data, dtype=np.float64) / _UM_PER_M
+    if surface.has_masked_points:
+        heights_m[surface.mask.to_array()] = np.nan
+    return HeightMap.from_array(heights_m, dx_m=surface.step_x / _UM_PER_M, dy_m=surface.step_y / _UM_PER_M)
+
+
+def to_surfalize(heights: HeightMap) -> Surface:
+    """Return a map as a surface; see `asperity.HeightMap.to_surfalize`."""
+    from surfalize import Surface
+
+    return Surface(_UM_PER_M * heights.heights, _UM_PER_M * heights.dx_m, _UM_PER_M * heights.dy_m)
+
+
+def from_xarray(array: xarray.DataArray) -> HeightMap:
+    """Return the map of an array; see `asperity.HeightMap.from_xarray`."""
+    if set(array.dims) != {"y", "x"}:
+        raise ValueError(f"found the dimensions {', '.join(map(str, array.dims))}; a map has y and x")
+    _check_metre(array, "the heights")
+    return HeightMap.from_array(
+        array.transpose("y", "x").to_numpy(), dx_m=_pitch_m(array, "x"), dy_m=_pitch_m(array, "y")
+    )
+
+
+def _check_metre(array: xarray.DataArray, name: str) -> None:
+    unit = array.attrs.get("units", "m")
+    if unit != "m":
+        raise ValueError(f"{name} are in {unit}; convert them to m")
+
+
+def _pitch_m(array: xarray.DataArray, axis: str) -> float:
+    """Return the distance between the points of an axis."""
+    if axis not in array.coords:
+        raise ValueError(f"{axis} has no coordinates; assign them in metre")
+    _check_metre(array[axis], f"the coordinates {axis}")
+    position_m = array[axis].to_numpy().astype(np.float64)
+    steps = np.arange(position_m.size)
+    # The coordinates of `to_xarray` give the distance without rounding.
+    pitch_m = 2 * position_m[0]
+    if not np.array_equal((steps + 0.5) * pitch_m, position_m):
+        pitch_m = (position_m[-1] - position_m[0]) / (position_m.size - 1)
+    offset_m = position_m - position_m[0] - steps * pitch_m
+    if not (pitch_m > 0 and np.abs(offset_m).max() <= _EQUAL_STEPS * pitch_m):
+        raise ValueError(f"the coordinates {axis} do not rise in equal steps; sort them, or interpolate to such a grid")
+    return float(pitch_m)
+
+
+def uncertain(distribution: Distribution, *, unit: str = "", unknown: bool = False) -> dict[str, Any]:
+    """State a distribution of OpenTURNS as an uncertain value of a study.
+
+    A study takes a distribution of a number, such as a damping ratio, as it is. A quantity needs its unit.
+
+    Parameters
+    ----------
+    distribution
+        ``Normal``, ``Uniform``, ``Triangular``, ``Beta``, or a ``LogNormal`` with the location γ = 0. The median of a
+        ``LogNormal`` is rounded, because OpenTURNS stores its logarithm; all other parameters are stated exactly.
+    unit
+        Unit of the numbers of the distribution, such as ``"GPa"``. Left out, the value is a number without a unit.
+    unknown
+        Whether it is one value that is not known, not a value that varies from part to part.
+
+    Returns
+    -------
+    dict
+        The value in the form of a study file, such as ``{"normal": ["2.0 GPa", "0.2 GPa"]}``.
+
+    Raises
+    ------
+    ValueError
+        A study file has no form for the distribution.
+    """
+    import openturns
+
+    own = openturns.Distribution(distribution).getImplementation()
+
+    def stated(value: float) -> float | str:
+        return f"{value!r} {unit}" if unit else value
+
+    form: dict[str, Any]
+    match own.getClassName(), list(own.getParameter()):
+        case "Normal", [mean, std]:
+            form = {"normal": [stated(mean), stated(std)]}
+        case "Uniform", [low, high]:
+            form = {"uniform": [stated(low), stated(high)]}
+        case "LogNormal", [log_median, log_std, 0.0]:
+            form = {"lognormal": [stated(math.exp(log_median)), log_std]}
+        case "Triangular", [low, mode, high]:
+            form = {"triangular": [stated(low), stated(mode), stated(high)]}
+        case "Beta", [a, b, low, high]:
+            form = {"beta": [a, b, stated(low), stated(high)]}
+        case _:
+            supported = "Normal, Uniform, Triangular, Beta, or LogNormal with gamma = 0"
+            raise ValueError(f"a study has no form for {distribution}; use {supported}")
+    return {**form, "unknown": True} if unknown else form
+
+
+def with_stated_distributions(study: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a study in which the distributions of OpenTURNS have the form of a study file."""
+    openturns = sys.modules.get("openturns")
+    if openturns is None:
+        return dict(study)
+    kinds = (openturns.Distribution, openturns.DistributionImplementation)
+    return {key: _stated(value, kinds, key) for key, value in study.items()}
+
+
+def _stated(value: Any, kinds: tuple[type, ...], name: str) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _stated(inner, kinds, f"{name}.{key}") for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_stated(inner, kinds, f"{name}[{place}]") for place, inner in enumerate(value)]
+    if not isinstance(value, kinds):
+        return value
+    try:
+        return uncertain(value)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
