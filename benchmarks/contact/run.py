@@ -111,11 +111,11 @@ class Asperity:
 
     name = "asperity"
 
-    def __init__(self, threads=1):
-        self.threads, self.answers = threads, []
+    def __init__(self, threads=1, **words):
+        self.threads, self.words, self.answers = threads, words, []
 
     def ask(self, job):
-        words = {key: job[key] for key in ("points", "boundary", "mean_pressure", "tolerance", "repeats", "warm_up", "pressure")}
+        words = self.words | {key: job[key] for key in ("points", "boundary", "mean_pressure", "tolerance", "repeats", "warm_up", "pressure")}
         words |= {"maps": job["maps"], "threads": self.threads, "transforms": job.get("transforms", "true")}
         if job["hardness"] is not None:
             words["hardness"] = job["hardness"]

@@ -2,7 +2,7 @@
 
 use asperity::choice::Choice;
 use asperity::contact::{
-    Boundary, ContactProblem, Control, Elastic, HalfSpace, Solver, SolverStop, Substrate, memory_bytes,
+    Boundary, ContactProblem, Control, Elastic, HalfSpace, Solution, Solver, SolverStop, Substrate, memory_bytes,
 };
 use asperity::map::{BoundaryKind, Grid};
 use numpy::{PyArray2, PyReadonlyArray2};
@@ -97,37 +97,25 @@ pub(crate) fn solve_contact<'py>(
     if let Some(tolerance) = settings.tolerance {
         solver.tolerance = tolerance;
     }
-    let solution = long::run(py, None, move |monitor| {
+    // All of it without the interpreter lock.
+    let (numbers, iterations, fields) = long::run(py, None, move |monitor| {
         let half_space = HalfSpace::with_substrate(substrate, grid, boundary).raise()?;
         let problem = ContactProblem::new(&half_space, &heights_m, control, settings.hardness_pa).raise()?;
-        solver.solve_from(&problem, None, &mut half_space.workspace(), monitor).raise()
+        let solution = solver.solve_from(&problem, None, &mut half_space.workspace(), monitor).raise()?;
+        require_convergence(&solution, solver.tolerance)?;
+        let (numbers, iterations) = (numbers(&solution), solution.iterations());
+        let (gap_m, plastic_displacement_m) = (solution.gap_m(), solution.plastic_displacement_m());
+        let (pressure_pa, displacement_m) = solution.into_fields();
+        let fields = [
+            ("gap_m", gap_m),
+            ("plastic_displacement_m", plastic_displacement_m),
+            ("pressure_pa", pressure_pa),
+            ("displacement_m", displacement_m),
+        ];
+        Ok((numbers, iterations, fields))
     })?;
-    if !solution.converged() {
-        let why = match solution.stop_reason() {
-            SolverStop::PrecisionLimit => "limit of double precision",
-            SolverStop::IterationLimit => "iteration limit",
-            SolverStop::Converged | SolverStop::Cancelled => "cancelled",
-        };
-        return Err(NotConvergedError::new_err(format!(
-            "not converged after {} iterations ({why}): residual {:.1e}, tolerance {:.1e}",
-            solution.iterations(),
-            solution.residual().worst(),
-            solver.tolerance
-        )));
-    }
     let answer = PyDict::new(py);
-    for (name, value) in [
-        ("contact_fraction", solution.contact_fraction()),
-        ("contact_fraction_corrected", solution.corrected_contact_fraction()),
-        ("plastic_fraction", solution.plastic_fraction()),
-        ("mean_pressure_pa", solution.mean_pressure_pa()),
-        ("load_n", solution.load_n()),
-        ("max_pressure_pa", solution.max_pressure_pa()),
-        ("mean_gap_m", solution.mean_gap_m()),
-        ("separation_m", solution.separation_m()),
-        ("penetration_m", solution.penetration_m()),
-        ("residual", solution.residual().worst()),
-    ] {
+    for (name, value) in numbers {
         answer.set_item(name, value)?;
     }
     let mean_compliance_m_per_pa = match boundary {
@@ -135,11 +123,42 @@ pub(crate) fn solve_contact<'py>(
         Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
     };
     answer.set_item("mean_compliance_m_per_pa", mean_compliance_m_per_pa)?;
-    answer.set_item("iterations", solution.iterations())?;
-    answer.set_item("gap_m", PyArray2::from_owned_array(py, solution.gap_m()))?;
-    answer.set_item("plastic_displacement_m", PyArray2::from_owned_array(py, solution.plastic_displacement_m()))?;
-    let (pressure_pa, displacement_m) = solution.into_fields();
-    answer.set_item("pressure_pa", PyArray2::from_owned_array(py, pressure_pa))?;
-    answer.set_item("displacement_m", PyArray2::from_owned_array(py, displacement_m))?;
+    answer.set_item("iterations", iterations)?;
+    for (name, field) in fields {
+        answer.set_item(name, PyArray2::from_owned_array(py, field))?;
+    }
     Ok(answer)
+}
+
+/// Fails if a solution misses the tolerance.
+fn require_convergence(solution: &Solution, tolerance: f64) -> PyResult<()> {
+    if solution.converged() {
+        return Ok(());
+    }
+    let why = match solution.stop_reason() {
+        SolverStop::PrecisionLimit => "limit of double precision",
+        SolverStop::IterationLimit => "iteration limit",
+        SolverStop::Converged | SolverStop::Cancelled => "cancelled",
+    };
+    Err(NotConvergedError::new_err(format!(
+        "not converged after {} iterations ({why}): residual {:.1e}, tolerance {tolerance:.1e}",
+        solution.iterations(),
+        solution.residual().worst(),
+    )))
+}
+
+/// Returns the numbers of a solution by name.
+fn numbers(solution: &Solution) -> [(&'static str, Option<f64>); 10] {
+    [
+        ("contact_fraction", Some(solution.contact_fraction())),
+        ("contact_fraction_corrected", solution.corrected_contact_fraction().into()),
+        ("plastic_fraction", Some(solution.plastic_fraction())),
+        ("mean_pressure_pa", Some(solution.mean_pressure_pa())),
+        ("load_n", Some(solution.load_n())),
+        ("max_pressure_pa", Some(solution.max_pressure_pa())),
+        ("mean_gap_m", Some(solution.mean_gap_m())),
+        ("separation_m", Some(solution.separation_m())),
+        ("penetration_m", Some(solution.penetration_m())),
+        ("residual", Some(solution.residual().worst())),
+    ]
 }
