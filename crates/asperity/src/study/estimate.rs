@@ -74,7 +74,8 @@ impl StageEstimate {
 
     /// Returns the memory of the program in byte while it runs the stage of several members of a campaign.
     pub(super) fn memory_together_bytes(&self, members: usize) -> f64 {
-        memory::PROGRAM_BYTES + members as f64 * (self.memory_bytes - memory::PROGRAM_BYTES)
+        let member_bytes = self.memory_bytes - memory::PROGRAM_BYTES;
+        memory::PROGRAM_BYTES + (members as f64 + memory::KEPT_OF_A_MEMBER) * member_bytes
     }
 }
 

@@ -10,6 +10,8 @@ use crate::surface::model::{PatchSize, SurfaceModel};
 
 /// Bytes of the program itself, its libraries and its threads.
 pub(super) const PROGRAM_BYTES: f64 = 20e6;
+/// Fraction of the memory of a member of a campaign that stays between members.
+pub(super) const KEPT_OF_A_MEMBER: f64 = 0.1;
 /// Bytes per point of all scans in the surface stage, and those of their statistics per point of at most [`TRIAL_POINTS`].
 const SCAN_BYTES: f64 = 110.0;
 const TRIAL_BYTES: f64 = 400.0;
