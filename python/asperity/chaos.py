@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _core
+from asperity import _core, _plots
 from asperity._record import Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Sampler = Literal["monte_carlo", "latin_hypercube", "maximin_latin_hypercube", "sobol"]
 
@@ -38,6 +41,10 @@ class SobolIndices(Record):
     """Fraction of the variable alone."""
     total: NDArray[np.float64]
     """Fraction of the variable with all its interactions."""
+
+    def plot(self, names: Sequence[str] | None = None, *, ax: Axes | None = None) -> Axes:
+        """Draw the indices; `names` are those of the variables."""
+        return _plots.sobol_indices(self, names, ax)
 
 
 class Expansion:

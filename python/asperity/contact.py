@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _core
+from asperity import _core, _plots
 from asperity._record import Record
 from asperity.surface import HeightMap, field_to_xarray
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
 
 FIELDS = ("pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m")
 
@@ -69,6 +70,14 @@ class ContactSolution(Record):
             for name, unit in units.items()
         }
         return xarray.Dataset(arrays)
+
+    def plot(self, field: str = "pressure_pa", *, ax: Axes | None = None) -> Axes:
+        """Draw a field: ``pressure_pa``, ``displacement_m``, ``gap_m`` or ``plastic_displacement_m``."""
+        if field not in FIELDS:
+            raise ValueError(f"found {field}, expected one of {', '.join(FIELDS)}")
+        name, _, unit = field.rpartition("_")
+        unit = "Pa" if unit == "pa" else unit
+        return _plots.field(getattr(self, field), self.dx_m, self.dy_m, name=name.replace("_", " "), unit=unit, ax=ax)
 
 
 def solve_contact(

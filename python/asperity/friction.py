@@ -7,13 +7,16 @@ import os
 import pathlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _core
+from asperity import _core, _plots
 from asperity._record import Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +82,10 @@ class FrictionProcess(Record):
         """Draw values of μ at equal steps; realisation number `index` of the seed."""
         values: NDArray[np.float64] = _core.simulate_friction(self.to_dict(), length_m, step_m, seed, index)
         return values
+
+    def plot(self, *, length_m: float | None = None, seed: int = 1, ax: Axes | None = None) -> Axes:
+        """Draw one realisation; `length_m` is 20 correlation lengths when left out."""
+        return _plots.friction_process(self, length_m, seed, ax)
 
 
 def friction_process(

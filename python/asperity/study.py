@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity import _core
+from asperity import _core, _plots
 from asperity._progress import Progress, callback
 from asperity.friction import FrictionProcess
 from asperity.interop import with_stated_distributions
@@ -20,6 +20,7 @@ from asperity.surface import field_to_xarray
 if TYPE_CHECKING:
     import pandas
     import xarray
+    from matplotlib.axes import Axes
 
 
 class Table(dict[str, NDArray[np.float64] | list[str]]):
@@ -46,6 +47,11 @@ class Field:
         """Return the field with the coordinates of the cell centres."""
         return field_to_xarray(self.values, self.dx_m, self.dy_m, name=self.name, unit=self.unit)
 
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the field."""
+        name = self.name.replace("_", " ")
+        return _plots.field(self.values, self.dx_m, self.dy_m, name=name, unit=self.unit, ax=ax)
+
 
 @dataclass(frozen=True, kw_only=True)
 class StudyResults(Results):
@@ -64,6 +70,16 @@ class StudyResults(Results):
 
         renamed = (own.to_xarray().rename(x=f"x_{name}", y=f"y_{name}") for name, own in sorted(self.fields.items()))
         return xarray.Dataset({str(array.name): array for array in renamed})
+
+    def plot(self, figure: _plots.StudyFigure, *, ax: Axes | None = None) -> Axes:
+        """Draw a figure of the run; the report has them all.
+
+        Raises
+        ------
+        ValueError
+            The run has no results for this figure. The message lists the figures that can be drawn.
+        """
+        return _plots.study_figure(self, figure, ax)
 
 
 def run_study(

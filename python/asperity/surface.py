@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _core
+from asperity import _core, _plots
 from asperity._record import Record
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
     from SurfaceTopography import Topography
     from surfalize import Surface
 
@@ -43,6 +44,10 @@ class Autocorrelation(Record):
     variance_m2: float
     """Variance of the heights."""
 
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the correlation along both axes."""
+        return _plots.autocorrelation(self, ax)
+
 
 @dataclass(frozen=True, kw_only=True)
 class RadialSpectrum(Record):
@@ -58,6 +63,10 @@ class RadialSpectrum(Record):
     """Upper end of these wavenumbers."""
     upper_limit: str
     """Limit that sets the upper end: ``pixel``, ``roll_off`` or ``noise_floor``."""
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the spectrum, with the wavenumbers at which it shows the surface."""
+        return _plots.radial_spectrum(self, ax)
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,6 +278,10 @@ class HeightMap:
         from asperity import interop
 
         return interop.to_surfalize(self)
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the heights."""
+        return _plots.field(self.heights, self.dx_m, self.dy_m, name="height", unit="m", ax=ax)
 
 
 def field_to_xarray(values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str) -> xarray.DataArray:

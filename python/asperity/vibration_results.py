@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity import _plots
 from asperity._record import Record
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
 
 Kind = Literal["stick_slip", "overtaking", "slip_cycle", "none"]
 
@@ -168,6 +170,10 @@ class Ensemble(Record):
         "passages": Passages,
     }
 
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the distribution of the displacements at which the mass sticks again."""
+        return _plots.ensemble(self, ax)
+
 
 @dataclass(frozen=True, kw_only=True)
 class MapPoint(Record):
@@ -223,3 +229,7 @@ class StabilityMap(Record):
         import pandas
 
         return pandas.json_normalize([point.to_dict() for point in self.points])
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the probability with its contours and the limit without fluctuation."""
+        return _plots.stability_map(self, ax)

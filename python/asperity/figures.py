@@ -1,0 +1,85 @@
+"""Figures 2 to 5 of Gaus, Proppe and Zaccardi, *Meccanica dei Materiali e delle Strutture* VI (2016) 1, 115–122.
+
+Each function draws the results of one study, which is in ``studies/`` of the source. What the paper leaves open, and what
+differs from print, is in ``PAPER.md``. The figures need matplotlib (``pip install '.[plot]'``).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from asperity import _plots
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from asperity.study import StudyResults
+
+
+def _panels(count: int) -> tuple[Figure, list[Axes]]:
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, count, figsize=(4.4 * count, 3.6), layout="constrained", squeeze=False)
+    if count > 1:
+        for letter, ax in zip("abcdef", axes[0], strict=False):
+            ax.annotate(f"({letter})", (0.03, 0.95), xycoords="axes fraction", va="top")
+    return figure, list(axes[0])
+
+
+def figure_2(results: StudyResults) -> Figure:
+    """Draw the distribution of the contact pressure by method; ``studies/paper_fig2.toml`` computes it.
+
+    The expansions of the paper are fitted to samples in contact alone, which biases them; the figure shows them beside a Monte
+    Carlo reference.
+    """
+    figure, (ax,) = _panels(1)
+    results.plot("pressure_cdf", ax=ax)
+    return figure
+
+
+def figure_3(results: StudyResults) -> Figure:
+    """Draw friction against penetration, its correlation and its distribution; ``studies/paper_fig3.toml`` computes them.
+
+    Panels: mean, standard deviation and coefficient of variation with 95 % intervals; correlation along the sliding distance;
+    histogram with the fitted Beta distribution. The correlation length is that of the window.
+    """
+    figure, axes = _panels(5)
+    for name, ax in zip(("mean", "std", "coefficient_of_variation"), axes, strict=False):
+        _plots.require(results, "friction_levels")
+        _plots.friction_over(results, name, ax)
+    results.plot("friction_acf", ax=axes[3])
+    results.plot("friction_histogram", ax=axes[4])
+    return figure
+
+
+def figure_4(results: StudyResults) -> Figure:
+    """Draw a trajectory of the mass: displacement over time, and velocity over displacement; ``studies/paper_fig5.toml``.
+
+    The trajectory has fluctuating friction, the cycle beside it has not.
+    """
+    _plots.require(results, "limit_cycle")
+    figure, (left, right) = _panels(2)
+    tau, displacement, velocity = (
+        _plots.column(results, "trajectory", name) for name in ("tau", "displacement", "velocity")
+    )
+    left.plot(tau, displacement, color=_plots.BLUE, lw=0.8)
+    left.set(xlabel="time τ = ω₀t", ylabel="displacement X = xc/N")
+    right.plot(displacement, velocity, color=_plots.BLUE, lw=0.6, label="with fluctuation")
+    cycle = [_plots.column(results, "limit_cycle", name) for name in ("displacement", "velocity")]
+    right.plot(*cycle, color=_plots.ORANGE, ls="--", label="without")
+    right.set(xlabel="displacement X", ylabel="velocity dX/dτ")
+    right.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    return figure
+
+
+def figure_5(results: StudyResults) -> Figure:
+    """Draw phase portrait, re-attachment and lost cycles; ``studies/paper_fig5.toml`` computes them.
+
+    Panels: limit cycle with points of trajectories; distribution of the displacement at which the mass sticks again; number of
+    cycles over the damping ratio, with and without fluctuation of friction.
+    """
+    figure, axes = _panels(3)
+    for name, ax in zip(("limit_cycle", "reattachment", "cycles_over_damping"), axes, strict=True):
+        results.plot(name, ax=ax)
+    return figure
