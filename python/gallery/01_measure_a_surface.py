@@ -48,8 +48,8 @@ for name, own, filled in (("with spikes", plane, False), ("without", surface, Tr
     right.hist(heights_um, bins, density=True, histtype="stepfilled" if filled else "step", alpha=0.7, label=name)
 normal = np.exp(-0.5 * (bins * 1e-6 / found.Sq_m) ** 2) / (np.sqrt(2 * np.pi) * found.Sq_m * 1e6)
 right.plot(bins, normal, "k--", linewidth=1, label="normal, same Sq")
-right.set(xlabel="height (µm)", ylabel="density (1/µm)", yscale="log", ylim=(2e-5, 3))
-right.legend(loc="upper right", fontsize="small")
+right.set(xlabel="height (µm)", ylabel="density (1/µm)", yscale="log", ylim=(2e-5, 100))
+right.legend(loc="upper left", fontsize="small")
 plt.show()
 
 # %% [markdown]
@@ -130,8 +130,9 @@ assert np.isclose(np.sum(rings), found.Sq_m**2, rtol=0.1)
 # %%
 low_um, high_um = (1e6 * end for end in found.Sq_m_interval)
 print(
-    f"For wavelengths from {shortest_m * 1e6:.0f} µm to {longest_m * 1e6:.0f} µm the disc has Sq = {found.Sq_m * 1e6:.3f} µm "
-    f"({low_um:.3f} to {high_um:.3f} µm)\nand correlation lengths of {x_m * 1e6:.0f} µm and {y_m * 1e6:.0f} µm."
+    f"For wavelengths from {shortest_m * 1e6:.0f} µm to {longest_m * 1e6:.0f} µm the disc has "
+    f"Sq = {found.Sq_m * 1e6:.3f} µm (95 %: {low_um:.3f} to {high_um:.3f} µm)\n"
+    f"and correlation lengths of {x_m * 1e6:.0f} µm and {y_m * 1e6:.0f} µm."
 )
 
 # %% [markdown]

@@ -34,6 +34,11 @@ print(f"covariance: {covariance.model}, slopes {covariance.slope_ratio:.2f} time
 
 # %%
 points, size_m = 128, 256e-6
+labels = {
+    "spectral": "spectral",
+    "karhunen_loeve": "Karhunen–Loève",
+    "weierstrass_mandelbrot": "Weierstrass–Mandelbrot",
+}
 generators = {name: model.on_grid(size_m=size_m, points=points) for name, model in models.items()}
 generators["weierstrass_mandelbrot"] = asperity.WeierstrassMandelbrot(
     rms_height_m=found.Sq_m, fractal_dimension=2.3, size_m=size_m, points=points
@@ -41,10 +46,11 @@ generators["weierstrass_mandelbrot"] = asperity.WeierstrassMandelbrot(
 drawn = {name: generator.sample(seed=1, count=8) for name, generator in generators.items()}
 assert found.fractal_dimension is None
 figure, panels = plt.subplots(1, 4, figsize=(9, 2.6), layout="constrained")
-shown = {"scan": surface.heights[100:228, 100:228]} | {name: maps[0].heights for name, maps in drawn.items()}
+shown = {"scan": surface.heights[100:228, 100:228]} | {labels[name]: maps[0].heights for name, maps in drawn.items()}
 for axes, (name, heights) in zip(panels, shown.items(), strict=True):
     image = axes.imshow(heights * 1e6, extent=(0, 256, 0, 256), vmin=-2.5, vmax=2.5)
-    axes.set(title=name.replace("_", " "), xlabel="x (µm)")
+    axes.set_title(name, fontsize="medium")
+    axes.set_xlabel("x (µm)")
     axes.tick_params(labelleft=axes is panels[0])
 panels[0].set_ylabel("y (µm)")
 figure.colorbar(image, ax=panels, label="height (µm)", extend="both")
@@ -84,9 +90,7 @@ measured = surface.psd()
 axes.loglog(measured.q_rad_per_m, measured.psd_m4, "k", linewidth=2, label="scan")
 for (name, maps), style in zip(drawn.items(), ("-", "--", ":"), strict=True):
     spectra = [own.psd() for own in maps]
-    axes.loglog(
-        spectra[0].q_rad_per_m, np.mean([own.psd_m4 for own in spectra], 0), style, label=name.replace("_", " ")
-    )
+    axes.loglog(spectra[0].q_rad_per_m, np.mean([own.psd_m4 for own in spectra], 0), style, label=labels[name])
 axes.axvspan(measured.reliable_low_rad_per_m, measured.reliable_high_rad_per_m, color="tab:green", alpha=0.12)
 axes.set(xlabel="wavenumber q (rad/m)", ylabel="power spectral density (m⁴)", ylim=(1e-29, 1e-20))
 axes.legend(fontsize="small")
@@ -119,8 +123,9 @@ assert np.isclose(fractal.heights.std(), 1e-6, rtol=0.1)
 
 # %%
 print(
-    f"The spectral generator has {slopes['spectral'] / found.Sdq:.0%} of the rms slope of the scan, 400 Karhunen-Loève modes "
-    f"{slopes['karhunen_loeve'] / found.Sdq:.0%},\nthe fractal {slopes['weierstrass_mandelbrot'] / found.Sdq:.0%}: "
+    f"The spectral generator has {slopes['spectral'] / found.Sdq:.0%} of the rms slope of the scan, "
+    f"400 Karhunen-Loève modes {slopes['karhunen_loeve'] / found.Sdq:.0%},\n"
+    f"the fractal {slopes['weierstrass_mandelbrot'] / found.Sdq:.0%}: "
     "use the spectral one for contact, the expansion where few variables matter more."
 )
 

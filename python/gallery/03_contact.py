@@ -66,6 +66,8 @@ left.set(xlabel="distance from the centre r/a", ylabel="pressure p/p₀")
 left.legend()
 right.loglog(cells, pressure_error, "o-", label="pressure (rms)")
 right.loglog(cells, area_error, "s-", label="corrected area")
+right.set_xticks(cells, [f"{own:.0f}" for own in cells])
+right.minorticks_off()
 right.set(xlabel="cells per contact radius", ylabel="relative error")
 right.legend()
 plt.show()
@@ -139,8 +141,8 @@ plt.show()
 
 # %%
 print(
-    f"With {cells[1]:.0f} cells per contact radius the rms error of the pressure is {pressure_error[1]:.1%} of p0 and falls "
-    f"with order {order:.1f};\nthe error of the corrected area is {area_error[1]:.1%}."
+    f"With {cells[1]:.0f} cells per contact radius the rms error of the pressure is {pressure_error[1]:.1%} of p0 "
+    f"and falls with order {order:.1f};\nthe error of the corrected area is {area_error[1]:.1%}."
 )
 
 # %% [markdown]

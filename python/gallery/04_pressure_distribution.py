@@ -1,7 +1,7 @@
 # %% [markdown]
 # # The distribution of the contact pressure
 #
-# **How is the pressure at a point of a rough contact distributed, and which method finds it with few contact solutions?**
+# **How is the pressure at a point of a contact distributed, and which method finds it with few contact solutions?**
 #
 # The surface is random, so the pressure at one point is: zero with the probability 1 − P(contact), otherwise a value
 # up to the hardness. The study is that of figure 2 of Gaus, Proppe and Zaccardi (2016) with fewer points and samples;
@@ -59,7 +59,7 @@ plt.show()
 inner, border = contact.values[8:-8, 8:-8].mean(), np.concatenate([contact.values[0], contact.values[-1]]).mean()
 print(f"contact probability {inner:.3f} in the middle, {border:.3f} at two edges")
 assert pressure.contact_probability <= 0.5
-assert contact.values.max() <= 0.55  # with the error of 500 samples
+assert contact.values.max() <= 0.5
 assert border > inner
 
 # %% [markdown]
@@ -81,7 +81,9 @@ widths = {name: np.ptp(method.contact_probability_interval) for name, method in 
 gain = (widths["monte_carlo"] / widths["default"]) ** 2
 work = 500 + sum(grid.work_in_fine_solves for grid in own["default"].coarse_solves)
 low, high = own["default"].contact_probability_interval
-assert low - 0.01 < pressure.contact_probability < high + 0.01
+known_low, known_high = pressure.contact_probability_interval
+assert low < known_high
+assert known_low < high
 assert gain * 500 > 4 * work
 assert own["default"].ks_distance < 0.25 * own["polynomial_chaos"].ks_distance
 
@@ -99,8 +101,11 @@ styles = {"monte_carlo": "-", "polynomial_chaos": "--", "polynomial_chaos_log": 
 for name, style in styles.items():
     axes.plot(table["pressure_pa"] / 1e9, table[name], style, label=name.replace("_", " "))
 axes.set(xlabel="pressure (GPa)", ylabel="probability of a lower pressure", ylim=(0.65, 1.01))
-axes.legend(fontsize="small", loc="lower right")
+axes.legend(fontsize="small", loc="upper left")
 plt.show()
+yielding = (1 - np.interp(1.99e9, table["pressure_pa"], table["reference"])) / pressure.contact_probability
+print(f"{yielding:.0%} of the pressures in contact are at the hardness")
+assert yielding > 0.8
 assert np.all(np.diff(table["reference"]) >= 0)
 
 # %% [markdown]
@@ -108,8 +113,9 @@ assert np.all(np.diff(table["reference"]) >= 0)
 
 # %%
 print(
-    f"The point is in contact with the probability {own['default'].contact_probability:.3f} ({low:.3f} to {high:.3f}) and carries "
-    f"{own['default'].mean_pa / 1e6:.0f} MPa on average.\nFor this interval plain Monte Carlo needs {gain * 500:,.0f} fine solutions; "
+    f"The point is in contact with the probability {own['default'].contact_probability:.3f} ({low:.3f} to {high:.3f}) "
+    f"and carries {own['default'].mean_pa / 1e6:.0f} MPa on average.\n"
+    f"For this interval plain Monte Carlo needs {gain * 500:,.0f} fine solutions; "
     f"the default did the work of {work:,.0f}."
 )
 
