@@ -151,7 +151,7 @@ assert guess.probability_at_q05 < found.probability < guess.probability_at_q95
 targets = found.remedies[0].reach
 for own in targets:
     least, most = own.value_interval
-    print(f"damping ratio {own.value:.3f} ({least:.3f} to {most:.3f}) for a probability of {own.probability:.0%}")
+    print(f"damping ratio {own.value:.4f} ({least:.4f} to {most:.4f}) for a probability of {own.probability:.0%}")
 assert 0.05 < targets[0].value < targets[1].value
 
 figure, axes = plt.subplots(figsize=(5.5, 2.8), layout="constrained")
