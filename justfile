@@ -46,8 +46,12 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py
-    ruff format --check --quiet python scripts/generate_python_results.py
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery
+
+# The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
+gallery:
+    scripts/build-gallery --check
 
 # Everything but the tests.
 lint: fmt clippy doc typos deny
