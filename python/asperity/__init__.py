@@ -86,6 +86,8 @@ _LAZY = {name: "study" for name in ("pressure_distribution", "run_campaign", "ru
 
 
 def __getattr__(name: str) -> Any:
+    if name == "figures":
+        return import_module("asperity.figures")
     if name in _LAZY:
         return getattr(import_module(f"asperity.{_LAZY[name]}"), name)
     raise AttributeError(f"module asperity has no attribute {name}")

@@ -68,6 +68,23 @@ def _label(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
 
 
+def legend(ax: Axes, **options: Any) -> None:
+    """Place the legend above the axes, where it covers no data."""
+    count = len(ax.get_legend_handles_labels()[0])
+    place: dict[str, Any] = {"bbox_to_anchor": (0, 1), "borderaxespad": 0.2, "ncols": min(count, 2) or 1}
+    ax.legend(loc="lower left", fontsize="small", **({"frameon": False} | place | options))
+
+
+def heights(values: Values, dx_m: float, dy_m: float, ax: Axes | None) -> Axes:
+    """Draw heights; the colours span all but the extreme 0.2 % of them."""
+    ax = field(values, dx_m, dy_m, name="height", unit="m", ax=ax)
+    (image,) = ax.get_images()
+    shown = np.asarray(image.get_array())
+    if np.isfinite(shown).any():
+        image.set_clim(*np.nanpercentile(shown, [0.1, 99.9]))
+    return ax
+
+
 def field(values: Values, dx_m: float, dy_m: float, *, name: str, unit: str, ax: Axes | None) -> Axes:
     """Draw values on a grid, row 0 at the top, with a colour bar."""
     ax = axes_of(ax)
@@ -90,7 +107,7 @@ def autocorrelation(found: Autocorrelation, ax: Axes | None) -> Axes:
     ax.plot(factor * found.lag_y_m, found.acf_y, color=ORANGE, ls="--", label="along y")
     ax.axhline(math.exp(-1), color=GREY, lw=0.8, ls=":", label="1/e")
     ax.set(xlabel=_label("lag", unit), ylabel="correlation of the heights")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -100,7 +117,7 @@ def radial_spectrum(found: RadialSpectrum, ax: Axes | None) -> Axes:
     ax.axvspan(found.reliable_low_rad_per_m, found.reliable_high_rad_per_m, color=GREEN, alpha=0.15, label="reliable")
     ax.loglog(found.q_rad_per_m, found.psd_m4, color=BLUE, label="measured")
     ax.set(xlabel="wavenumber (rad/m)", ylabel="power spectral density (m⁴)")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -121,7 +138,7 @@ def _bars(ax: Axes, names: Sequence[str], first_order: Any, total: Any) -> Axes:
     ax.set_yticks(places, names)
     ax.invert_yaxis()
     ax.set(xlabel="fraction of the variance", xlim=(0, max(1.0, float(np.max(total)))))
-    ax.legend(frameon=False, loc="lower right")
+    legend(ax)
     return ax
 
 
@@ -142,7 +159,7 @@ def friction_process(process: FrictionProcess, length_m: float | None, seed: int
     ax.axhline(process.mean, color=GREY, lw=0.8)
     ax.plot(factor * step_m * np.arange(friction.size), friction, color=BLUE, lw=0.8, label="one realisation")
     ax.set(xlabel=_label("sliding distance", unit), ylabel="friction coefficient")
-    ax.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))
+    legend(ax)
     return ax
 
 
@@ -154,7 +171,7 @@ def ensemble(found: Ensemble, ax: Axes | None) -> Axes:
     if own.mean is not None and own.std:
         _normal(ax, own.mean, own.std)
     ax.set(xlabel="displacement X at re-attachment", ylabel="density")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -200,11 +217,7 @@ def _probability_map(
     ax.figure.colorbar(shades, ax=ax).set_label("probability of sustained vibration")
     ax.set(xlabel=_words(names[0]), ylabel=_words(names[1]))
     # White lines need a dark legend.
-    handles, labels = ax.get_legend_handles_labels()
-    if handles:
-        legend = ax.legend(handles, labels, ncols=2, loc="lower left", bbox_to_anchor=(0, 1), facecolor=GREY)
-        for text in legend.get_texts():
-            text.set_color("white")
+    legend(ax, frameon=True, facecolor=GREY, labelcolor="white")
     return ax
 
 
@@ -262,7 +275,7 @@ def _height_acf(results: StudyResults, ax: Axes) -> Axes:
                 lag, column(results, "height_acf", f"fit_{axis}"), color=colour, ls="--", label=f"model along {axis}"
             )
     ax.set(xlabel=_label("lag", unit), ylabel="correlation of the heights")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -276,7 +289,7 @@ def _height_psd(results: StudyResults, ax: Axes) -> Axes:
     if "psd_model_m4" in results.tables["height_psd_radial"]:
         ax.loglog(q, column(results, "height_psd_radial", "psd_model_m4"), color=ORANGE, ls="--", label="model")
     ax.set(xlabel="wavenumber (rad/m)", ylabel="power spectral density (m⁴)")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -310,7 +323,7 @@ def _pressure_cdf(results: StudyResults, ax: Axes) -> Axes:
             label=_METHODS.get(name, _words(name)),
         )
     ax.set(xlabel=_label("contact pressure", unit), ylabel="cumulative probability", ylim=(None, 1.005))
-    ax.legend(frameon=False, fontsize="small")
+    legend(ax)
     return ax
 
 
@@ -328,7 +341,7 @@ def friction_over(results: StudyResults, name: str, ax: Axes) -> Axes:
         "coefficient_of_variation": "coefficient of variation",
     }
     ax.set(xlabel=_label("penetration", unit), ylabel=words[name])
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -345,7 +358,7 @@ def _friction_acf(results: StudyResults, ax: Axes) -> Axes:
             ax.plot(lag, column(results, "friction_acf", name), color=colour, ls=dashes, label=label)
     ax.axhline(0, color=GREY, lw=0.6)
     ax.set(xlabel=_label("lag of the sliding distance", unit), ylabel="correlation of μ")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -359,8 +372,9 @@ def _friction_histogram(results: StudyResults, ax: Axes) -> Axes:
     ):
         if name in results.tables["friction_histogram"]:
             ax.plot(mu, column(results, "friction_histogram", name), color=colour, ls=dashes, label=label)
+    ax.locator_params(axis="x", nbins=5)
     ax.set(xlabel="friction coefficient μ", ylabel="density")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -369,9 +383,9 @@ def _limit_cycle(results: StudyResults, ax: Axes) -> Axes:
         cloud = [column(results, "phase_cloud", name) for name in ("displacement", "velocity")]
         ax.plot(*cloud, ".", ms=1.5, color=BLUE, alpha=0.4, label="trajectories")
     cycle = [column(results, "limit_cycle", name) for name in ("displacement", "velocity")]
-    ax.plot(*cycle, color=ORANGE, label="limit cycle without fluctuation")
+    ax.plot(*cycle, color=ORANGE, label="limit cycle")
     ax.set(xlabel="displacement X", ylabel="velocity dX/dτ")
-    ax.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    legend(ax)
     return ax
 
 
@@ -381,7 +395,7 @@ def _reattachment(results: StudyResults, ax: Axes) -> Axes:
     ax.bar(x, density, width=float(np.median(np.diff(x))), color=BLUE, alpha=0.6, label="computed")
     ax.plot(x, normal, color=GREY, ls="--", label="normal, same moments")
     ax.set(xlabel="displacement X at re-attachment", ylabel="density")
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 
@@ -400,7 +414,7 @@ def _over_damping(results: StudyResults, ax: Axes, curves: Mapping[str, tuple[st
     if limit:
         ax.axvline(limit, color=GREY, lw=0.8, ls=":", label="limit without fluctuation")
     ax.set(xlabel="damping ratio ζ", ylabel=label)
-    ax.legend(frameon=False)
+    legend(ax)
     return ax
 
 

@@ -1,7 +1,7 @@
 """Figures 2 to 5 of Gaus, Proppe and Zaccardi, *Meccanica dei Materiali e delle Strutture* VI (2016) 1, 115–122.
 
-Each function draws the results of one study, which is in ``studies/`` of the source. What the paper leaves open, and what
-differs from print, is in ``PAPER.md``. The figures need matplotlib (``pip install '.[plot]'``).
+Each function draws the results of one study, which is in ``studies/`` of the source. What the paper leaves open, and
+what differs from print, is in ``PAPER.md``. The figures need matplotlib (``pip install '.[plot]'``).
 """
 
 from __future__ import annotations
@@ -17,36 +17,40 @@ if TYPE_CHECKING:
     from asperity.study import StudyResults
 
 
-def _panels(count: int) -> tuple[Figure, list[Axes]]:
+def _panels(rows: int, columns: int, count: int) -> tuple[Figure, list[Axes]]:
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(1, count, figsize=(4.4 * count, 3.6), layout="constrained", squeeze=False)
+    size = (4.4 * columns, 3.8 * rows)
+    figure, grid = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
+    axes = list(grid.flat)
+    for ax in axes[count:]:
+        ax.remove()
     if count > 1:
-        for letter, ax in zip("abcdef", axes[0], strict=False):
-            ax.annotate(f"({letter})", (0.03, 0.95), xycoords="axes fraction", va="top")
-    return figure, list(axes[0])
+        for letter, ax in zip("abcdef", axes[:count], strict=False):
+            ax.set_title(f"({letter})", loc="right", fontsize="medium")
+    return figure, axes[:count]
 
 
 def figure_2(results: StudyResults) -> Figure:
-    """Draw the distribution of the contact pressure by method; ``studies/paper_fig2.toml`` computes it.
+    """Draw the distribution of the contact pressure by method; the study is ``paper_fig2.toml``.
 
-    The expansions of the paper are fitted to samples in contact alone, which biases them; the figure shows them beside a Monte
-    Carlo reference.
+    The expansions of the paper are fitted to samples in contact alone, which biases them; the figure shows them beside
+    a Monte Carlo reference.
     """
-    figure, (ax,) = _panels(1)
+    figure, (ax,) = _panels(1, 1, 1)
     results.plot("pressure_cdf", ax=ax)
     return figure
 
 
 def figure_3(results: StudyResults) -> Figure:
-    """Draw friction against penetration, its correlation and its distribution; ``studies/paper_fig3.toml`` computes them.
+    """Draw friction against penetration, and its correlation and distribution; the study is ``paper_fig3.toml``.
 
-    Panels: mean, standard deviation and coefficient of variation with 95 % intervals; correlation along the sliding distance;
-    histogram with the fitted Beta distribution. The correlation length is that of the window.
+    Panels: mean, standard deviation and coefficient of variation with 95 % intervals; correlation along the sliding
+    distance; histogram with the fitted distribution. The correlation length is that of the window.
     """
-    figure, axes = _panels(5)
+    _plots.require(results, "friction_levels")
+    figure, axes = _panels(2, 3, 5)
     for name, ax in zip(("mean", "std", "coefficient_of_variation"), axes, strict=False):
-        _plots.require(results, "friction_levels")
         _plots.friction_over(results, name, ax)
     results.plot("friction_acf", ax=axes[3])
     results.plot("friction_histogram", ax=axes[4])
@@ -54,12 +58,12 @@ def figure_3(results: StudyResults) -> Figure:
 
 
 def figure_4(results: StudyResults) -> Figure:
-    """Draw a trajectory of the mass: displacement over time, and velocity over displacement; ``studies/paper_fig5.toml``.
+    """Draw a trajectory of the mass over time and in the phase plane; the study is ``paper_fig5.toml``.
 
     The trajectory has fluctuating friction, the cycle beside it has not.
     """
     _plots.require(results, "limit_cycle")
-    figure, (left, right) = _panels(2)
+    figure, (left, right) = _panels(1, 2, 2)
     tau, displacement, velocity = (
         _plots.column(results, "trajectory", name) for name in ("tau", "displacement", "velocity")
     )
@@ -69,17 +73,18 @@ def figure_4(results: StudyResults) -> Figure:
     cycle = [_plots.column(results, "limit_cycle", name) for name in ("displacement", "velocity")]
     right.plot(*cycle, color=_plots.ORANGE, ls="--", label="without")
     right.set(xlabel="displacement X", ylabel="velocity dX/dτ")
-    right.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    _plots.legend(right)
     return figure
 
 
 def figure_5(results: StudyResults) -> Figure:
-    """Draw phase portrait, re-attachment and lost cycles; ``studies/paper_fig5.toml`` computes them.
+    """Draw phase portrait, re-attachment and lost cycles; the study is ``paper_fig5.toml``.
 
-    Panels: limit cycle with points of trajectories; distribution of the displacement at which the mass sticks again; number of
-    cycles over the damping ratio, with and without fluctuation of friction.
+    Panels: limit cycle with points of trajectories; distribution of the displacement at which the mass sticks again;
+    number of cycles over the damping ratio, with and without fluctuation of friction.
     """
-    figure, axes = _panels(3)
-    for name, ax in zip(("limit_cycle", "reattachment", "cycles_over_damping"), axes, strict=True):
+    figure, axes = _panels(1, 3, 3)
+    names: tuple[_plots.StudyFigure, ...] = ("limit_cycle", "reattachment", "cycles_over_damping")
+    for name, ax in zip(names, axes, strict=True):
         results.plot(name, ax=ax)
     return figure

@@ -280,8 +280,8 @@ class HeightMap:
         return interop.to_surfalize(self)
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the heights."""
-        return _plots.field(self.heights, self.dx_m, self.dy_m, name="height", unit="m", ax=ax)
+        """Draw the heights; the colours span all but the extreme 0.2 % of them."""
+        return _plots.heights(self.heights, self.dx_m, self.dy_m, ax)
 
 
 def field_to_xarray(values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str) -> xarray.DataArray:

@@ -36,12 +36,7 @@ assert before.Sku_interval is None
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), width_ratios=[1, 1.3], layout="constrained")
-ny, nx = surface.shape
-image = left.imshow(
-    surface.heights * 1e6, extent=(0, nx * surface.dx_m * 1e6, 0, ny * surface.dy_m * 1e6), vmin=-3, vmax=3
-)
-figure.colorbar(image, ax=left, label="height (µm)", extend="both")
-left.set(xlabel="x (µm)", ylabel="y (µm)")
+surface.plot(ax=left)
 bins = np.linspace(-13, 13, 261)
 for name, own, filled in (("with spikes", plane, False), ("without", surface, True)):
     heights_um = own.heights[np.isfinite(own.heights)] * 1e6
@@ -72,12 +67,8 @@ for name, unit, scale in (("Sq_m", "µm", 1e6), ("Ssk", "", 1), ("Sku", "", 1), 
 # %%
 acf = surface.acf()
 figure, axes = plt.subplots(figsize=(5, 2.8), layout="constrained")
-axes.plot(acf.lag_x_m * 1e6, acf.acf_x, label="along x")
-axes.plot(acf.lag_y_m * 1e6, acf.acf_y, "--", label="along y")
-axes.axhline(np.exp(-1), color="grey", linewidth=0.8)
-axes.text(98, np.exp(-1) + 0.02, "1/e", ha="right")
-axes.set(xlabel="lag (µm)", ylabel="autocorrelation", xlim=(0, 100))
-axes.legend()
+acf.plot(ax=axes)
+axes.set_xlim(0, 100)
 plt.show()
 x_m, y_m = acf.correlation_length_x_m, acf.correlation_length_y_m
 print(f"correlation lengths: {x_m * 1e6:.1f} µm along x, {y_m * 1e6:.1f} µm along y")
@@ -95,10 +86,7 @@ assert x_m > 1.3 * y_m
 psd = surface.psd()
 low, high = psd.reliable_low_rad_per_m, psd.reliable_high_rad_per_m
 figure, axes = plt.subplots(figsize=(5, 3), layout="constrained")
-axes.loglog(psd.q_rad_per_m, psd.psd_m4)
-axes.axvspan(low, high, color="tab:green", alpha=0.15, label="reliable band")
-axes.set(xlabel="wavenumber q (rad/m)", ylabel="power spectral density (m⁴)")
-axes.legend()
+psd.plot(ax=axes)
 plt.show()
 longest_m, shortest_m = 2 * np.pi / low, 2 * np.pi / high
 assert np.isclose(shortest_m, 4 * surface.dx_m)

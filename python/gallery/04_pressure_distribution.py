@@ -48,13 +48,8 @@ pressure = results.pressure
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 sample, contact = results.fields["pressure_sample"], results.fields["contact_probability"]
-for axes, values, label in (
-    (panels[0], np.where(sample.values > 0, sample.values, np.nan) / 1e9, "pressure of one sample (GPa)"),
-    (panels[1], contact.values, "contact probability"),
-):
-    image = axes.imshow(values, extent=(0, 200, 0, 200))
-    figure.colorbar(image, ax=axes, label=label)
-    axes.set(xlabel="x (µm)", ylabel="y (µm)")
+sample.plot(ax=panels[0])
+contact.plot(ax=panels[1])
 plt.show()
 inner, border = contact.values[8:-8, 8:-8].mean(), np.concatenate([contact.values[0], contact.values[-1]]).mean()
 print(f"contact probability {inner:.3f} in the middle, {border:.3f} at two edges")

@@ -147,16 +147,7 @@ found = asperity.stability_map(
     **settings,
 )
 figure, axes = plt.subplots(figsize=(5.5, 3.6), layout="constrained")
-points = np.array([(point.x, point.y, point.sustained.value) for point in found.points])
-image = axes.tripcolor(*points.T, shading="gouraud", vmin=0, vmax=1)
-figure.colorbar(image, ax=axes, label="probability of sustained vibration")
-for contour in found.contours:
-    for line in contour.lines:
-        axes.plot(*np.transpose(line), "k-", linewidth=0.8)
-for line in found.limit:
-    axes.plot(*np.transpose(line), "w--", linewidth=1.5)
-axes.margins(0)
-axes.set(xlabel="damping ratio ζ", ylabel="belt velocity V", title="lines: 5, 50, 95 %; dashed: without fluctuation")
+found.plot(ax=axes)
 plt.show()
 
 # %% [markdown]
