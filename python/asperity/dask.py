@@ -71,7 +71,7 @@ def run(
     Each task computes a part of the blocks that can be computed: members of a campaign, contact solutions, strips,
     batches of trajectories. The client joins them, and the next tasks compute the loops that need them, until too
     little is left to share; the rest is computed by the client. A task whose worker is lost runs again on another one.
-    Dask's dashboard shows the tasks. Scans are read by every worker, from paths that it must see.
+    Dask's dashboard shows the tasks. Every worker reads the file and its scans, from paths that it must see.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ pub(crate) fn solve_contact<'py>(
         solver.tolerance = tolerance;
     }
     // All of it without the interpreter lock.
-    let (numbers, iterations, fields) = long::run(py, None, move |monitor| {
+    let (numbers, iterations, fields) = long::run_sized(py, grid.points(), move |monitor| {
         let half_space = HalfSpace::with_substrate(substrate, grid, boundary).raise()?;
         let problem = ContactProblem::new(&half_space, &heights_m, control, settings.hardness_pa).raise()?;
         let solution = solver.solve_from(&problem, None, &mut half_space.workspace(), monitor).raise()?;

@@ -16,7 +16,7 @@ use std::thread;
 use std::time::Duration;
 
 use asperity::map::HeightMap;
-use asperity::monitor::Monitor;
+use asperity::monitor::{Monitor, Silent};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -30,7 +30,7 @@ const GRACE: Duration = Duration::from_millis(300);
 /// Stack of the computation in bytes, as on the main thread.
 const STACK: usize = 8 << 20;
 
-/// Largest map that takes milliseconds.
+/// Largest grid that takes milliseconds: it needs no thread, which would take longer to start.
 const SMALL_POINTS: usize = 1 << 12;
 
 /// State that the computation and the calling thread share.
@@ -78,17 +78,22 @@ impl Shared {
     }
 }
 
-/// Runs a computation on a map without the interpreter lock. A small map needs no thread, which would take longer to start.
+/// Runs a computation on a map as [`run_sized`] does.
 pub(crate) fn run_on_map<T: Send + 'static>(
     py: Python<'_>,
     map: HeightMap,
     compute: impl FnOnce(HeightMap) -> PyResult<T> + Send + 'static,
 ) -> PyResult<T> {
-    if map.grid().points() <= SMALL_POINTS {
-        pool::detached(py, || compute(map))
-    } else {
-        run(py, None, |_| compute(map))
-    }
+    run_sized(py, map.grid().points(), |_| compute(map))
+}
+
+/// Runs a computation on a grid of `points` without the interpreter lock, a small one on this thread.
+pub(crate) fn run_sized<T: Send + 'static>(
+    py: Python<'_>,
+    points: usize,
+    compute: impl FnOnce(&dyn Monitor) -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
+    if points <= SMALL_POINTS { pool::detached(py, || compute(&Silent)) } else { run(py, None, compute) }
 }
 
 /// Runs a computation without the interpreter lock. `progress` is a callable of the task, the blocks done and all blocks.
