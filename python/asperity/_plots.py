@@ -32,6 +32,7 @@ StudyFigure = Literal[
     "cycles_over_damping",
     "sustained_over_damping",
     "stability_map",
+    "verdict_margin",
     "drivers",
 ]
 
@@ -57,8 +58,9 @@ def axes_of(ax: Axes | None) -> Axes:
 
 def scaled(unit: str, *values: Any) -> tuple[float, str]:
     """Return the factor and the unit with a prefix in which the largest of the values has one to three digits."""
-    largest = max((float(np.nanmax(np.abs(own))) for own in values if np.size(own)), default=0.0)
-    if unit in {"", "1"} or not largest > 0 or not math.isfinite(largest):
+    known = [np.abs(np.asarray(own, dtype=np.float64)) for own in values]
+    largest = max((float(np.max(own, where=np.isfinite(own), initial=0.0)) for own in known), default=0.0)
+    if unit in {"", "1"} or not largest > 0:
         return 1.0, "" if unit == "1" else unit
     power = min(max(math.floor(math.log10(largest) / 3), min(_PREFIXES)), max(_PREFIXES))
     return float(10.0 ** (-3 * power)), _PREFIXES[power] + unit
@@ -231,10 +233,12 @@ def study_figure(results: StudyResults, name: str, ax: Axes | None) -> Axes:
     return _FIGURES[name](results, axes_of(ax))
 
 
-def require(results: StudyResults, name: str) -> None:
-    """Raise a ValueError if a figure cannot be drawn."""
+def require(results: StudyResults, *names: str) -> None:
+    """Raise a ValueError if one of the figures cannot be drawn."""
     drawn = [own for own in get_args(StudyFigure) if _has(results, own)]
-    if name not in drawn:
+    for name in names:
+        if name in drawn:
+            continue
         known = name in get_args(StudyFigure)
         reason = "the run has no results for this figure" if known else "no figure has this name"
         raise ValueError(f"{name}: {reason}; these can be drawn: {', '.join(drawn) or 'none'}")
@@ -247,6 +251,7 @@ def _has(results: StudyResults, name: str) -> bool:
         "reattachment": _main(results, "reattachment"),
         "sustained_over_damping": "cycles_over_damping",
         "stability_map": "map_cells",
+        "verdict_margin": "verdict_samples",
     }
     return tables.get(name, name) in results.tables
 
@@ -452,6 +457,21 @@ def _lines(results: StudyResults, table: str, names: Sequence[str]) -> list[tupl
     return [(float(level[own[0]]), points[own]) for own in np.split(np.arange(number.size), starts[1:])]
 
 
+def _verdict_margin(results: StudyResults, ax: Axes) -> Axes:
+    margin = column(results, "verdict_samples", "damping_margin")
+    edges = np.histogram_bin_edges(margin, bins="auto").tolist()
+    for own, colour, label in (
+        (margin[margin < 0], ORANGE, "vibrates"),
+        (margin[margin >= 0], BLUE, "does not vibrate"),
+    ):
+        ax.hist(own, bins=edges, color=colour, alpha=0.7, label=label)
+    ax.axvline(0, color=GREY, lw=0.8)
+    name = "ζ − ζ_v" if results.mode_coupling is None else "μ_c − μ"
+    ax.set(xlabel=f"margin {name}", ylabel="sampled machines")
+    legend(ax)
+    return ax
+
+
 def _drivers(results: StudyResults, ax: Axes) -> Axes:
     assert results.verdict is not None
     drivers = results.verdict.drivers
@@ -471,5 +491,6 @@ _FIGURES: dict[str, Callable[[StudyResults, Axes], Axes]] = {
     "cycles_over_damping": _cycles_over_damping,
     "sustained_over_damping": _sustained_over_damping,
     "stability_map": _stability_map,
+    "verdict_margin": _verdict_margin,
     "drivers": _drivers,
 }

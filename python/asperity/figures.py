@@ -48,7 +48,7 @@ def figure_3(results: StudyResults) -> Figure:
     Panels: mean, standard deviation and coefficient of variation with 95 % intervals; correlation along the sliding
     distance; histogram with the fitted distribution. The correlation length is that of the window.
     """
-    _plots.require(results, "friction_levels")
+    _plots.require(results, "friction_levels", "friction_acf", "friction_histogram")
     figure, axes = _panels(2, 3, 5)
     for name, ax in zip(("mean", "std", "coefficient_of_variation"), axes, strict=False):
         _plots.friction_over(results, name, ax)
@@ -63,6 +63,8 @@ def figure_4(results: StudyResults) -> Figure:
     The trajectory has fluctuating friction, the cycle beside it has not.
     """
     _plots.require(results, "limit_cycle")
+    if "trajectory" not in results.tables:
+        raise ValueError("the run has no trajectory, because friction would be clipped too much")
     figure, (left, right) = _panels(1, 2, 2)
     tau, displacement, velocity = (
         _plots.column(results, "trajectory", name) for name in ("tau", "displacement", "velocity")
@@ -83,8 +85,9 @@ def figure_5(results: StudyResults) -> Figure:
     Panels: limit cycle with points of trajectories; distribution of the displacement at which the mass sticks again;
     number of cycles over the damping ratio, with and without fluctuation of friction.
     """
-    figure, axes = _panels(1, 3, 3)
     names: tuple[_plots.StudyFigure, ...] = ("limit_cycle", "reattachment", "cycles_over_damping")
+    _plots.require(results, *names)
+    figure, axes = _panels(1, 3, 3)
     for name, ax in zip(names, axes, strict=True):
         results.plot(name, ax=ax)
     return figure

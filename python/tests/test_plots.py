@@ -147,6 +147,43 @@ def test_a_figure_without_results_is_refused_with_those_that_can_be_drawn(fig2):
         fig2.plot("limit_cycle")
     with pytest.raises(ValueError, match="no figure has this name"):
         fig2.plot("pressure")
+    for figure in (asperity.figures.figure_3, asperity.figures.figure_4, asperity.figures.figure_5):
+        with pytest.raises(ValueError, match="no results for this figure"):
+            figure(fig2)
+    assert not matplotlib.pyplot.get_fignums()
+
+
+def test_a_verdict_draws_its_margins_and_drivers():
+    machine = {
+        "mass": "1 kg",
+        "natural_frequency": "316 rad/s",
+        "normal_force": "2.5 kN",
+        "nominal_area": "833 mm^2",
+        "friction_std": 0,
+        "dimensionless_belt_velocity": 0.1,
+        "static_friction": 0.3,
+        "velocity_law": "linear",
+        "linear_weakening": "0.1 ± 0.02",
+        "damping_ratio": 0.05,
+    }
+    found = asperity.run_study({"seed": 1, "vibration": machine}, only="verdict", progress=False)
+    ax = found.plot("verdict_margin")
+    margin = np.asarray(found.tables["verdict_samples"]["damping_margin"])
+    counts = [sum(bar.get_height() for bar in bars) for bars in ax.containers]
+    assert counts == [np.sum(margin < 0), np.sum(margin >= 0)]
+    assert max(bar.get_x() for bar in ax.containers[0] if bar.get_height()) < 0
+    ax = found.plot("drivers")
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["vibration.linear_weakening"]
+
+
+def test_missing_and_infinite_values_are_left_blank():
+    empty = asperity.study.Field("gap", np.full((2, 3), np.nan), 1e-6, 1e-6, "m")
+    (image,) = empty.plot().get_images()
+    assert np.ma.getmaskarray(image.get_array()).all()
+    partial = asperity.HeightMap.from_array([[1e-6, np.nan], [2e-6, np.inf]], dx_m=1e-6).plot()
+    (image,) = partial.get_images()
+    assert np.ma.getmaskarray(image.get_array()).tolist() == [[False, True], [False, True]]
+    assert image.colorbar.ax.get_ylabel() == "height (µm)"
 
 
 def test_matplotlib_is_not_loaded_with_the_package():
