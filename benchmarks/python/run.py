@@ -2,7 +2,7 @@
 
     python3 benchmarks/python/run.py [--rounds 10] [--installed] [--print]
 
-Builds the release of asperity, five minutes on two idle cores, and installs it with Tamaas into a virtual environment under the build
+Builds the release of asperity, three minutes on two idle cores, and installs it with Tamaas into a virtual environment under the build
 folder, which is kept. `--installed` takes the package as it is there or on PYTHONPATH. Writes RESULTS.md beside this file; `--print`
 prints it instead.
 """
