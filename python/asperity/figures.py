@@ -1,7 +1,7 @@
 """Figures 2 to 5 of Gaus, Proppe and Zaccardi, *Meccanica dei Materiali e delle Strutture* VI (2016) 1, 115–122.
 
-Each function draws the results of one study, which is in ``studies/`` of the source. What the paper leaves open, and
-what differs from print, is in ``PAPER.md``. The figures need matplotlib (``pip install '.[plot]'``).
+Each function draws the results of one study in ``studies/`` of the source. ``PAPER.md`` lists the gaps of the paper and
+the differences from print. The figures need matplotlib (``pip install '.[plot]'``).
 """
 
 from __future__ import annotations

@@ -73,6 +73,11 @@ def test_a_run_folder_has_the_results_and_is_never_replaced(program, tmp_path):
         asperity.run_study(MACHINE, out=tmp_path / "run")
 
 
+def sizes(folder):
+    """Return the sizes of the files of stored blocks by name."""
+    return {path.name: path.stat().st_size for path in folder.glob(".asperity-blocks/*/*.blocks")}
+
+
 def test_an_interrupted_run_goes_on_from_its_blocks(program, tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(STUDY)
@@ -84,9 +89,15 @@ def test_an_interrupted_run_goes_on_from_its_blocks(program, tmp_path):
     with pytest.raises(InterruptedError):
         asperity.run_study(file, progress=interrupt, out=out)
     assert not out.exists()
-    assert list(tmp_path.glob(".asperity-blocks/*"))
+    blocks = sizes(tmp_path)
+    assert blocks
     expected = asperity.run_study(file, progress=False)
     assert asperity.run_study(file, progress=False, out=out).to_dict() == expected.to_dict()
+    # Only the missing blocks were computed and written.
+    asperity.run_study(file, progress=False, out=tmp_path / "whole" / "run")
+    (whole,) = sizes(tmp_path / "whole").values()
+    (rest,) = (size for name, size in sizes(tmp_path).items() if name not in blocks)
+    assert rest < whole
     provenance = json.loads((out / "provenance.json").read_text())
     assert provenance["started_unix_s"] > 0
     assert len(provenance["program"]["sha256"]) == len(provenance["inputs"]["study.toml"]) == 64

@@ -209,7 +209,10 @@ impl Computation {
     /// Writes the folder of the results, which appears at its destination with [`Staging::commit`].
     ///
     /// # Errors
-    /// The operating system refused, or the results are not of this computation.
+    /// The operating system refused.
+    ///
+    /// # Panics
+    /// The results are those of a study and this is a campaign, or the reverse.
     pub fn write(&self, staging: &Staging, computed: &Computed, provenance: &Provenance) -> Result<(), StoreError> {
         match (&self.work, computed) {
             (Work::Study { study, .. }, Computed::Run(outcome)) => {
