@@ -110,7 +110,7 @@ fn solve(mut words: Words, runs: &Runs, assess: bool) -> Result<(Value, Vec<f64>
         let start = Instant::now();
         let design = basis.design_matrix(&points);
         let design_s = start.elapsed().as_secs_f64();
-        let least_squares = LeastSquares::new(design.view())?;
+        let least_squares = LeastSquares::new(design)?;
         let factorised_s = start.elapsed().as_secs_f64();
         let coefficients = if assess {
             least_squares.fit_many(responses.view())?.coefficients

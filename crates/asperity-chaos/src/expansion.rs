@@ -39,7 +39,7 @@ impl Expansion {
         if xi_samples.len() <= basis.len() {
             return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
-        let fit = LeastSquares::new(basis.design_matrix(xi_samples).view())?.fit(response)?;
+        let fit = LeastSquares::new(basis.design_matrix(xi_samples))?.fit(response)?;
         Ok((Self::new(basis, fit.coefficients.clone()), fit))
     }
 

@@ -4,7 +4,7 @@ mod many;
 #[cfg(test)]
 mod tests;
 
-use ndarray::{ArrayView1, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView1, Axis};
 use thiserror::Error;
 
 pub use many::Fits;
@@ -112,7 +112,7 @@ impl LeastSquares {
     ///
     /// # Errors
     /// K ≤ P, a value is not finite, or the columns are linearly dependent in double precision.
-    pub fn new(design: ArrayView2<'_, f64>) -> Result<Self, RegressionError> {
+    pub fn new(design: Array2<f64>) -> Result<Self, RegressionError> {
         let (samples, coefficients) = design.dim();
         if samples <= coefficients {
             return Err(RegressionError::TooFewSamples { samples, coefficients });

@@ -76,7 +76,7 @@ impl Surrogate for Conditional<'_> {
         };
         let xi_samples: Vec<&[f64]> = contact.iter().map(|i| self.xi_samples[*i].as_slice()).collect();
         let values: Vec<f64> = contact.iter().map(value).collect();
-        let fit = LeastSquares::new(self.basis.design_matrix(&xi_samples).view())?.fit(&values)?;
+        let fit = LeastSquares::new(self.basis.design_matrix(&xi_samples))?.fit(&values)?;
         let expansion = Expansion::new(self.basis.clone(), fit.coefficients.clone());
         let pressure_pa = |value: f64| match self.response {
             Response::Pressure => value.clamp(0.0, self.largest_pa),

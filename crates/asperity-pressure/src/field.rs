@@ -144,7 +144,7 @@ fn global(
     let mut best: Option<(f64, GlobalExpansion)> = None;
     for degree in (1..=degree).take_while(enough) {
         let basis = Basis::hermite(variables, degree)?;
-        let squares = LeastSquares::new(basis.design_matrix(&xi_samples).view())?;
+        let squares = LeastSquares::new(basis.design_matrix(&xi_samples))?;
         let leave_one_out_error = error_map(&squares, fields, kappa)?;
         let known: Vec<f64> = leave_one_out_error.iter().copied().filter(|error| !error.is_nan()).collect();
         let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;

@@ -61,7 +61,7 @@ impl Predictor {
             }
             let basis = Basis::hermite(variables, degree)?;
             // Degrees with linearly dependent functions are skipped.
-            let fit = match LeastSquares::new(basis.design_matrix(&scaled).view()).and_then(|fit| fit.fit(&bent)) {
+            let fit = match LeastSquares::new(basis.design_matrix(&scaled)).and_then(|fit| fit.fit(&bent)) {
                 Ok(fit) => fit,
                 Err(RegressionError::RankDeficient { .. }) => continue,
                 Err(error) => return Err(error.into()),

@@ -197,7 +197,7 @@ impl Elastic {
         for degree in Functions::degrees(samples.variables(), degree, chosen.len(), SAMPLES_PER_TERM) {
             let functions = Functions::new(&rows, degree)?;
             let design = functions.matrix(&rows);
-            let found = LeastSquares::new(design.view()).and_then(|squares| squares.fit(&values));
+            let found = LeastSquares::new(design).and_then(|squares| squares.fit(&values));
             let fit = match found {
                 Ok(fit) => fit,
                 // A degree whose functions the samples cannot tell apart is no candidate.

@@ -10,6 +10,7 @@ mod cholesky;
 mod divide;
 mod eigen;
 mod elimination;
+mod norm;
 mod qr;
 mod reflectors;
 #[cfg(test)]

@@ -13,7 +13,7 @@ fn an_exact_linear_response_is_recovered() {
     let truth: Vec<f64> = (0..7).map(|j| f64::from(j) - 2.5).collect();
     let response: Vec<f64> =
         design.rows().into_iter().map(|row| row.iter().zip(&truth).map(|(a, c)| a * c).sum()).collect();
-    let fit = LeastSquares::new(design.view()).unwrap().fit(&response).unwrap();
+    let fit = LeastSquares::new(design).unwrap().fit(&response).unwrap();
     for (found, wanted) in fit.coefficients.iter().zip(&truth) {
         assert!((found - wanted).abs() < 1e-12);
     }
@@ -24,7 +24,7 @@ fn an_exact_linear_response_is_recovered() {
 fn residuals_are_orthogonal_to_every_column_and_leverages_sum_to_the_rank() {
     let design = random_design(60, 9);
     let response = standard_normal(&mut stream(4, "response", 0), 60);
-    let least_squares = LeastSquares::new(design.view()).unwrap();
+    let least_squares = LeastSquares::new(design.clone()).unwrap();
     let fit = least_squares.fit(&response).unwrap();
     for column in design.columns() {
         let inner: f64 = column.iter().zip(&fit.residuals).map(|(a, r)| a * r).sum();
@@ -37,12 +37,12 @@ fn residuals_are_orthogonal_to_every_column_and_leverages_sum_to_the_rank() {
 fn leave_one_out_errors_are_those_of_refitting_without_each_sample() {
     let design = random_design(25, 4);
     let response = standard_normal(&mut stream(4, "response", 1), 25);
-    let fit = LeastSquares::new(design.view()).unwrap().fit(&response).unwrap();
+    let fit = LeastSquares::new(design.clone()).unwrap().fit(&response).unwrap();
     for left_out in 0..25 {
         let kept: Vec<usize> = (0..25).filter(|&i| i != left_out).collect();
         let fewer = design.select(ndarray::Axis(0), &kept);
         let values: Vec<f64> = kept.iter().map(|&i| response[i]).collect();
-        let refit = LeastSquares::new(fewer.view()).unwrap().fit(&values).unwrap();
+        let refit = LeastSquares::new(fewer).unwrap().fit(&values).unwrap();
         let prediction: f64 = design.row(left_out).iter().zip(&refit.coefficients).map(|(a, c)| a * c).sum();
         let error = fit.leave_one_out.errors[left_out].unwrap();
         assert!((error - (response[left_out] - prediction)).abs() < 1e-12);
@@ -55,7 +55,7 @@ fn a_sample_that_alone_determines_a_coefficient_has_no_leave_one_out_error() {
     design.column_mut(2).fill(0.0);
     design[[5, 2]] = 1.0;
     let response = standard_normal(&mut stream(4, "response", 2), 12);
-    let fit = LeastSquares::new(design.view()).unwrap().fit(&response).unwrap();
+    let fit = LeastSquares::new(design).unwrap().fit(&response).unwrap();
     assert_eq!(fit.leave_one_out.undetermined(), 1);
     assert_eq!(fit.leave_one_out.errors[5], None);
     assert_eq!(fit.leave_one_out.relative_error, None);
@@ -68,21 +68,21 @@ fn the_condition_number_of_scaled_orthogonal_columns_is_their_ratio() {
         design[[i, 0]] = 1.0;
         design[[i, 1]] = if i % 2 == 0 { 1e-6 } else { -1e-6 };
     }
-    let condition = LeastSquares::new(design.view()).unwrap().condition();
+    let condition = LeastSquares::new(design).unwrap().condition();
     assert!((condition / 1e6 - 1.0).abs() < 1e-9, "condition {condition}");
 }
 
 #[test]
 fn hopeless_problems_are_refused() {
-    let error = LeastSquares::new(random_design(5, 5).view()).unwrap_err();
+    let error = LeastSquares::new(random_design(5, 5)).unwrap_err();
     assert_eq!(error, RegressionError::TooFewSamples { samples: 5, coefficients: 5 });
     let mut twins = random_design(20, 3);
     let first = twins.column(0).to_owned();
     twins.column_mut(2).assign(&first);
-    assert!(matches!(LeastSquares::new(twins.view()), Err(RegressionError::RankDeficient { .. })));
+    assert!(matches!(LeastSquares::new(twins), Err(RegressionError::RankDeficient { .. })));
     let mut holed = random_design(20, 3);
     holed[[7, 1]] = f64::NAN;
-    assert_eq!(LeastSquares::new(holed.view()).unwrap_err(), RegressionError::NotFinite { sample: 7 });
+    assert_eq!(LeastSquares::new(holed).unwrap_err(), RegressionError::NotFinite { sample: 7 });
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn many_right_hand_sides_are_solved_as_one_by_one() {
     // More than one block, in three layouts.
     let count = 515;
     let (samples, coefficients) = (31, 5);
-    let least_squares = LeastSquares::new(random_design(samples, coefficients).view()).unwrap();
+    let least_squares = LeastSquares::new(random_design(samples, coefficients)).unwrap();
     let values = standard_normal(&mut stream(4, "responses", 0), samples * count);
     let rows = Array2::from_shape_vec((samples, count), values).unwrap();
     let columns = rows.t().as_standard_layout().into_owned();
@@ -112,7 +112,7 @@ fn many_right_hand_sides_are_solved_as_one_by_one() {
 
 #[test]
 fn many_right_hand_sides_give_the_same_bits_on_any_number_of_threads() {
-    let least_squares = LeastSquares::new(random_design(40, 6).view()).unwrap();
+    let least_squares = LeastSquares::new(random_design(40, 6)).unwrap();
     let values = standard_normal(&mut stream(4, "responses", 1), 40 * 1100);
     let responses = Array2::from_shape_vec((40, 1100), values).unwrap();
     let on = |threads| {
@@ -124,7 +124,7 @@ fn many_right_hand_sides_give_the_same_bits_on_any_number_of_threads() {
 
 #[test]
 fn many_right_hand_sides_are_refused_where_one_would_be() {
-    let least_squares = LeastSquares::new(random_design(20, 3).view()).unwrap();
+    let least_squares = LeastSquares::new(random_design(20, 3)).unwrap();
     let mut responses = random_design(20, 4);
     responses[[13, 2]] = f64::INFINITY;
     assert_eq!(least_squares.solve_many(responses.view()), Err(RegressionError::NotFinite { sample: 13 }));

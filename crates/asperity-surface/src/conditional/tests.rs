@@ -54,7 +54,7 @@ fn dense(
     let between = Array2::from_shape_fn((at.len(), at.len()), entry);
     let to_all = Array2::from_shape_fn((at.len(), n), |(i, p)| c(at[i], p));
     let misses: ndarray::Array1<f64> = measured.present_m().map(|value| value - mean).collect();
-    let Qr { q, r } = Qr::new(between.view());
+    let Qr { q, r } = Qr::new(between);
     let mut solved = q.t().dot(&to_all);
     solve_upper(r.view(), solved.view_mut());
     let known = to_all.t().dot(&solved);

@@ -25,7 +25,7 @@ pub(super) fn eigenpairs(mut diagonal: Vec<f64>, beside: &[f64]) -> Result<(Vec<
     let n = diagonal.len();
     if n <= SMALL {
         let mut vectors = Array2::eye(n);
-        implicit_ql(&mut diagonal, &mut beside.to_vec(), Some(&mut vectors))?;
+        implicit_ql(&mut diagonal, &mut beside.to_vec(), &mut vectors)?;
         return Ok(sorted(&diagonal, &vectors));
     }
     let middle = n / 2;
@@ -266,11 +266,7 @@ impl<'a> Kernel<(&'a [f64], &'a [f64], f64)> for Sum {
 ///
 /// # References
 /// Dubrulle, Martin & Wilkinson, *Numerische Mathematik* **12** (1968) 377, <https://doi.org/10.1007/BF02165404>.
-pub(super) fn implicit_ql(
-    diagonal: &mut [f64],
-    beside: &mut [f64],
-    mut vectors: Option<&mut Array2<f64>>,
-) -> Result<(), NotConverged> {
+fn implicit_ql(diagonal: &mut [f64], beside: &mut [f64], vectors: &mut Array2<f64>) -> Result<(), NotConverged> {
     let n = diagonal.len();
     for first in 0..n {
         for sweep in 0.. {
@@ -307,10 +303,8 @@ pub(super) fn implicit_ql(
                 moved = sin * turned;
                 diagonal[k + 1] = above + moved;
                 g = cos * turned - b;
-                if let Some(vectors) = &mut vectors {
-                    let (mut x, mut y) = vectors.multi_slice_mut((s![k, ..], s![k + 1, ..]));
-                    x.iter_mut().zip(&mut y).for_each(|(x, y)| (*x, *y) = (cos * *x - sin * *y, sin * *x + cos * *y));
-                }
+                let (mut x, mut y) = vectors.multi_slice_mut((s![k, ..], s![k + 1, ..]));
+                x.iter_mut().zip(&mut y).for_each(|(x, y)| (*x, *y) = (cos * *x - sin * *y, sin * *x + cos * *y));
                 if k == first {
                     diagonal[first] -= moved;
                     beside[first] = g;

@@ -3,7 +3,7 @@
 use ndarray::{Array2, s};
 use thiserror::Error;
 
-use super::divide::{eigenpairs, implicit_ql};
+use super::divide::eigenpairs;
 use super::tridiagonal::Tridiagonal;
 
 /// The eigenvalues cannot be computed, for example because an entry is not finite.
@@ -34,13 +34,6 @@ pub fn symmetric_eigen(matrix: Array2<f64>) -> Result<SymmetricEigen, NotConverg
         factor.apply(vectors.slice_mut(s![.., *first..]).reversed_axes());
     }
     Ok(SymmetricEigen { values: values.into_iter().map(|value| value * scale).collect(), vectors })
-}
-
-/// Returns the largest eigenvalue; see [`symmetric_eigen`].
-pub(super) fn largest_eigenvalue(matrix: Array2<f64>) -> Result<f64, NotConverged> {
-    let (scale, Tridiagonal { mut diagonal, mut beside, .. }) = reduced(matrix)?;
-    implicit_ql(&mut diagonal, &mut beside, None)?;
-    Ok(scale * diagonal.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Divides a matrix by its largest entry, which is returned, and makes it tridiagonal.

@@ -4,25 +4,55 @@ use ndarray::linalg::general_mat_mul;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
 
 use super::solve_upper;
+use crate::wide::{Kernel, wide};
 
 /// Turns a vector into the unit normal v of the reflection I − 2vvᵀ that maps it to a multiple of the first axis, and
 /// returns the multiple.
 pub(super) fn reflector(vector: &mut [f64]) -> f64 {
-    let largest = vector.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let Some(first) = vector.first_mut() else { return 0.0 };
-    if largest == 0.0 {
-        *first = 1.0;
-        return 0.0;
+    wide::<Reflector, _>(vector)
+}
+
+/// Kernel of [`reflector`].
+struct Reflector;
+
+impl<'a> Kernel<&'a mut [f64]> for Reflector {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(vector: &'a mut [f64]) -> f64 {
+        let largest = lanes(vector, |m, x| if x.abs() > m { x.abs() } else { m }).into_iter().fold(0.0, f64::max);
+        let Some(first) = vector.first_mut() else { return 0.0 };
+        if largest < f64::MIN_POSITIVE {
+            *first = 1.0;
+            return 0.0;
+        }
+        let inverse = largest.recip();
+        vector.iter_mut().for_each(|x| *x *= inverse);
+        let length = lanes(vector, |sum, x| sum + x * x).iter().sum::<f64>().sqrt();
+        let image = -length.copysign(vector[0]);
+        let first = vector[0] - image;
+        // |v|² = |x|² − 2 x₀ image + image² = 2 image (image − x₀).
+        let inverse = (2.0 * length * first.abs()).sqrt().recip();
+        vector[0] = first;
+        vector.iter_mut().for_each(|x| *x *= inverse);
+        image * largest
     }
-    vector.iter_mut().for_each(|x| *x /= largest);
-    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let image = -length.copysign(vector[0]);
-    let first = vector[0] - image;
-    // |v|² = |x|² − 2 x₀ image + image² = 2 image (image − x₀).
-    let norm = (2.0 * length * first.abs()).sqrt();
-    vector[0] = first;
-    vector.iter_mut().for_each(|x| *x /= norm);
-    image * largest
+}
+
+/// Folds every sixteenth value, beginning with each of the first sixteen.
+#[inline(always)]
+fn lanes(values: &[f64], fold: impl Fn(f64, f64) -> f64) -> [f64; 16] {
+    let mut lanes = [0.0; 16];
+    let (chunks, rest) = values.as_chunks::<16>();
+    for chunk in chunks {
+        for lane in 0..16 {
+            lanes[lane] = fold(lanes[lane], chunk[lane]);
+        }
+    }
+    for (lane, value) in lanes.iter_mut().zip(rest) {
+        *lane = fold(*lane, *value);
+    }
+    lanes
 }
 
 /// Product H₁ H₂ … of reflections H = I − 2vvᵀ, in the form I − V T Vᵀ.
@@ -34,9 +64,9 @@ pub(super) fn reflector(vector: &mut [f64]) -> f64 {
 #[derive(Debug, Clone)]
 pub(super) struct Reflectors {
     /// Unit vectors v as columns.
-    v: Array2<f64>,
+    pub(super) v: Array2<f64>,
     /// Upper triangle.
-    t: Array2<f64>,
+    pub(super) t: Array2<f64>,
 }
 
 impl Reflectors {

@@ -44,7 +44,7 @@ fn errors_are_those_of_refitting_without_each_sample() {
         for left_out in 0..40 {
             let kept: Vec<usize> = (0..40).filter(|&i| i != left_out).collect();
             let values: Vec<f64> = kept.iter().map(|&i| response[i]).collect();
-            let refit = LeastSquares::new(chosen.select(Axis(0), &kept).view()).unwrap().fit(&values).unwrap();
+            let refit = LeastSquares::new(chosen.select(Axis(0), &kept)).unwrap().fit(&values).unwrap();
             let prediction: f64 = chosen.row(left_out).iter().zip(&refit.coefficients).map(|(a, c)| a * c).sum();
             let error = response[left_out] - prediction;
             assert!((fit.leave_one_out.errors[left_out].unwrap() - error).abs() < 1e-12, "{method:?}");
@@ -72,7 +72,7 @@ fn coefficients_and_condition_are_those_of_least_squares() {
     let response = noisy_response(&design, 0.3);
     for method in METHODS {
         let fit = whole(method).select(&Candidates::new(design.view()).unwrap(), &response).unwrap();
-        let least_squares = LeastSquares::new(design.select(Axis(1), &fit.terms).view()).unwrap();
+        let least_squares = LeastSquares::new(design.select(Axis(1), &fit.terms)).unwrap();
         let wanted = least_squares.fit(&response).unwrap();
         for (found, wanted) in fit.coefficients.iter().zip(&wanted.coefficients) {
             assert!((found - wanted).abs() < 1e-11 * least_squares.condition());

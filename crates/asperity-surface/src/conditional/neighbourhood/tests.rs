@@ -48,7 +48,7 @@ fn dense(surface: &NeighbourhoodSurface) -> (Vec<usize>, Array2<f64>, Array2<f64
     let missing: Vec<usize> = (0..surface.grid.points()).filter(|p| places.binary_search(p).is_err()).collect();
     let shape = (places.len(), missing.len());
     let to_missing = Array2::from_shape_fn(shape, |(i, j)| rho(surface, places[i], missing[j]));
-    let Qr { q, r } = Qr::new(between(surface).view());
+    let Qr { q, r } = Qr::new(between(surface));
     let mut best = q.t().dot(&to_missing);
     solve_upper(r.view(), best.view_mut());
     (missing, to_missing, best)
