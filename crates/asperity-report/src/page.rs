@@ -36,6 +36,8 @@ pub(crate) use verdict::{dimension, named};
 pub(crate) use vibration::kind_in_words;
 
 const STYLE: &str = include_str!("page/style.css");
+/// Script of the figures, bundled from `web/src/report.ts`.
+const FIGURES: &str = include_str!("page/figures.js");
 
 /// A page before it is rendered.
 pub(crate) struct Page<'a> {
@@ -47,7 +49,7 @@ pub(crate) struct Page<'a> {
     pub(crate) warnings: &'a [String],
     pub(crate) sections: Vec<Section>,
     pub(crate) appendix: Vec<Section>,
-    /// Script of the page, the only one that it lets a browser run; empty for none.
+    /// Script of the page beside that of its figures; empty for none.
     pub(crate) script: &'static str,
 }
 
@@ -72,19 +74,23 @@ impl Page<'_> {
                 unordered(warnings)
             ),
         };
-        let (script_policy, script) = match script {
-            "" => (Html::default(), Html::default()),
-            script => {
-                let hash = BASE64.encode(Sha256::digest(script));
-                let policy = format!("; script-src 'sha256-{hash}'");
-                (Html::from_markup(policy), Html::from_markup(format!("<script>{script}</script>\n")))
-            }
+        let draws = sections.iter().chain(&appendix).any(|section| !section.figures.is_empty());
+        let scripts = [script, if draws { FIGURES } else { "" }].map(str::trim_end).into_iter();
+        let scripts: Vec<&str> = scripts.filter(|script| !script.is_empty()).collect();
+        let hash = |text: &&str| format!(" 'sha256-{}'", BASE64.encode(Sha256::digest(text)));
+        let allowed = match scripts.as_slice() {
+            [] => " 'none'".to_owned(),
+            scripts => scripts.iter().map(hash).collect(),
         };
         let mut number = 0;
         let html = html!(
             include_str!("page/skeleton.html"),
-            script_policy = script_policy,
-            script = script,
+            script_policy = Html::from_markup(allowed),
+            style_policy = Html::from_markup(hash(&STYLE)),
+            scripts = scripts
+                .iter()
+                .map(|script| Html::from_markup(format!("<script>{script}</script>\n")))
+                .collect::<Html>(),
             title = title,
             style = Html::from_markup(STYLE.to_owned()),
             opening = opening,
@@ -197,11 +203,14 @@ fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
         html!("{}<code>{}</code>", comma, source)
     });
     html!(
-        "<figure id=\"figure-{}\">\n<h3>Figure {}. {}</h3>\n{}<figcaption>{} Data: {}.</figcaption>\n</figure>\n",
+        "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
+         <div class=\"static\">{3}</div>\n<script type=\"application/json\">{4}</script>\n<figcaption>{5} Data: {6}.</figcaption>\n</figure>\n",
         figure.name,
         number.to_string(),
         &figure.title,
-        Html::from_markup(figure.svg.clone()),
+        Html::from_markup(figure.svg()),
+        // No tag can begin inside of the data.
+        Html::from_markup(figure.layout.json().to_string().replace('<', "\\u003c")),
         &figure.caption,
         sources.collect::<Html>(),
     )
@@ -226,7 +235,7 @@ impl DataTable {
     }
 
     /// Returns a table of names and values. A name with an empty value is the title of the rows below it.
-    fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
+    pub(crate) fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
         let row = |(name, value): (String, String)| if value.is_empty() { vec![name] } else { vec![name, value] };
         Self::new(caption, &["Property", "Value"], rows.into_iter().map(row).collect(), source)
     }
