@@ -159,6 +159,7 @@ function marks(view: Panel): Plugin<"scatter"> {
       clipped(canvas as Canvas<"scatter">, (context) => {
         const { x, y } = canvas.scales as { x: Scale; y: Scale };
         const area = canvas.chartArea;
+        const taken: [number, number, number][] = [];
         for (const series of view.visible()) {
           if (series.mark === "vertical" || series.mark === "horizontal") {
             context.beginPath();
@@ -181,7 +182,11 @@ function marks(view: Panel): Plugin<"scatter"> {
             context.textBaseline = "middle";
             const half = context.measureText(series.text).width / 2 + 3;
             const at = Math.min(Math.max(x.getPixelForValue(series.x), area.left + half), area.right - half);
-            const above = y.getPixelForValue(series.y) - (view.image ? 0 : 13);
+            const shift = view.image || view.chart.y.names ? 0 : 13;
+            const above = Math.min(Math.max(y.getPixelForValue(series.y) - shift, area.top + 8), area.bottom - 8);
+            // A note that would lie on another one is left out.
+            if (taken.some(([x, y, width]) => Math.abs(at - x) < half + width && Math.abs(above - y) < 15)) continue;
+            taken.push([at, above, half]);
             if (view.image) {
               context.fillStyle = "rgba(255,255,255,0.85)";
               context.fillRect(at - half, above - 8, 2 * half, 16);
@@ -230,6 +235,7 @@ class Panel {
         parsing: false,
         responsive: true,
         aspectRatio: ratio,
+        scales: this.scales() as never,
         interaction: { mode: "nearest", axis: "xy", intersect: false },
         plugins: {
           tooltip: {
@@ -264,23 +270,7 @@ class Panel {
     this.page = theme();
     const { canvas, page } = this;
     canvas.data.datasets = this.visible().flatMap((series) => datasets(series, page));
-    const scale = (axis: Axis, log: boolean) => ({
-      type: log ? ("logarithmic" as const) : ("linear" as const),
-      min: log && axis.low <= 0 ? undefined : axis.low,
-      max: axis.high,
-      reverse: axis.downward ?? false,
-      title: { display: axis.label !== "", text: axis.label, color: page.ink },
-      grid: { color: this.chart.backdrop ? "transparent" : page.line },
-      border: { color: page.soft },
-      ticks: {
-        color: page.ink,
-        maxTicksLimit: 8,
-        maxRotation: 0,
-        ...(axis.names && { stepSize: 1, maxTicksLimit: 60, autoSkip: false }),
-        callback: (value: number | string) => tick(axis, Number(value), log),
-      },
-    });
-    canvas.options.scales = { x: scale(this.chart.x, this.owner.log.x), y: scale(this.chart.y, this.owner.log.y) } as never;
+    canvas.options.scales = this.scales() as never;
     const { title } = this.chart;
     canvas.options.plugins = {
       ...canvas.options.plugins,
@@ -288,6 +278,46 @@ class Panel {
       tooltip: { ...canvas.options.plugins?.tooltip, backgroundColor: page.ink, bodyColor: page.card },
     };
     canvas.update("none");
+    this.fit();
+  }
+
+  /** Gives a map one scale along both axes. */
+  private fit() {
+    const aspect = this.chart.backdrop?.aspect;
+    const { width, height, chartArea: area } = this.canvas;
+    if (aspect === undefined || !area) return;
+    const wanted = width / (Math.min(Math.max(area.width * aspect, 40), 1.3 * width) + height - area.height);
+    if (Math.abs(wanted / (width / height) - 1) > 0.01) {
+      this.canvas.options.aspectRatio = wanted;
+      this.canvas.resize();
+    }
+  }
+
+  private scales() {
+    const scale = (axis: Axis, log: boolean) => ({
+      type: log ? ("logarithmic" as const) : ("linear" as const),
+      min: log && axis.low <= 0 ? undefined : axis.low,
+      max: axis.high,
+      reverse: axis.downward ?? false,
+      title: { display: axis.label !== "", text: axis.label, color: this.page.ink },
+      grid: { color: this.chart.backdrop ? "transparent" : this.page.line },
+      border: { color: this.page.soft },
+      ticks: {
+        color: this.page.ink,
+        maxTicksLimit: 8,
+        maxRotation: 0,
+        // The ends of an axis are seldom round numbers.
+        includeBounds: false,
+        autoSkip: axis.names === undefined,
+        callback: (value: number | string) => tick(axis, Number(value), log),
+      },
+      ...(axis.names && {
+        afterBuildTicks: (own: Scale) => {
+          own.ticks = (axis.names ?? []).map((_, value) => ({ value }));
+        },
+      }),
+    });
+    return { x: scale(this.chart.x, this.owner.log.x), y: scale(this.chart.y, this.owner.log.y) };
   }
 
   replace(chart: Chart) {
@@ -321,7 +351,7 @@ class Panel {
       this.image = undefined;
     } else if (this.image?.src !== source) {
       this.image = new Image();
-      this.image.onload = () => this.canvas.draw();
+      this.image.onload = () => this.canvas?.draw();
       this.image.src = source;
     }
   }
@@ -478,6 +508,7 @@ export class FigureView {
         toggle.prepend(sample(series));
         const item = document.createElement("li");
         item.append(toggle);
+        if (series.mark === "patch") toggle.replaceWith(...toggle.childNodes);
         return item;
       }),
     );

@@ -43,6 +43,8 @@ export interface Backdrop {
   image: string;
   x: [number, number];
   y: [number, number];
+  /** Height over width, where both axes have one scale. */
+  aspect?: number;
 }
 
 export interface Chart {

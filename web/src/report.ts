@@ -67,8 +67,8 @@ function start(host: HTMLElement) {
     const live = document.createElement("div");
     live.className = "live";
     host.querySelector(".static")?.before(live);
-    new FigureView(live, figure);
     host.classList.add("interactive");
+    new FigureView(live, figure);
   }
   host.querySelector("h3")?.after(tools);
 }

@@ -280,8 +280,9 @@ impl DataTable {
             [] => Html::default(),
         });
         html!(
-            "<div class=\"table\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
+            "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
              <p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
+            if self.caption.is_empty() { "Table" } else { &self.caption },
             caption,
             headers.collect::<Html>(),
             rows.collect::<Html>(),

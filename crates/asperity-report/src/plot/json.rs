@@ -34,9 +34,12 @@ fn of_chart(chart: &Chart, ratio: f64) -> Value {
         "y": of_axis(&chart.y),
         "series": series.collect::<Vec<_>>(),
     });
-    if let Some(Backdrop { data_uri, x, y, .. }) = &chart.backdrop {
+    if let Some(Backdrop { data_uri, x, y, aspect }) = &chart.backdrop {
         let ends = |axis: &Axis, (low, high): (f64, f64)| [low, high].map(|end| number(axis.shown(end)));
         value["backdrop"] = json!({ "image": data_uri, "x": ends(&chart.x, *x), "y": ends(&chart.y, *y) });
+        if let Some(aspect) = aspect {
+            value["backdrop"]["aspect"] = number(*aspect);
+        }
     }
     value
 }

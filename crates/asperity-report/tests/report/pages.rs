@@ -136,6 +136,31 @@ fn the_page_loads_nothing_from_elsewhere() {
 }
 
 #[test]
+fn no_panel_has_more_than_six_curves() {
+    let html = render(&full_run()).unwrap().html;
+    let data =
+        html.split("<script type=\"application/json\">").skip(1).map(|rest| rest.split("</script>").next().unwrap());
+    let mut panels = 0;
+    for figure in data.map(|data| serde_json::from_str::<serde_json::Value>(data).unwrap()) {
+        for chart in figure["charts"].as_array().unwrap() {
+            panels += 1;
+            let named = |series: &&serde_json::Value| series["mark"] == "line" && series["name"] != "";
+            let mut names: Vec<&str> = chart["series"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .filter(named)
+                .filter_map(|series| series["name"].as_str())
+                .collect();
+            names.sort_unstable();
+            names.dedup();
+            assert!(names.len() <= 6, "{names:?}");
+        }
+    }
+    assert!(panels > 20);
+}
+
+#[test]
 fn equal_runs_give_equal_bytes() {
     assert_eq!(render(&full_run()).unwrap(), render(&full_run()).unwrap());
 }
