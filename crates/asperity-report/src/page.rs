@@ -110,6 +110,8 @@ impl Page<'_> {
 pub(crate) struct Section {
     id: &'static str,
     title: &'static str,
+    /// The answer of the section in one sentence.
+    answer: String,
     lead: String,
     tables: Vec<DataTable>,
     figures: Vec<CaptionedFigure>,
@@ -149,10 +151,22 @@ impl Section {
         Self { id: "references", title: "References", list, ..Self::default() }
     }
 
+    /// Adds how to cite the program and the paper.
+    fn with_citation(self, provenance: Option<&Provenance>) -> Self {
+        let version = provenance.map_or("", |provenance| provenance.asperity.as_str());
+        let list = html!("{}<h3>BibTeX</h3>\n<pre tabindex=\"0\">{}</pre>\n", self.list, references::bibtex(version));
+        Self { list, ..self }
+    }
+
     /// Returns the section of the provenance; `None` without it.
     pub(crate) fn provenance(provenance: Option<&Provenance>) -> Option<Self> {
         let tables = provenance.map(provenance::table).into_iter().collect();
         Self::new("provenance", "Provenance", "", tables, Vec::new())
+    }
+
+    /// States the answer of the section.
+    fn with_answer(self, answer: Option<String>) -> Self {
+        Self { answer: answer.unwrap_or_default(), ..self }
     }
 
     /// Names the entry of the appendix that belongs to the section, if there is one.
@@ -167,10 +181,11 @@ impl Section {
 
     /// Returns everything below the title.
     fn content(&self, number: &mut usize) -> Html {
-        let lead = match self.lead.as_str() {
+        let paragraph = |class: &'static str, text: &str| match text {
             "" => Html::default(),
-            lead => html!("<p class=\"lead\">{}</p>\n", lead),
+            text => html!("<p class=\"{}\">{}</p>\n", class, text),
         };
+        let lead = html!("{}{}", paragraph("found", &self.answer), paragraph("lead", &self.lead));
         let figures = self.figures.iter().map(|figure| {
             *number += 1;
             figure_html(*number, figure)
@@ -338,7 +353,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         tables::surface(run),
         figures::surface::figures(run)?,
     )
-    .map(|section| section.with_further(heights.as_ref()));
+    .map(|section| section.with_further(heights.as_ref()).with_answer(answers::of_surface(run)));
     let contact = Section::new(
         "pressure",
         "Contact pressure",
@@ -349,7 +364,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         pressure.map(tables::scalars).into_iter().collect(),
         appendix::without_moved(figures::pressure::figures(run)?),
     )
-    .map(|section| section.with_further(methods.as_ref()));
+    .map(|section| section.with_further(methods.as_ref()).with_answer(pressure.map(answers::of_pressure)));
     let coefficient = Section::new(
         "friction",
         "Friction coefficient",
@@ -357,14 +372,15 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         friction.map_or_else(Vec::new, friction::tables),
         appendix::without_moved(figures::friction::figures(run)),
     )
-    .map(|section| section.with_further(models.as_ref()));
+    .map(|section| section.with_further(models.as_ref()).with_answer(friction.map(answers::of_friction)));
     let quotient = Section::new(
         "quotient",
         "Quotient F/N of single windows",
         friction::quotient_lead(friction),
         friction.map_or_else(Vec::new, friction::quotient_tables),
         figures::friction::quotient_figures(run)?,
-    );
+    )
+    .map(|section| section.with_answer(friction.and_then(answers::of_quotient)));
     let motion = Section::new(
         "vibration",
         "Friction-induced vibration",
@@ -372,21 +388,24 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
          velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.",
         vibration.map_or_else(Vec::new, vibration::tables),
         figures::vibration::figures(run)?,
-    );
+    )
+    .map(|section| section.with_answer(vibration.map(answers::of_vibration)));
     let coupled = Section::new(
         "mode-coupling",
         "Mode coupling",
         "Stability of steady sliding of a mass with two modes that friction couples, and the vibration that follows.",
         results.mode_coupling.as_ref().map_or_else(Vec::new, mode_coupling::tables),
         figures::vibration::coupled_figures(run),
-    );
+    )
+    .map(|section| section.with_answer(results.mode_coupling.as_ref().map(answers::of_mode_coupling)));
     let judged = Section::new(
         "verdict",
         "Behind the verdict",
         verdict::lead(results.verdict.as_ref().map(|verdict| verdict.model).unwrap_or_default()),
         results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
         figures::verdict::figures(run)?,
-    );
+    )
+    .map(|section| section.with_answer(results.verdict.as_ref().map(crate::verdict_sentence)));
     let stages = [
         surface.is_some() || results.surface.is_some(),
         contact.is_some() || pressure.is_some(),
@@ -394,7 +413,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         motion.is_some() || vibration.is_some(),
         coupled.is_some(),
     ];
-    let inputs = "The study with all defaults.";
+    let inputs = "The study with all defaults, and where each value comes from. Settings change the error of the computation, not the \
+                  machine.";
     let assumptions = "Conventions and defaults behind the results above.";
     let sections = [
         judged,
@@ -407,7 +427,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
         Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
         Section::provenance(run.provenance.as_ref()),
-        Some(Section::references(&references::references(stages))),
+        Some(Section::references(&references::references(stages)).with_citation(run.provenance.as_ref())),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let ids: Vec<&str> = sections.iter().map(|section| section.id).collect();

@@ -136,6 +136,22 @@ fn the_page_loads_nothing_from_elsewhere() {
 }
 
 #[test]
+fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
+    let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
+    for (section, words) in [
+        ("surface", "Sq = 1.00 µm [0.94, 1.06]; heights are correlated over"),
+        ("pressure", "A point of the patch is in contact with probability"),
+        ("friction", "from window to window of"),
+        ("vibration", "No vibration persists above ζ ="),
+    ] {
+        let content = html.split_once(&format!("<section id=\"{section}\">")).unwrap().1;
+        let answer = content.split_once("<p class=\"found\">").unwrap().1.split_once("</p>").unwrap().0;
+        assert!(answer.contains(words), "{section}: {answer}");
+    }
+    assert!(html.contains("@software{asperity,") && html.contains("@article{gaus2016roughness,"));
+}
+
+#[test]
 fn no_panel_has_more_than_six_curves() {
     let html = render(&full_run()).unwrap().html;
     let data =
