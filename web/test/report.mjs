@@ -75,6 +75,12 @@ async function examine(browser, file, width, colorScheme) {
     await tab.waitForTimeout(60);
     const shares = await figure.evaluate(drawn);
     const name = await figure.getAttribute("id");
+    const most = await figure.evaluate((element) => {
+      const { charts } = JSON.parse(element.querySelector("script").textContent);
+      const curves = ({ series }) => new Set(series.filter(({ mark }) => mark === "line").map(({ name }) => name).filter((name) => name !== ""));
+      return Math.max(...charts.map((chart) => curves(chart).size));
+    });
+    check(most <= 6, `${what}: ${await figure.getAttribute("id")} has ${most} curves in a panel`);
     check(shares.length > 0 && shares.every((share) => share > 0.004), `${what}: ${name} is empty: ${shares}`);
   }
   const violations = await accessibility(browser, page, { viewport: { width, height: 800 }, colorScheme });
@@ -102,6 +108,7 @@ async function use(browser, file) {
     };
     return [...document.querySelectorAll("figure[id]")].find(hasCurve)?.id;
   });
+  if (id === undefined) return context.close();
   const figure = tab.locator(`#${id}`);
   await figure.scrollIntoViewIfNeeded();
   const canvas = figure.locator(".canvas canvas").first();
@@ -145,7 +152,7 @@ try {
   for (const file of words) {
     check(statSync(file).size < LARGEST, `${file} is larger than 5 MB`);
     let count = 0;
-    for (const width of [1280, 390]) for (const scheme of ["light", "dark"]) count = await examine(browser, file, width, scheme);
+    for (const [width, scheme] of [[1280, "light"], [390, "dark"]]) count = await examine(browser, file, width, scheme);
     await use(browser, file);
     console.log(`${file}: ${count} figures`);
   }

@@ -23,6 +23,8 @@ const SYMBOL: f64 = 4.2;
 const DISC: f64 = 3.2;
 /// Size of notes in pixels.
 const SMALL: f64 = 12.0;
+/// Largest number of curves that remain distinct in one chart.
+pub(crate) const CURVES: usize = 6;
 /// Height of a chart that has a figure of its own, in pixels.
 const HEIGHT: f64 = 330.0;
 

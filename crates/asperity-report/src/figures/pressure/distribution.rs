@@ -4,10 +4,9 @@ use super::{CaptionedFigure, columns, style};
 use crate::Run;
 use crate::format::{Dimension, Unit};
 use crate::page::method_name;
-use crate::plot::{Axis, BLACK, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
+use crate::plot::{Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 
-/// Largest number of curves, and the methods that are left out first if there are more.
-const MOST: usize = 6;
+/// The methods that are left out first if there are too many curves.
 const EXTRA: [&str; 2] = ["polynomial_chaos_local", "sobol"];
 const NAME: &str = "pressure_cdf";
 const BANDS: &str = "pressure_bands";
@@ -77,7 +76,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let mut hidden = Vec::new();
     for name in EXTRA {
         let place = methods.iter().position(|(own, _)| *own == name);
-        if let Some(place) = place.filter(|_| methods.len() > MOST) {
+        if let Some(place) = place.filter(|_| methods.len() > CURVES) {
             methods.remove(place);
             hidden.push(method_name(name));
         }
