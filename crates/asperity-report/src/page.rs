@@ -4,6 +4,7 @@
 pub(crate) mod answers;
 mod appendix;
 mod cells;
+mod certainty;
 mod chain;
 mod cutoff;
 mod friction;
@@ -424,6 +425,14 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         quotient,
         motion,
         coupled,
+        Section::new(
+            "certainty",
+            "How sure, and why",
+            "Brackets are 95 % intervals of what was sampled. They do not contain errors of the model, nor of values that the study states \
+             as exact.",
+            vec![certainty::table(run)],
+            Vec::new(),
+        ),
         Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
         Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
         Section::provenance(run.provenance.as_ref()),

@@ -148,6 +148,10 @@ fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
         let answer = content.split_once("<p class=\"found\">").unwrap().1.split_once("</p>").unwrap().0;
         assert!(answer.contains(words), "{section}: {answer}");
     }
+    let certainty = html.split_once("<section id=\"certainty\">").unwrap().1.split_once("</section>").unwrap().0;
+    for words in ["rms height Sq", "[0.94, 1.06]", "random strips:", "limit of the damping ratio", "trajectories"] {
+        assert!(certainty.contains(words), "{words}: {certainty}");
+    }
     assert!(html.contains("@software{asperity,") && html.contains("@article{gaus2016roughness,"));
 }
 
