@@ -9,9 +9,7 @@ use std::cell::OnceCell;
 use asperity::correlation::{CorrelationFamily, radial_spectrum};
 use asperity::map::{BoundaryKind, Grid, HeightMap};
 use asperity::study::{TwinOptions, Twins, draw_map, surface_statistics};
-use asperity::surface::model::{
-    CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest,
-};
+use asperity::surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest};
 use asperity::surface::preparation::Prepared;
 use asperity::surface::scanned::ScannedSurface;
 use asperity::translation::TranslationKind;

@@ -4,6 +4,7 @@ use asperity::choice::ByName;
 use asperity::contact::{
     Boundary, ContactProblem, Control, Elastic, HalfSpace, Solution, Solver, SolverStop, Substrate,
 };
+use asperity::friction::LevelControl;
 use asperity::map::{BoundaryKind, Grid, HeightMap};
 use ndarray::s;
 use serde::Deserialize;
@@ -24,17 +25,22 @@ pub(super) struct Press {
 }
 
 impl Press {
-    pub(super) fn substrate(&self) -> Result<Substrate, Failure> {
+    fn substrate(&self) -> Result<Substrate, Failure> {
         let modulus_pa = Elastic::new(self.youngs_modulus_pa, self.poisson_ratio)?.contact_modulus_pa();
         Ok(Substrate::HalfSpace { modulus_pa })
     }
 
-    pub(super) fn control(&self) -> Result<Control, Failure> {
+    pub(super) fn level(&self) -> Result<LevelControl, Failure> {
         match (self.penetration_m, self.mean_pressure_pa) {
-            (Some(metre), None) => Ok(Control::Penetration { metre }),
-            (None, Some(pascal)) => Ok(Control::MeanPressure { pascal }),
+            (Some(metre), None) => Ok(LevelControl::Penetration(metre)),
+            (None, Some(pascal)) => Ok(LevelControl::MeanPressure(pascal)),
             _ => Err(Failure("state either penetration_m or mean_pressure_pa".into())),
         }
+    }
+
+    pub(super) fn control(&self) -> Result<Control, Failure> {
+        // The quantile of heights belongs to percentiles, which a request cannot state.
+        Ok(self.level()?.contact(|_| f64::NAN))
     }
 
     pub(super) fn half_space(&self, grid: Grid, boundary: BoundaryKind) -> Result<HalfSpace, Failure> {
