@@ -114,10 +114,9 @@ function datasets(series: Series, page: Theme): Dataset[] {
       const inner = HOLLOW.includes(series.shape) ? "transparent" : colour;
       return [{ ...base, data: [{ x: series.x, y: series.y }], pointStyle: SHAPES[series.shape] ?? "circle", pointRadius: 5, pointBorderWidth: 1.8, pointBorderColor: colour, pointBackgroundColor: inner, borderColor: colour }];
     }
-    case "interval": {
-      const colour = shown(series.colour, page, series.thick > 2 ? 0.35 : 1);
+    case "span": {
       const ends = [series.low, series.high].map((x) => ({ x, y: series.y }));
-      return [{ ...base, data: ends, borderColor: colour, borderWidth: series.thick, backgroundColor: colour }];
+      return [{ ...base, ...pen(series.pen), data: ends, borderCapStyle: "butt" }];
     }
     default:
       return [];
@@ -144,9 +143,9 @@ function marks(view: Panel): Plugin<"scatter"> {
         const { backdrop } = view.chart;
         if (backdrop && view.image?.complete) {
           const [left, right] = backdrop.x.map((value) => x.getPixelForValue(value)) as [number, number];
-          const [bottom, top] = backdrop.y.map((value) => y.getPixelForValue(value)) as [number, number];
+          const [one, other] = backdrop.y.map((value) => y.getPixelForValue(value)) as [number, number];
           context.imageSmoothingEnabled = false;
-          context.drawImage(view.image, left, top, right - left, bottom - top);
+          context.drawImage(view.image, left, Math.min(one, other), right - left, Math.abs(other - one));
         }
         for (const series of view.visible()) {
           if (series.mark !== "region") continue;
@@ -160,6 +159,7 @@ function marks(view: Panel): Plugin<"scatter"> {
       clipped(canvas as Canvas<"scatter">, (context) => {
         const { x, y } = canvas.scales as { x: Scale; y: Scale };
         const area = canvas.chartArea;
+        const taken: [number, number, number][] = [];
         for (const series of view.visible()) {
           if (series.mark === "vertical" || series.mark === "horizontal") {
             context.beginPath();
@@ -182,7 +182,11 @@ function marks(view: Panel): Plugin<"scatter"> {
             context.textBaseline = "middle";
             const half = context.measureText(series.text).width / 2 + 3;
             const at = Math.min(Math.max(x.getPixelForValue(series.x), area.left + half), area.right - half);
-            const above = y.getPixelForValue(series.y) - (view.image ? 0 : 13);
+            const shift = view.image || view.chart.y.names ? 0 : 13;
+            const above = Math.min(Math.max(y.getPixelForValue(series.y) - shift, area.top + 8), area.bottom - 8);
+            // A note that would lie on another one is left out.
+            if (taken.some(([x, y, width]) => Math.abs(at - x) < half + width && Math.abs(above - y) < 15)) continue;
+            taken.push([at, above, half]);
             if (view.image) {
               context.fillStyle = "rgba(255,255,255,0.85)";
               context.fillRect(at - half, above - 8, 2 * half, 16);
@@ -231,6 +235,7 @@ class Panel {
         parsing: false,
         responsive: true,
         aspectRatio: ratio,
+        scales: this.scales() as never,
         interaction: { mode: "nearest", axis: "xy", intersect: false },
         plugins: {
           tooltip: {
@@ -265,23 +270,7 @@ class Panel {
     this.page = theme();
     const { canvas, page } = this;
     canvas.data.datasets = this.visible().flatMap((series) => datasets(series, page));
-    const scale = (axis: Axis, log: boolean) => ({
-      type: log ? ("logarithmic" as const) : ("linear" as const),
-      min: log && axis.low <= 0 ? undefined : axis.low,
-      max: axis.high,
-      reverse: axis.names !== undefined && axis === this.chart.y,
-      title: { display: axis.label !== "", text: axis.label, color: page.ink },
-      grid: { color: this.chart.backdrop ? "transparent" : page.line },
-      border: { color: page.soft },
-      ticks: {
-        color: page.ink,
-        maxTicksLimit: 8,
-        maxRotation: 0,
-        ...(axis.names && { stepSize: 1, maxTicksLimit: 60, autoSkip: false }),
-        callback: (value: number | string) => tick(axis, Number(value), log),
-      },
-    });
-    canvas.options.scales = { x: scale(this.chart.x, this.owner.log.x), y: scale(this.chart.y, this.owner.log.y) } as never;
+    canvas.options.scales = this.scales() as never;
     const { title } = this.chart;
     canvas.options.plugins = {
       ...canvas.options.plugins,
@@ -289,6 +278,46 @@ class Panel {
       tooltip: { ...canvas.options.plugins?.tooltip, backgroundColor: page.ink, bodyColor: page.card },
     };
     canvas.update("none");
+    this.fit();
+  }
+
+  /** Gives a map one scale along both axes. */
+  private fit() {
+    const aspect = this.chart.backdrop?.aspect;
+    const { width, height, chartArea: area } = this.canvas;
+    if (aspect === undefined || !area) return;
+    const wanted = width / (Math.min(Math.max(area.width * aspect, 40), 1.3 * width) + height - area.height);
+    if (Math.abs(wanted / (width / height) - 1) > 0.01) {
+      this.canvas.options.aspectRatio = wanted;
+      this.canvas.resize();
+    }
+  }
+
+  private scales() {
+    const scale = (axis: Axis, log: boolean) => ({
+      type: log ? ("logarithmic" as const) : ("linear" as const),
+      min: log && axis.low <= 0 ? undefined : axis.low,
+      max: axis.high,
+      reverse: axis.downward ?? false,
+      title: { display: axis.label !== "", text: axis.label, color: this.page.ink },
+      grid: { color: this.chart.backdrop ? "transparent" : this.page.line },
+      border: { color: this.page.soft },
+      ticks: {
+        color: this.page.ink,
+        maxTicksLimit: 8,
+        maxRotation: 0,
+        // The ends of an axis are seldom round numbers.
+        includeBounds: false,
+        autoSkip: axis.names === undefined,
+        callback: (value: number | string) => tick(axis, Number(value), log),
+      },
+      ...(axis.names && {
+        afterBuildTicks: (own: Scale) => {
+          own.ticks = (axis.names ?? []).map((_, value) => ({ value }));
+        },
+      }),
+    });
+    return { x: scale(this.chart.x, this.owner.log.x), y: scale(this.chart.y, this.owner.log.y) };
   }
 
   replace(chart: Chart) {
@@ -306,7 +335,8 @@ class Panel {
     const at = { x: this.canvas.scales.x?.getValueForPixel(left) ?? NaN, y: this.canvas.scales.y?.getValueForPixel(top) ?? NaN };
     this.pixels ??= read(this.image);
     const column = Math.floor(((at.x - backdrop.x[0]) / (backdrop.x[1] - backdrop.x[0])) * this.pixels.width);
-    const row = Math.floor(((backdrop.y[1] - at.y) / (backdrop.y[1] - backdrop.y[0])) * this.pixels.height);
+    const up = (at.y - backdrop.y[0]) / (backdrop.y[1] - backdrop.y[0]);
+    const row = Math.floor((y.downward ? up : 1 - up) * this.pixels.height);
     if (!(column >= 0 && column < this.pixels.width && row >= 0 && row < this.pixels.height)) return this.owner.say("");
     const place = 4 * (row * this.pixels.width + column);
     const value = this.owner.valueOf(this.pixels.data.slice(place, place + 3));
@@ -321,7 +351,7 @@ class Panel {
       this.image = undefined;
     } else if (this.image?.src !== source) {
       this.image = new Image();
-      this.image.onload = () => this.canvas.draw();
+      this.image.onload = () => this.canvas?.draw();
       this.image.src = source;
     }
   }
@@ -403,12 +433,11 @@ export class FigureView {
     this.resetButton = button("Reset zoom", () => this.reset());
     this.resetButton.hidden = true;
     const grid = document.createElement("div");
-    grid.className = "panels";
-    grid.style.gridTemplateColumns = `repeat(${figure.columns}, minmax(0, 1fr))`;
+    grid.className = `panels columns-${figure.columns}`;
     host.append(this.legend, grid);
     if (figure.colours) host.append(this.colourBar(figure.colours));
     host.append(this.output, this.tools);
-    this.panels = figure.charts.map((chart) => new Panel(grid, chart, this, this.ratio(chart)));
+    this.panels = figure.charts.map((chart) => new Panel(grid, chart, this, Math.min(chart.ratio, host.clientWidth < 480 && !chart.backdrop ? 1.4 : Infinity)));
     this.fillLegend();
     for (const name of ["x", "y"] as const) {
       if (figure.charts.every((chart) => logarithmic(chart, name))) {
@@ -463,11 +492,6 @@ export class FigureView {
     return `; ${colours.axis.label}: ${digits(colours.axis.low + place * (colours.axis.high - colours.axis.low), 3)}`;
   }
 
-  private ratio({ backdrop, x, y }: Chart): number {
-    if (!backdrop?.equal) return this.figure.columns > 1 ? 1.25 : 1.9;
-    return Math.min(Math.max((x.high - x.low) / (y.high - y.low) / 1.1, 0.8), 6);
-  }
-
   private fillLegend() {
     const all = this.figure.charts.flatMap((chart) => chart.series);
     const named = all.filter((series, place) => series.name !== "" && all.findIndex((other) => other.name === series.name) === place);
@@ -484,6 +508,7 @@ export class FigureView {
         toggle.prepend(sample(series));
         const item = document.createElement("li");
         item.append(toggle);
+        if (series.mark === "patch") toggle.replaceWith(...toggle.childNodes);
         return item;
       }),
     );
@@ -492,18 +517,22 @@ export class FigureView {
   private colourBar({ axis, image }: Colours): HTMLElement {
     const bar = document.createElement("p");
     bar.className = "colours";
+    const canvas = Object.assign(document.createElement("canvas"), { height: 1 });
     const scale = new Image();
-    scale.alt = "";
     scale.onload = () => {
       const { data, height } = read(scale);
-      const place = (row: number) => [data.slice(4 * row, 4 * row + 3).join(), 1 - row / (height - 1)] as const;
-      this.scale = new Map(Array.from({ length: height }, (_, row) => place(row)));
+      const colours = Array.from({ length: height }, (_, row) => data.slice(4 * row, 4 * row + 3));
+      this.scale = new Map(colours.map((colour, row) => [colour.join(), 1 - row / (height - 1)]));
+      canvas.width = height;
+      const pixels = new ImageData(height, 1);
+      colours.reverse().forEach((colour, at) => pixels.data.set([...colour, 255], 4 * at));
+      canvas.getContext("2d")?.putImageData(pixels, 0, 0);
     };
     scale.src = image;
     const text = (value: string) => Object.assign(document.createElement("span"), { textContent: value });
     const holder = document.createElement("span");
     holder.className = "scale";
-    holder.append(scale);
+    holder.append(canvas);
     bar.append(text(axis.label), text(digits(axis.low, 3)), holder, text(digits(axis.high, 3)));
     return bar;
   }

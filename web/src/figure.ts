@@ -9,6 +9,8 @@ export interface Axis {
   low: number;
   high: number;
   log?: boolean;
+  /** Values increase downward. */
+  downward?: boolean;
   /** Names at 0, 1, … from the top, in place of numbers. */
   names?: string[];
 }
@@ -28,7 +30,7 @@ export type Series = { name: string } & (
   | { mark: "bars"; edges: Values; y: Values; colour: string }
   | { mark: "dots"; x: Values; y: Values; colour: string; radius: number; opacity: number }
   | { mark: "symbol"; x: number; y: number; shape: string; colour: string }
-  | { mark: "interval"; x: number; low: number; high: number; y: number; thick: number; colour: string }
+  | { mark: "span"; low: number; high: number; y: number; pen: Pen }
   | { mark: "region"; low: number; high: number; colour: string }
   | { mark: "vertical" | "horizontal"; at: number; pen: Pen }
   | { mark: "note"; x: number; y: number; text: string }
@@ -41,12 +43,14 @@ export interface Backdrop {
   image: string;
   x: [number, number];
   y: [number, number];
-  /** Width and height of the chart in the proportion of the axes. */
-  equal?: boolean;
+  /** Height over width, where both axes have one scale. */
+  aspect?: number;
 }
 
 export interface Chart {
   title: string;
+  /** Width over height. */
+  ratio: number;
   x: Axis;
   y: Axis;
   series: Series[];

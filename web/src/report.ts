@@ -33,8 +33,8 @@ function rows({ title, x, y, series }: Chart): string[] {
         return of(one.name, one.edges.slice(0, -1).map((edge, i) => ((edge ?? NaN) + (one.edges[i + 1] ?? NaN)) / 2), one.y);
       case "symbol":
         return of(one.name, [one.x], [one.y]);
-      case "interval":
-        return of(`${one.name}, ${y.names?.[Math.round(one.y)] ?? ""}`, [one.x, one.low, one.high], [one.y, one.y, one.y]);
+      case "span":
+        return of([one.name, y.names?.[Math.round(one.y)] ?? ""].filter((text) => text !== "").join(", "), [one.low, one.high], [one.y, one.y]);
       case "vertical":
         return of(one.name, [one.at], [null]);
       case "horizontal":
@@ -58,7 +58,7 @@ function start(host: HTMLElement) {
     button.addEventListener("click", act);
     tools.append(button);
   };
-  if (svg) offer("SVG", () => save(`${name}.svg`, "image/svg+xml", host.dataset.svg ?? svg.outerHTML));
+  if (svg) offer("SVG", () => save(`${name}.svg`, "image/svg+xml", svg.outerHTML));
   if (data?.textContent) {
     const figure = JSON.parse(data.textContent) as Figure;
     if (figure.charts.some((chart) => rows(chart).length > 1)) {
@@ -67,8 +67,8 @@ function start(host: HTMLElement) {
     const live = document.createElement("div");
     live.className = "live";
     host.querySelector(".static")?.before(live);
-    new FigureView(live, figure);
     host.classList.add("interactive");
+    new FigureView(live, figure);
   }
   host.querySelector("h3")?.after(tools);
 }

@@ -6,6 +6,9 @@ use crate::format::{Dimension, Unit};
 use crate::page::method_name;
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 
+/// Largest number of curves, and the methods that are left out first if there are more.
+const MOST: usize = 6;
+const EXTRA: [&str; 2] = ["polynomial_chaos_local", "sobol"];
 const NAME: &str = "pressure_cdf";
 const BANDS: &str = "pressure_bands";
 /// A larger difference of neighbours is a jump.
@@ -70,7 +73,15 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let is_reference = |name: &str| reference.is_some_and(|(own, _)| own == name);
     let others = table.columns.iter().filter(|(name, _)| name != "pressure_pa" && !is_reference(name));
     let others = others.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?)));
-    let methods: Vec<Method<'_>> = reference.into_iter().chain(others).collect();
+    let mut methods: Vec<Method<'_>> = reference.into_iter().chain(others).collect();
+    let mut hidden = Vec::new();
+    for name in EXTRA {
+        let place = methods.iter().position(|(own, _)| *own == name);
+        if let Some(place) = place.filter(|_| methods.len() > MOST) {
+            methods.remove(place);
+            hidden.push(method_name(name));
+        }
+    }
     let first = methods.first()?.1;
     let axis = pressure_axis(pressure, first);
     let lowest = axis_start(&methods);
@@ -92,6 +103,9 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         "Cumulative distribution of the pressure at the point studied (the paper’s Fig. 2). The step at p = 0 is \
                        the probability of no contact."
             .to_owned();
+    if !hidden.is_empty() {
+        caption += &format!(" In the table alone: {}.", hidden.join(", "));
+    }
     if lowest > 0.0 {
         caption += " The vertical axis does not begin at 0.";
     }
