@@ -37,7 +37,7 @@ async function script(entry, define) {
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
 async function explorer() {
-  bindings("build");
+  if (!process.env.SKIP_BINDINGS) bindings("build");
   const [, version] = readFileSync("../Cargo.toml", "utf8").match(/^version = "(.*)"$/m);
   const worker = await script("src/worker.ts", { "import.meta.url": '""' });
   const page = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version) });

@@ -49,7 +49,7 @@ async function open(fragment = "", size = { width: 1280, height: 800 }, scheme =
 
 /** Waits until nothing is computed. */
 async function settled(page) {
-  await page.waitForFunction(() => document.querySelector("#status")?.hidden && !document.querySelector(".stale:not(:has(.problem:not([hidden])))"), undefined, { timeout: 120_000 });
+  await page.waitForFunction(() => document.querySelector("#status")?.hidden && !document.querySelector(".stale:not(:has(.problem:not([hidden])))"), undefined, { timeout: 30_000 });
 }
 
 const numbers = (page, selector) => page.$eval(selector, (element) => JSON.parse(element.dataset.numbers));
@@ -59,7 +59,6 @@ async function enter(page, id, value) {
   await page.evaluate((id) => document.getElementById(id).closest("details")?.setAttribute("open", ""), `control-${id}`);
   await page.fill(`#control-${id}`, String(value));
   await page.press(`#control-${id}`, "Enter");
-  await page.evaluate((id) => document.getElementById(id).dispatchEvent(new Event("change")), `control-${id}`);
 }
 
 const tests = {
@@ -97,7 +96,8 @@ const tests = {
   },
 
   async "contact has the numbers of the command line"() {
-    const spec = ['seed = 1', 'size = ["256 um", "256 um"]', "points = [256, 256]", 'boundary = "periodic"', "[surface]", 'generator = "spectral"', 'covariance = "self_affine"', 'rms_height = "1 um"', 'correlation_length = ["20 um", "20 um"]', "hurst = 0.8", 'marginal = "normal"'];
+    const spec = ['seed = 1', 'size = ["256 um", "256 um"]', "points = [256, 256]", 'boundary = "periodic"', "[surface]", 'generator = "spectral"', 'covariance = "self_affine"', 'rms_height = "1 um"', 'correlation_length = ["20 um", "17 um"]', "hurst = 0.8", 'marginal = "normal"'];
+    // Equal lengths would give waves of equal variance, whose order depends on the rounding of the machine.
     writeFileSync(join(folder, "spec.toml"), spec.join("\n"));
     asperity("surface", "generate", "spec.toml", "--out", "stated.x3p");
     const material = ["--youngs-modulus=210GPa", "--poisson-ratio=0.3", "--hardness=2GPa"];
@@ -107,7 +107,7 @@ const tests = {
       // A cell at the edge of contact may change sides.
       assert.ok(Math.abs(found.contact_fraction - wanted.contact_fraction) <= 2 / 65536);
     };
-    const page = await open();
+    const page = await open("#length_x=20&length_y=17");
     same(await numbers(page, "#pressure .note"), json("contact", "stated.x3p", ...material, "--boundary=periodic", "--mean-pressure=20MPa"));
     await page.selectOption("#control-control", "penetration");
     await enter(page, "penetration", 1.5);
@@ -160,11 +160,9 @@ const tests = {
     // A matrix of numbers states no pixel size; the page asks for it. Names are text, whatever they contain.
     await page.setInputFiles("#file", { name: hostile, mimeType: "text/plain", buffer: Buffer.from(matrix(48)) });
     await page.waitForFunction(() => /pixel/.test(document.querySelector("#file-problem").textContent));
-    await page.fill("#pixel-size", "2");
     await page.selectOption("#height-unit", "um");
-    await page.setInputFiles("#file", { name: hostile, mimeType: "text/plain", buffer: Buffer.from(matrix(48)) });
     await page.fill("#pixel-size", "2");
-    await page.selectOption("#height-unit", "um");
+    await page.press("#pixel-size", "Enter");
     await page.waitForFunction((name) => document.querySelector("#scan-name").textContent === name, hostile);
     await settled(page);
     assert.equal(await page.$("img"), null);
@@ -228,9 +226,10 @@ const tests = {
   async "cancel ends a long computation, and the next one works"() {
     const page = await open("#from_surface=no&trajectories=100&duration=1");
     await enter(page, "duration", 10000);
-    await page.waitForFunction(() => /trajectories/.test(document.querySelector("#task").textContent) || document.querySelector("#status:not([hidden])"));
+    await page.waitForTimeout(500);
     await page.click("#cancel");
     await page.waitForSelector("#status", { state: "hidden" });
+    assert.match(await text(page, "#probability .note"), /Cancelled/);
     await enter(page, "duration", 1);
     await settled(page);
     assert.match(await text(page, "#share"), /%/);

@@ -7,6 +7,8 @@ import type { Result } from "./messages";
 const BLUE = "#0072b2";
 const ORANGE = "#d55e00";
 const GREY = "#767676";
+/** Width of a chart over its height. */
+const RATIO = 1.7;
 
 const pen = (colour: string, width = 1.8, opacity = 1, dash: number[] = []): Pen => ({ colour, width, opacity, dash });
 
@@ -35,7 +37,7 @@ export function spectrum({ numbers, arrays }: Result): Figure {
     { name: "mean over directions", mark: "line", x: q, y: psd, pen: pen(BLUE), discs: false },
   ];
   const x = { label: "wavenumber q (rad/µm)", ...ends(q, 1.1) };
-  return { columns: 1, charts: [{ title: "", x, y: { label: "power spectral density (µm⁴)", ...ends(positive, 2) }, series }] };
+  return { columns: 1, charts: [{ title: "", ratio: RATIO, x, y: { label: "power spectral density (µm⁴)", ...ends(positive, 2) }, series }] };
 }
 
 export function friction({ numbers, arrays }: Result): Figure {
@@ -47,7 +49,7 @@ export function friction({ numbers, arrays }: Result): Figure {
   ];
   return {
     columns: 1,
-    charts: [{ title: "", x: axis("sliding distance s (mm)", s, 0), y: axis("friction coefficient μ", [...mu, numbers.mean], 0.15), series }],
+    charts: [{ title: "", ratio: RATIO, x: axis("sliding distance s (mm)", s, 0), y: axis("friction coefficient μ", [...mu, numbers.mean], 0.15), series }],
   };
 }
 
@@ -70,6 +72,7 @@ export function portrait(cycle: Result, ensemble: Result | undefined, belt_m_per
     charts: [
       {
         title: "",
+        ratio: RATIO,
         x: axis("displacement x (mm)", [...x, ...cloudX]),
         y: axis("velocity (mm/s)", [...v, ...cloudV, belt, 0]),
         series,
@@ -90,5 +93,5 @@ export function reattachment({ numbers, arrays }: Result, deterministic: number 
     series.push({ name: "without fluctuation", mark: "vertical", at: deterministic * unit, pen: pen(ORANGE, 1.6, 1, [6, 4]) });
   }
   const x = axis("displacement at re-attachment (mm)", deterministic === null ? edges : [...edges, deterministic * unit]);
-  return { columns: 1, charts: [{ title: "", x, y: { ...axis("density (1/mm)", [0, ...density]), low: 0 }, series }] };
+  return { columns: 1, charts: [{ title: "", ratio: RATIO, x, y: { ...axis("density (1/mm)", [0, ...density]), low: 0 }, series }] };
 }

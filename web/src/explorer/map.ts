@@ -46,6 +46,7 @@ export class MapView {
 
   constructor(host: HTMLElement) {
     this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "Map without values yet");
     this.scale.className = "ramp";
     const figure = document.createElement("figure");
     figure.className = "map";

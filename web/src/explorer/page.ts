@@ -44,16 +44,27 @@ const pixelSize = element<HTMLInputElement>("pixel-size");
 const heightUnit = element<HTMLSelectElement>("height-unit");
 const channel = element<HTMLSelectElement>("channel");
 
-/** File that is open, or that the user tries to open. */
-interface Source {
-  name: string;
+/** File with what the user states about it. */
+interface Source extends Scan {
   bytes: ArrayBuffer;
+}
+
+/** Returns what the user states about a file. */
+function stated(): Omit<Scan, "name"> {
+  const pixel_m = Number(pixelSize.value) * 1e-6;
+  return {
+    ...(pixel_m > 0 && { pixel_m }),
+    ...(heightUnit.value && { height_unit: heightUnit.value }),
+    ...(channel.value && { channel: channel.value }),
+  };
 }
 
 class Page {
   private values: Values = fromFragment(location.hash);
+  /** File of the surface; none for a stated surface. */
   private scan?: Source;
-  private wanted?: Source;
+  /** File that could not be read. */
+  private rejected?: Source;
   /** Whether the worker has the surface. */
   private opened = false;
   private described?: Result;
@@ -106,12 +117,12 @@ class Page {
     });
     for (const input of [pixelSize, heightUnit, channel]) {
       input.addEventListener("change", () => {
-        this.wanted ??= this.scan;
-        this.open();
+        const source = this.rejected ?? this.scan;
+        if (source) this.open({ name: source.name, bytes: source.bytes, ...stated() });
       });
     }
     element("close").addEventListener("click", () => {
-      this.scan = this.wanted = undefined;
+      this.scan = this.rejected = undefined;
       this.problem();
       this.open();
     });
@@ -153,35 +164,25 @@ class Page {
   }
 
   private async take(chosen: File) {
-    this.wanted = { name: chosen.name, bytes: await chosen.arrayBuffer() };
+    const bytes = await chosen.arrayBuffer();
     pixelSize.value = heightUnit.value = "";
     channel.replaceChildren();
-    this.open();
-  }
-
-  private scanSettings(): Scan & { channel?: string } {
-    const pixel = Number(pixelSize.value) * 1e-6;
-    return {
-      name: (this.wanted ?? this.scan)?.name ?? "",
-      ...(pixel > 0 && { pixel_m: pixel }),
-      ...(heightUnit.value && { height_unit: heightUnit.value }),
-      ...(channel.value && { channel: channel.value }),
-    };
+    this.open({ name: chosen.name, bytes });
   }
 
   /** Opens the file or the stated surface; everything on the surface follows. */
-  private open() {
+  private open(source = this.scan) {
     const { values, surface } = this;
-    const source = this.wanted ?? this.scan;
     const failed = (message: string) => {
       if (!source) return this.report(message, "map", "pressure", "friction", "spectrum", "statistics");
+      // A file that cannot be read leaves the page as it was. The user may state what it lacks.
+      this.rejected = source;
       this.problem(message);
-      // A file that cannot be read leaves the page as it was.
-      this.wanted = undefined;
-      if (!this.opened) this.open();
+      if (this.opened) this.current("map", "spectrum", "statistics", "pressure", "friction");
+      else this.open();
     };
     const done = (result: Result) => {
-      [this.scan, this.wanted, this.opened, this.described] = [source, undefined, true, result];
+      [this.scan, this.rejected, this.opened, this.described] = [source, undefined, true, result];
       this.problem();
       this.showSurface(result);
       surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", figures.spectrum(found)), (error) => this.report(error, "spectrum"));
@@ -191,9 +192,9 @@ class Page {
     this.stale("map", "spectrum", "statistics", "pressure", "friction");
     surface.drop(source ? "state" : "open");
     if (source) {
-      const { pixel_m, height_unit, channel } = this.scanSettings();
+      const { name, bytes, pixel_m, height_unit, channel } = source;
       const settings = { seed: values.seed, level: values.level, height_unit, channel, ...(pixel_m && { pixel_size_m: [pixel_m, pixel_m] }) };
-      surface.call({ what: "open", bytes: source.bytes, name: source.name, settings: JSON.stringify(settings) }, done, failed);
+      surface.call({ what: "open", bytes, name, settings: JSON.stringify(settings) }, done, failed);
     } else {
       const side = si(values, "size");
       const settings = {
@@ -341,7 +342,6 @@ class Page {
   private cancel() {
     for (const lane of [this.motion, this.surface, this.runs]) lane.cancel();
     this.opened = false;
-    this.wanted = undefined;
     for (const card of CARDS) {
       if (element(card).classList.contains("stale")) part(card, ".note, .problem").textContent = "Cancelled; the card shows earlier parameters.";
     }
@@ -351,7 +351,7 @@ class Page {
     const { numbers } = this.described ?? {};
     if (!numbers) return;
     const text = study(this.values, {
-      ...(this.scan && { scan: this.scanSettings() }),
+      ...(this.scan && { scan: this.scan }),
       pitch_m: [numbers.dx_m, numbers.dy_m],
       boundary: numbers.boundary,
       mean_pressure_pa: this.friction?.numbers.mean_pressure_pa ?? this.contact?.numbers.mean_pressure_pa,
@@ -402,9 +402,13 @@ class Page {
     for (const card of cards) element(card).classList.add("stale");
   }
 
+  private current(...cards: Card[]) {
+    for (const card of cards) element(card).classList.remove("stale");
+  }
+
   /** Marks a card as current, with a sentence below. */
   private settle(card: Card, note = "") {
-    element(card).classList.remove("stale");
+    this.current(card);
     part(card, ".problem").hidden = true;
     const sentence = element(card).querySelector(".note");
     if (sentence) sentence.textContent = note;
