@@ -4,7 +4,7 @@ import { type Answer, cycle, dimensionless, ensemble, initSync, limits, Surface 
 import type { Call, Reply, Request, Result, Start } from "./explorer/messages";
 
 /** Points of the portrait of a limit cycle. */
-const PORTRAIT_POINTS = 300;
+const PORTRAIT_POINTS = 240;
 
 let surface: Surface | undefined;
 

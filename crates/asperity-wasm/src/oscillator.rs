@@ -19,7 +19,7 @@ use crate::answer::{Answer, Failure, read};
 use crate::monitor::Progress;
 
 /// Trajectories of the phase cloud, points of each, and the time τ that they span.
-const CLOUD: usize = 60;
+const CLOUD: usize = 30;
 const CLOUD_POINTS: usize = 72;
 const CLOUD_SPAN: f64 = 1.1 * TAU;
 
@@ -270,7 +270,7 @@ mod tests {
         let centres = found.take("reattachment");
         let area: f64 = density.iter().sum::<f64>() * (centres[1] - centres[0]);
         assert!((area - 1.0).abs() < 1e-12, "area {area}");
-        assert_eq!(found.take("velocity").len(), 40 * CLOUD_POINTS);
+        assert_eq!(found.take("velocity").len(), CLOUD * CLOUD_POINTS);
     }
 
     #[test]

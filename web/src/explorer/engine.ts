@@ -6,6 +6,8 @@ export interface Watcher {
   /** Called when a worker starts or ends its work. */
   busy(): void;
   progress(task: string, done: number, total: number): void;
+  /** Called when an internal error ended a worker. */
+  broken(): void;
 }
 
 interface Job {
@@ -75,7 +77,10 @@ export class Lane {
     const { job } = this.running;
     this.running = undefined;
     if ("error" in reply) {
-      if (reply.broken) this.cancel();
+      if (reply.broken) {
+        this.cancel();
+        this.watcher.broken();
+      }
       job.failed(reply.error);
     } else {
       job.done(reply.result);

@@ -1,6 +1,6 @@
 // The figures of the page, from the results of the module.
 
-import type { Axis, Figure, Pen, Series } from "../figure";
+import type { Axis, Figure, Pen, Series, Values } from "../figure";
 import type { Result } from "./messages";
 
 /** Colours that people with any colour vision tell apart: Okabe & Ito (2008). */
@@ -53,6 +53,14 @@ export function friction({ numbers, arrays }: Result): Figure {
   };
 }
 
+/** Points of one run in the arrays of an ensemble. */
+const RUN_POINTS = 72;
+
+/** Separates the curves of runs by gaps. */
+function gapped(values: number[]): Values {
+  return values.flatMap((value, at) => ((at + 1) % RUN_POINTS === 0 ? [value, null] : [value]));
+}
+
 /** Phase portrait of the machine: the limit cycle, and the ends of runs with fluctuating friction. */
 export function portrait(cycle: Result, ensemble: Result | undefined, belt_m_per_s: number): Figure {
   const columns = ({ numbers, arrays }: Result) => [
@@ -63,7 +71,7 @@ export function portrait(cycle: Result, ensemble: Result | undefined, belt_m_per
   const [cloudX = [], cloudV = []] = ensemble ? columns(ensemble) : [];
   const belt = belt_m_per_s * 1e3;
   const series: Series[] = [
-    { name: "runs with fluctuating friction", mark: "dots", x: cloudX, y: cloudV, colour: GREY, radius: 1, opacity: 0.5 },
+    { name: "runs with fluctuating friction", mark: "line", x: gapped(cloudX), y: gapped(cloudV), pen: pen(GREY, 0.8, 0.5), discs: false },
     { name: "limit cycle without fluctuation", mark: "line", x, y: v, pen: pen(BLUE, 2.2), discs: false },
     { name: "belt speed", mark: "horizontal", at: belt, pen: pen(ORANGE, 1.4, 1, [6, 4]) },
   ];

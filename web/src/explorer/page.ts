@@ -7,14 +7,14 @@ import { compiled, Lane, type Watcher, workers } from "./engine";
 import * as figures from "./figures";
 import { percent, quantity, row } from "./format";
 import { MapView, extremes } from "./map";
-import type { Result } from "./messages";
+import type { Call, Result } from "./messages";
 import { defaults, fragment, fromFragment, type Key, si, type Values } from "./parameters";
 import { type Scan, study, STRIP_POINTS, WINDOW_POINTS } from "./study";
 
 /** Points of a stated map along a side, and the most that are pressed. */
 const MAP_POINTS = 256;
 /** Strips of the friction coefficient. */
-const STRIPS = 4;
+const STRIPS = 2;
 /** Standardised distribution of the fluctuation: figure 3 of the paper. */
 const MARGINAL = "beta:2.1,5";
 
@@ -80,13 +80,20 @@ class Page {
   private readonly pressure = new MapView(part("pressure", ".host"));
   private readonly motion: Lane;
   private readonly surface: Lane;
+  /** Friction and twins take longer than a contact, and have a worker of their own. */
+  private readonly strips: Lane;
   private readonly runs: Lane;
   private saving?: ReturnType<typeof setTimeout>;
 
   constructor(start: () => Worker) {
-    const watcher: Watcher = { busy: () => this.showStatus(), progress: (task, done, total) => this.showProgress(task, done, total) };
+    const watcher: Watcher = {
+      busy: () => this.showStatus(),
+      progress: (task, done, total) => this.showProgress(task, done, total),
+      broken: () => (this.opened = false),
+    };
     this.motion = new Lane(start, watcher, ["cycle", "limits"]);
-    this.surface = new Lane(start, watcher, ["open", "state", "contact", "friction", "spectrum", "twin"]);
+    this.surface = new Lane(start, watcher, ["open", "state", "contact", "spectrum"]);
+    this.strips = new Lane(start, watcher, ["open", "state", "friction", "twin"]);
     this.runs = new Lane(start, watcher, ["ensemble"]);
     this.listen();
     this.showControls();
@@ -126,6 +133,7 @@ class Page {
       this.problem();
       this.open();
     });
+    element("twin").addEventListener("click", () => this.set("press_twin", true));
     element("cancel").addEventListener("click", () => this.cancel());
     element("save").addEventListener("click", () => this.save());
     element("reset").addEventListener("click", (event) => {
@@ -172,7 +180,7 @@ class Page {
 
   /** Opens the file or the stated surface; everything on the surface follows. */
   private open(source = this.scan) {
-    const { values, surface } = this;
+    const { surface, strips } = this;
     const failed = (message: string) => {
       if (!source) return this.report(message, "map", "pressure", "friction", "spectrum", "statistics");
       // A file that cannot be read leaves the page as it was. The user may state what it lacks.
@@ -186,28 +194,35 @@ class Page {
       this.problem();
       this.showSurface(result);
       surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", figures.spectrum(found)), (error) => this.report(error, "spectrum"));
-      surface.call({ what: "twin" }, (found) => this.showTwin(found), (error) => this.report(error, "map"));
+      strips.call(call, () => undefined, failed);
+      strips.call({ what: "twin" }, (found) => this.showTwin(found), (error) => this.report(error, "map"));
       this.press();
     };
     this.stale("map", "spectrum", "statistics", "pressure", "friction");
-    surface.drop(source ? "state" : "open");
+    for (const lane of [surface, strips]) lane.drop(source ? "state" : "open");
+    const call = this.opening(source);
+    surface.call(call, done, failed);
+  }
+
+  /** Returns the call that opens a file or the stated surface. */
+  private opening(source: Source | undefined): Call {
+    const { values } = this;
     if (source) {
       const { name, bytes, pixel_m, height_unit, channel } = source;
       const settings = { seed: values.seed, level: values.level, height_unit, channel, ...(pixel_m && { pixel_size_m: [pixel_m, pixel_m] }) };
-      surface.call({ what: "open", bytes, name, settings: JSON.stringify(settings) }, done, failed);
-    } else {
-      const side = si(values, "size");
-      const settings = {
-        seed: values.seed,
-        points: [MAP_POINTS, MAP_POINTS],
-        size_m: [side, side],
-        boundary: "periodic",
-        rms_height_m: si(values, "rms_height"),
-        correlation_length_m: [si(values, "length_x"), si(values, "length_y")],
-        hurst: values.hurst,
-      };
-      surface.call({ what: "state", settings: JSON.stringify(settings) }, done, failed);
+      return { what: "open", bytes, name, settings: JSON.stringify(settings) };
     }
+    const side = si(values, "size");
+    const settings = {
+      seed: values.seed,
+      points: [MAP_POINTS, MAP_POINTS],
+      size_m: [side, side],
+      boundary: "periodic",
+      rms_height_m: si(values, "rms_height"),
+      correlation_length_m: [si(values, "length_x"), si(values, "length_y")],
+      hurst: values.hurst,
+    };
+    return { what: "state", settings: JSON.stringify(settings) };
   }
 
   private body() {
@@ -235,6 +250,7 @@ class Page {
       (message) => {
         this.contact = undefined;
         this.report(message, "pressure");
+        element("twin").hidden = this.values.press_twin || !this.described?.numbers.statistics.missing_points;
       },
     );
     this.slide();
@@ -254,7 +270,7 @@ class Page {
       normal_force_n: si(this.values, "normal_force"),
     };
     this.stale("friction");
-    this.surface.call(
+    this.strips.call(
       { what: "friction", settings: JSON.stringify(settings) },
       (result) => {
         this.friction = result;
@@ -340,7 +356,7 @@ class Page {
   }
 
   private cancel() {
-    for (const lane of [this.motion, this.surface, this.runs]) lane.cancel();
+    for (const lane of [this.motion, this.surface, this.strips, this.runs]) lane.cancel();
     this.opened = false;
     for (const card of CARDS) {
       if (element(card).classList.contains("stale")) part(card, ".note, .problem").textContent = "Cancelled; the card shows earlier parameters.";
@@ -385,7 +401,7 @@ class Page {
 
   private showStatus() {
     const status = element("status");
-    const busy = [this.surface, this.runs, this.motion].some((lane) => lane.busy);
+    const busy = [this.surface, this.strips, this.runs, this.motion].some((lane) => lane.busy);
     if (busy === !status.hidden) return;
     status.hidden = !busy;
     if (!busy) return;
@@ -480,6 +496,7 @@ class Page {
   }
 
   private showContact({ numbers, arrays }: Result) {
+    element("twin").hidden = true;
     this.pressure.show({ ...numbers, values: arrays.pressure_pa as Float64Array, unit: "Pa", name: "pressure" });
     const { contact_fraction_corrected: area, plastic_fraction: plastic, contact_fraction, mean_pressure_pa, penetration_m, whole } = numbers;
     const yielded = this.values.elastic ? "" : ` (${percent(contact_fraction > 0 ? plastic / contact_fraction : 0)} of it at the hardness)`;

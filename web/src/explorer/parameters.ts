@@ -100,7 +100,7 @@ export const PARAMETERS = {
   mass: entry("Mass", "kg", 1, 1e-6, 1e6, 1),
   frequency: entry("Natural frequency", "Hz", 1, 0.01, 1e5, 50.3),
   stribeck: entry("Stribeck coefficient", "s/m", 1, 0, 1000, 0.531),
-  trajectories: { ...entry("Runs of the ensemble", "", 1, 2, 10000, 200), whole: true } as Entry,
+  trajectories: { ...entry("Runs of the ensemble", "", 1, 2, 10000, 100), whole: true } as Entry,
   duration: entry("Duration of a run", "s", 1, 0.001, 10000, 2),
   seed: { ...entry("Seed", "", 1, 0, 2 ** 32, 1), whole: true } as Entry,
 } satisfies Record<string, Parameter>;

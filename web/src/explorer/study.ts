@@ -3,7 +3,7 @@
 import { si, type Values } from "./parameters";
 
 /** Points of a strip, and of the window that slides along it. */
-export const STRIP_POINTS: [number, number] = [1024, 64];
+export const STRIP_POINTS: [number, number] = [1024, 128];
 export const WINDOW_POINTS = 96;
 
 export interface Scan {

@@ -4,7 +4,6 @@ use asperity::choice::ByName;
 use asperity::contact::{
     Boundary, ContactProblem, Control, Elastic, HalfSpace, Solution, Solver, SolverStop, Substrate,
 };
-use asperity::friction::LevelControl;
 use asperity::map::{BoundaryKind, Grid, HeightMap};
 use ndarray::s;
 use serde::Deserialize;
@@ -30,17 +29,12 @@ impl Press {
         Ok(Substrate::HalfSpace { modulus_pa })
     }
 
-    pub(super) fn level(&self) -> Result<LevelControl, Failure> {
+    pub(super) fn control(&self) -> Result<Control, Failure> {
         match (self.penetration_m, self.mean_pressure_pa) {
-            (Some(metre), None) => Ok(LevelControl::Penetration(metre)),
-            (None, Some(pascal)) => Ok(LevelControl::MeanPressure(pascal)),
+            (Some(metre), None) => Ok(Control::Penetration { metre }),
+            (None, Some(pascal)) => Ok(Control::MeanPressure { pascal }),
             _ => Err(Failure("state either penetration_m or mean_pressure_pa".into())),
         }
-    }
-
-    pub(super) fn control(&self) -> Result<Control, Failure> {
-        // The quantile of heights belongs to percentiles, which a request cannot state.
-        Ok(self.level()?.contact(|_| f64::NAN))
     }
 
     pub(super) fn half_space(&self, grid: Grid, boundary: BoundaryKind) -> Result<HalfSpace, Failure> {

@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use asperity::contact::Solver;
-use asperity::friction::SolvedLevel;
+use asperity::correlation::{LengthSettings, RecordCorrelation, RecordModel, WindowedRecords, fit_length, fit_record};
+use asperity::friction::FrictionError;
+use asperity::friction::analysis::record_ends;
 use asperity::friction::law::BowdenTabor;
-use asperity::friction::strip::StripProblem;
+use asperity::friction::strip::{Record, SolvedStrips, StripProblem};
+use asperity::friction::upscaling::{exponential, variance_reduction};
 use asperity::friction::window::Window;
 use asperity::map::{BoundaryKind, Grid};
-use asperity::stats::{Interval, ProcessEstimate};
+use asperity::stats::{Interval, Layout, ProcessEstimate, ProcessMoments};
 use asperity::surface::model::XiOrder;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -41,11 +44,10 @@ impl Surface {
         let request: Request = read(request)?;
         let ([nx, ny], [width_m, height_m]) = (request.strip_points, request.strip_m);
         let grid = Grid::with_size(nx, ny, width_m, height_m)?;
-        let window = Window::new(request.window_m, grid)?;
         let generated = self.model()?.strip(grid, true, XiOrder::Variance)?;
         let problem = StripProblem {
             half_space: request.press.half_space(grid, BoundaryKind::Periodic)?,
-            window,
+            window: Window::new(request.window_m, grid)?,
             law: Arc::new(BowdenTabor { shear_strength_pa: request.shear_strength_pa }),
             hardness_pa: request.press.hardness_pa,
             solver: Solver::default(),
@@ -53,30 +55,75 @@ impl Surface {
         };
         let strips = problem.strips(generated.surface.as_ref(), request.realisations, self.seed);
         let solved = strips.solve(&[request.press.control()?], &Progress)?;
-        let solved = solved.into_iter().next().ok_or_else(|| Failure("no level was solved".into()))??;
-        let level = SolvedLevel::new(request.press.level()?, solved, &problem, self.seed)?;
-        let (found, strips) = (&level.process, &level.strips);
+        let strips = solved.into_iter().next().ok_or_else(|| Failure("no level was solved".into()))??;
+        let friction = WindowProcess::new(&strips, &problem)?;
+        let window = &problem.window;
         let nominal_area_m2 = request.normal_force_n / strips.mean_pressure_pa;
-        let std = found.moments.std;
         let answer = Answer::new(&json!({
-            "mean": level.mean,
-            "mean_interval": interval(found.estimates.mean),
-            "std": std,
-            "std_interval": interval(found.estimates.std),
-            "correlation_length_m": found.correlation.as_ref().ok().map(|correlation| correlation.exponential.length_m),
+            "mean": friction.mean,
+            "mean_interval": interval(friction.moments.mean),
+            "std": friction.moments.moments.std,
+            "std_interval": interval(friction.moments.std),
+            "correlation_length_m": friction.length_m,
             "nominal_area_m2": nominal_area_m2,
-            "area_std": std * level.variance_reduction(nominal_area_m2).sqrt(),
+            "area_std": friction.area_std(window, nominal_area_m2),
             "mean_pressure_pa": strips.mean_pressure_pa,
             "penetration_m": strips.penetration_m,
             "contact_fraction": strips.contact_fraction,
             "plastic_fraction": strips.plastic_fraction,
-            "window_m": problem.window.length_m(),
-            "window_width_m": problem.window.width_m(),
+            "window_m": window.length_m(),
+            "window_width_m": window.width_m(),
             "warnings": generated.warnings,
         }))?;
-        let (position_m, friction) =
-            level.at_mean_load.into_iter().next().map(|first| (first.position_m, first.friction)).unwrap_or_default();
-        Ok(answer.with("position_m", position_m).with("friction", friction))
+        let first = friction.records.into_iter().next();
+        let (position_m, values) = first.map(|first| (first.position_m, first.friction)).unwrap_or_default();
+        Ok(answer.with("position_m", position_m).with("friction", values))
+    }
+}
+
+/// Friction of windows at the mean load.
+struct WindowProcess {
+    mean: f64,
+    moments: ProcessMoments,
+    records: Vec<Record>,
+    /// Correlation length, which contains the effect of the window; `None` if friction does not vary.
+    length_m: Option<f64>,
+    /// Correlation length without the window; `None` if the fit fails.
+    own_length_m: Option<f64>,
+}
+
+impl WindowProcess {
+    fn new(strips: &SolvedStrips, problem: &StripProblem) -> Result<Self, FrictionError> {
+        let (mean, records) = Record::at_mean_load(&strips.records);
+        let series: Vec<&[f64]> = records.iter().map(|record| record.friction.as_slice()).collect();
+        if !mean.is_finite() {
+            let windows = series.iter().map(|values| values.len()).sum();
+            return Err(FrictionError::NoContact { windows, with_contact: 0 });
+        }
+        let (window, tracks) = (&problem.window, strips.tracks);
+        let ends = record_ends(&records, window, true, problem.grid().width_m());
+        let channel = WindowedRecords {
+            window_m: window.length_m(),
+            step_m: window.step_m(),
+            cell_m: window.cell_m(),
+            tracks,
+            records: series.clone(),
+        };
+        let settings = LengthSettings { ends, ..LengthSettings::default() };
+        let own = fit_length(&[channel], RecordModel::Exponential, settings);
+        let lags = series.iter().map(|values| values.len()).max().unwrap_or(0) / 2;
+        let fitted = RecordCorrelation::estimate(&series, window.step_m(), lags)
+            .and_then(|estimate| fit_record(&estimate, RecordModel::Exponential));
+        let moments = ProcessMoments::new(&series, Layout { periodic: true, tracks });
+        let own_length_m = own.ok().map(|own| own.length_m);
+        Ok(Self { mean, moments, length_m: fitted.ok().map(|fit| fit.length_m), own_length_m, records })
+    }
+
+    /// Returns the standard deviation over a nominal area.
+    fn area_std(&self, window: &Window, area_m2: f64) -> Option<f64> {
+        let correlation = exponential(self.own_length_m?);
+        let reduction = variance_reduction(window.length_m(), window.width_m(), area_m2, &correlation);
+        Some(self.moments.moments.std * reduction.sqrt())
     }
 }
 
