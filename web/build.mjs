@@ -1,13 +1,17 @@
 // Bundles the scripts. `node build.mjs` writes the script of reports into `asperity-report`, which carries it.
-// `node build.mjs explorer` compiles the bindings and writes the explorer, one file, to dist/explorer.html.
+// `node build.mjs explorer` compiles the bindings and writes the explorer, one file, to dist/explorer.html; `page` writes it
+// with the bindings as they are. `node build.mjs oscillator` compiles the bindings of the oscillator alone to build/oscillator.
 
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
 const COMMON = { bundle: true, minify: true, format: "iife", target: "es2022", charset: "utf8", legalComments: "inline" };
+
+/** The tool that makes the JavaScript side of the bindings, where `just web` installs it or on the path. */
+const TOOL = "target/tools/bin/wasm-bindgen";
 
 async function report() {
   await build({ ...COMMON, entryPoints: ["src/report.ts"], outfile: "../crates/asperity-report/src/page/figures.js" });
@@ -18,7 +22,7 @@ function bindings(folder, flags = []) {
   const run = (program, ...given) => execFileSync(program, given, { cwd: "..", stdio: ["ignore", "inherit", "inherit"] });
   run("cargo", "build", "--quiet", "--package", "asperity-wasm", "--lib", "--target", "wasm32-unknown-unknown", "--profile", "wasm", ...flags);
   run(
-    process.env.WASM_BINDGEN ?? "wasm-bindgen",
+    existsSync(`../${TOOL}`) ? TOOL : "wasm-bindgen",
     "--target=web",
     "--remove-name-section",
     "--remove-producers-section",
@@ -36,16 +40,15 @@ async function script(entry, define) {
 
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-async function explorer() {
-  if (!process.env.SKIP_BINDINGS) bindings("build");
+async function page() {
   const [, version] = readFileSync("../Cargo.toml", "utf8").match(/^version = "(.*)"$/m);
   const worker = await script("src/worker.ts", { "import.meta.url": '""' });
-  const page = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version) });
+  const main = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version) });
   const style = (await build({ ...COMMON, entryPoints: ["src/explorer/style.css"], write: false })).outputFiles[0].text.trim();
   const module = gzipSync(readFileSync("build/asperity_wasm_bg.wasm"), { level: 9 }).toString("base64");
   const policy = [
     "default-src 'none'",
-    `script-src ${hash(page)} 'wasm-unsafe-eval'`,
+    `script-src ${hash(main)} 'wasm-unsafe-eval'`,
     `style-src ${hash(style)}`,
     "worker-src blob:",
     "base-uri 'none'",
@@ -53,10 +56,29 @@ async function explorer() {
   ].join("; ");
   const html = readFileSync("src/explorer/page.html", "utf8")
     .replace("</title>", () => `</title>\n<meta http-equiv="Content-Security-Policy" content="${policy}">\n<style>${style}</style>`)
-    .replace("</body>", () => `<script type="text/plain" id="module">${module}</script>\n<script>${page}</script>\n</body>`);
+    .replace("</body>", () => `<script type="text/plain" id="module">${module}</script>\n<script>${main}</script>\n</body>`);
   mkdirSync("dist", { recursive: true });
   writeFileSync("dist/explorer.html", html);
-  console.log(`dist/explorer.html: ${(html.length / 1e6).toFixed(2)} MB, module ${(module.length / 1e6).toFixed(2)} MB of it`);
 }
 
-await (process.argv[2] === "explorer" ? explorer() : report());
+const size = (path) => `${path}: ${(readFileSync(path).length / 1e6).toFixed(2)} MB`;
+
+switch (process.argv[2]) {
+  case undefined:
+    await report();
+    break;
+  case "explorer":
+    bindings("build");
+    await page();
+    console.log(size("dist/explorer.html"));
+    break;
+  case "page":
+    await page();
+    break;
+  case "oscillator":
+    bindings("build/oscillator", ["--no-default-features"]);
+    console.log(size("build/oscillator/asperity_wasm_bg.wasm"));
+    break;
+  default:
+    throw new Error(`no target ${process.argv[2]}`);
+}

@@ -195,15 +195,15 @@ const tests = {
     const rate = await page.evaluate(async () => {
       const range = document.querySelector("input[type=range][aria-label='Belt speed']");
       const canvas = document.querySelector("#portrait .note");
-      let portraits = 0;
-      new MutationObserver(() => portraits++).observe(canvas, { attributes: true, attributeFilter: ["data-numbers"] });
+      const portraits = new Set();
+      new MutationObserver(() => portraits.add(canvas.dataset.numbers)).observe(canvas, { attributes: true, attributeFilter: ["data-numbers"] });
       const start = performance.now();
       for (let frame = 0; performance.now() - start < 2000; frame++) {
-        range.value = String(300 + (frame % 200));
+        range.value = String(300 + (frame % 600));
         range.dispatchEvent(new Event("input"));
         await new Promise(requestAnimationFrame);
       }
-      return (1000 * portraits) / (performance.now() - start);
+      return (1000 * portraits.size) / (performance.now() - start);
     });
     console.log(`     ${rate.toFixed(0)} portraits per second`);
     await settled(page);
@@ -219,7 +219,7 @@ const tests = {
     });
     console.log(`     contact of 256 × 256 points in ${seconds.toFixed(2)} s`);
     assert.ok(seconds < 1, `${seconds} s`);
-    assert.ok(rate > 55, `${rate} per second`);
+    assert.ok(rate > 50, `${rate} per second`);
     await page.close();
   },
 
