@@ -1,14 +1,84 @@
 // Bundles the scripts. `node build.mjs` writes the script of reports into `asperity-report`, which carries it.
+// `node build.mjs explorer` compiles the bindings and writes the explorer, one file, to dist/explorer.html; `page` writes it
+// with the bindings as they are. `node build.mjs oscillator` compiles the bindings of the oscillator alone to build/oscillator.
 
+import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
-await build({
-  entryPoints: ["src/report.ts"],
-  outfile: "../crates/asperity-report/src/page/figures.js",
-  bundle: true,
-  minify: true,
-  format: "iife",
-  target: "es2022",
-  charset: "utf8",
-  legalComments: "inline",
-});
+const COMMON = { bundle: true, minify: true, format: "iife", target: "es2022", charset: "utf8", legalComments: "inline" };
+
+/** The tool that makes the JavaScript side of the bindings, where `just web` installs it or on the path. */
+const TOOL = "target/tools/bin/wasm-bindgen";
+
+async function report() {
+  await build({ ...COMMON, entryPoints: ["src/report.ts"], outfile: "../crates/asperity-report/src/page/figures.js" });
+}
+
+/** Compiles the bindings for the browser into `folder`, with the features of cargo's `flags`. */
+function bindings(folder, flags = []) {
+  const run = (program, ...given) => execFileSync(program, given, { cwd: "..", stdio: ["ignore", "inherit", "inherit"] });
+  run("cargo", "build", "--quiet", "--package", "asperity-wasm", "--lib", "--target", "wasm32-unknown-unknown", "--profile", "wasm", ...flags);
+  run(
+    existsSync(`../${TOOL}`) ? TOOL : "wasm-bindgen",
+    "--target=web",
+    "--remove-name-section",
+    "--remove-producers-section",
+    `--out-dir=web/${folder}`,
+    "target/wasm32-unknown-unknown/wasm/asperity_wasm.wasm",
+  );
+}
+
+/** Returns the text of a bundle. */
+async function script(entry, define) {
+  const { outputFiles } = await build({ ...COMMON, entryPoints: [entry], define, write: false });
+  // Inside of an HTML element a script must not contain the end of one.
+  return outputFiles[0].text.replaceAll("</script", "<\\/script");
+}
+
+const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+
+async function page() {
+  const [, version] = readFileSync("../Cargo.toml", "utf8").match(/^version = "(.*)"$/m);
+  const worker = await script("src/worker.ts", { "import.meta.url": '""' });
+  const main = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version) });
+  const style = (await build({ ...COMMON, entryPoints: ["src/explorer/style.css"], write: false })).outputFiles[0].text.trim();
+  const module = gzipSync(readFileSync("build/asperity_wasm_bg.wasm"), { level: 9 }).toString("base64");
+  const policy = [
+    "default-src 'none'",
+    `script-src ${hash(main)} 'wasm-unsafe-eval'`,
+    `style-src ${hash(style)}`,
+    "worker-src blob:",
+    "base-uri 'none'",
+    "form-action 'none'",
+  ].join("; ");
+  const html = readFileSync("src/explorer/page.html", "utf8")
+    .replace("</title>", () => `</title>\n<meta http-equiv="Content-Security-Policy" content="${policy}">\n<style>${style}</style>`)
+    .replace("</body>", () => `<script type="text/plain" id="module">${module}</script>\n<script>${main}</script>\n</body>`);
+  mkdirSync("dist", { recursive: true });
+  writeFileSync("dist/explorer.html", html);
+}
+
+const size = (path) => `${path}: ${(readFileSync(path).length / 1e6).toFixed(2)} MB`;
+
+switch (process.argv[2]) {
+  case undefined:
+    await report();
+    break;
+  case "explorer":
+    bindings("build");
+    await page();
+    console.log(size("dist/explorer.html"));
+    break;
+  case "page":
+    await page();
+    break;
+  case "oscillator":
+    bindings("build/oscillator", ["--no-default-features"]);
+    console.log(size("build/oscillator/asperity_wasm_bg.wasm"));
+    break;
+  default:
+    throw new Error(`no target ${process.argv[2]}`);
+}

@@ -1,0 +1,283 @@
+//! Stick-slip of a mass on a belt.
+
+use std::f64::consts::TAU;
+
+use asperity_base::distribution::Marginal;
+use asperity_base::monitor::Monitor;
+use asperity_base::stats::Histogram;
+use asperity_process::{FrictionProcess, ProcessModel};
+use asperity_vibration::{
+    EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales, TrajectorySettings,
+    VelocityLaw, VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, smallest_kick,
+    trajectory_portrait,
+};
+use serde::Deserialize;
+use serde_json::json;
+use wasm_bindgen::prelude::*;
+
+use crate::answer::{Answer, Failure, read};
+use crate::monitor::Progress;
+
+/// Trajectories of the phase cloud, points of each, and the time τ that they span.
+const CLOUD: usize = 30;
+const CLOUD_POINTS: usize = 72;
+const CLOUD_SPAN: f64 = 1.1 * TAU;
+
+/// Machine with the paper's friction law μ_st/(1 + a|v|), and the fluctuation of its friction.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Machine {
+    mass_kg: f64,
+    natural_frequency_rad_per_s: f64,
+    normal_force_n: f64,
+    damping_ratio: f64,
+    belt_velocity_m_per_s: f64,
+    static_friction: f64,
+    stribeck_s_per_m: f64,
+    friction_correlation_length_m: f64,
+}
+
+/// Converts a machine to the variables of the oscillator: `parameters` of [`cycle`], `correlation_length` of
+/// [`ensemble`], and the units `length_m`, `time_s` and `velocity_m_per_s`.
+#[wasm_bindgen]
+pub fn dimensionless(machine: &str) -> Result<Answer, JsError> {
+    Ok(scaled(machine)?)
+}
+
+/// Finds the motion from a start in stick, with the keys of `asperity vibration cycle --json` but for the kick. The
+/// arrays `displacement` and `velocity` are `points` of its phase portrait, empty without a cycle.
+#[wasm_bindgen]
+pub fn cycle(parameters: &str, points: usize) -> Result<Answer, JsError> {
+    Ok(motion(parameters, points)?)
+}
+
+/// Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`,
+/// and the smallest kick of steady sliding that starts vibration.
+#[wasm_bindgen]
+pub fn limits(parameters: &str) -> Result<Answer, JsError> {
+    Ok(ends_of_vibration(parameters)?)
+}
+
+/// Simulates many trajectories over a random friction fluctuation, with keys of `asperity vibration ensemble --json`.
+///
+/// Arrays: `reattachment` and `reattachment_density` (histogram of the displacements at re-attachment), and
+/// `displacement` and `velocity`, the ends of the first trajectories, 72 points of each.
+#[wasm_bindgen]
+pub fn ensemble(request: &str) -> Result<Answer, JsError> {
+    Ok(simulated(request, &Progress)?)
+}
+
+fn scaled(machine: &str) -> Result<Answer, Failure> {
+    let machine: Machine = read(machine)?;
+    let scales = Scales::new(machine.mass_kg, machine.natural_frequency_rad_per_s, machine.normal_force_n)?;
+    let (length_m, velocity_m_per_s) = (scales.length_m(), scales.velocity_m_per_s());
+    let parameters = Parameters {
+        static_friction: machine.static_friction,
+        law: VelocityLaw::Stribeck {
+            kinetic: machine.static_friction,
+            decay: machine.stribeck_s_per_m * velocity_m_per_s,
+        },
+        damping_ratio: machine.damping_ratio,
+        belt_velocity: machine.belt_velocity_m_per_s / velocity_m_per_s,
+        forcing: None,
+    };
+    Answer::new(&json!({
+        "parameters": parameters,
+        "correlation_length": machine.friction_correlation_length_m / length_m,
+        "length_m": length_m,
+        "time_s": scales.time_s(),
+        "velocity_m_per_s": velocity_m_per_s,
+    }))
+}
+
+fn oscillator(parameters: &str) -> Result<Oscillator, Failure> {
+    Ok(Oscillator::new(read::<Parameters>(parameters)?)?)
+}
+
+/// Returns the displacements and the velocities of a portrait.
+fn columns(portrait: &[PhasePoint]) -> (Vec<f64>, Vec<f64>) {
+    portrait.iter().map(|point| (point.displacement, point.velocity)).unzip()
+}
+
+fn motion(parameters: &str, points: usize) -> Result<Answer, Failure> {
+    let oscillator = oscillator(parameters)?;
+    let regime = limit_cycle(&oscillator)?;
+    let cycle = regime.cycle();
+    let portrait = match regime {
+        Regime::Cycle(_) => cycle_portrait(&oscillator, points.max(2))?.unwrap_or_default(),
+        Regime::Sliding | Regime::Irregular(_) => Vec::new(),
+    };
+    let (displacement, velocity) = columns(&portrait);
+    let unstable = oscillator.forcing().is_none().then(|| oscillator.sliding_is_unstable());
+    let answer = Answer::new(&json!({
+        "kind": regime.kind().name(),
+        "steady_sliding_unstable": unstable,
+        "limit_cycle": cycle.is_some(),
+        "period": cycle.map(|c| c.period),
+        "slip_duration": cycle.map(|c| c.slip_duration),
+        "reattachment_displacement": cycle.and_then(|c| c.reattachment_displacement),
+        "displacement_min": cycle.map(|c| c.displacement_min),
+        "displacement_max": cycle.map(|c| c.displacement_max),
+        "velocity_min": cycle.map(|c| c.velocity_min),
+    }))?;
+    Ok(answer.with("displacement", displacement).with("velocity", velocity))
+}
+
+fn ends_of_vibration(parameters: &str) -> Result<Answer, Failure> {
+    let oscillator = oscillator(parameters)?.with_forcing(None)?;
+    let critical = asperity_vibration::critical_damping(&oscillator)?;
+    let limit = match limit_damping(&oscillator) {
+        Err(VibrationError::NotFound { .. }) => None,
+        limit => Some(limit?),
+    };
+    Answer::new(&json!({
+        "critical_damping_ratio": critical.critical_damping_ratio,
+        "hopf_damping_ratio": critical.hopf_damping_ratio,
+        "limit_damping_ratio": limit,
+        "kick": smallest_kick(&oscillator)?,
+    }))
+}
+
+/// Settings of an ensemble.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    parameters: Parameters,
+    friction_std: f64,
+    correlation_length: f64,
+    marginal: String,
+    trajectories: usize,
+    duration: f64,
+    seed: u64,
+}
+
+fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
+    let request: Request = read(request)?;
+    let oscillator = Oscillator::new(request.parameters)?;
+    let marginal: Marginal = request.marginal.parse()?;
+    let model = ProcessModel::new(marginal, request.friction_std, request.correlation_length);
+    let model = clipped_to_positive(&oscillator, model, 1.0);
+    let clipped_fraction = model.clipped_fraction();
+    let process = FrictionProcess::new(model)?;
+    if clipped_fraction > LARGEST_CLIPPED_FRACTION {
+        return Err(Failure(format!(
+            "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower the variability of \
+             friction or its weakening with velocity",
+            100.0 * clipped_fraction,
+            100.0 * LARGEST_CLIPPED_FRACTION
+        )));
+    }
+    let settings = EnsembleSettings::new(request.trajectories, request.duration, request.seed);
+    let found = asperity_vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)?;
+    let (displacement, velocity) = cloud(&oscillator, &process, &settings)?;
+    let histogram = Histogram::new(&found.reattachments.sample).ok();
+    let passages = &found.passages;
+    let answer = Answer::new(&json!({
+        "kind": limit_cycle(&oscillator)?.kind().name(),
+        "trajectories": found.trajectories,
+        "failures": found.failures.len(),
+        "first_failure": found.failures.first().map(|failure| &failure.reason),
+        "cycles_mean": found.cycles.mean,
+        "cycles_se": found.cycles.se,
+        "cycles_deterministic": found.cycles_deterministic,
+        "difference_mean": found.difference_mean,
+        "difference_mean_interval": found.difference_interval,
+        "reattachment_count": found.reattachments.count,
+        "reattachment_mean": found.reattachments.mean,
+        "reattachment_std": found.reattachments.std,
+        "reattachment_skewness": found.reattachments.skewness,
+        "period_mean": found.periods.mean,
+        "period_std": found.periods.std,
+        "kind_shares": passages.kinds,
+        "vibration_share": passages.late_share.mean,
+        "vibration_share_se": passages.late_share.se,
+        "sustained_share": passages.sustained.value,
+        "sustained_share_interval": passages.sustained.interval,
+        "clipped_fraction": clipped_fraction,
+    }))?;
+    Ok(answer
+        .with("reattachment", histogram.as_ref().map(Histogram::centres).unwrap_or_default())
+        .with("reattachment_density", histogram.as_ref().map(Histogram::density).unwrap_or_default())
+        .with("displacement", displacement)
+        .with("velocity", velocity))
+}
+
+/// Returns the ends of the first trajectories of an ensemble, without failed ones.
+fn cloud(
+    oscillator: &Oscillator,
+    process: &FrictionProcess,
+    settings: &EnsembleSettings,
+) -> Result<(Vec<f64>, Vec<f64>), VibrationError> {
+    let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
+    let followed = TrajectorySettings { duration, start, drive, method };
+    let from = (duration - CLOUD_SPAN).max(0.0);
+    let mut points = Vec::new();
+    for index in 0..settings.trajectories.min(CLOUD) {
+        let path = process.path(seed, index as u64);
+        match trajectory_portrait(oscillator, path, &followed, from, CLOUD_POINTS) {
+            Ok(curve) => points.extend(curve),
+            Err(error @ VibrationError::Parameter { .. }) => return Err(error),
+            Err(_) => {}
+        }
+    }
+    Ok(columns(&points))
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_base::monitor::Silent;
+    use serde_json::Value;
+
+    use super::*;
+
+    /// Machine of figure 5 of the paper: one kilogram, so that V = 0.003 and λ = 0.01.
+    const MACHINE: &str = r#"{"mass_kg": 1.0, "natural_frequency_rad_per_s": 316.0, "normal_force_n": 2500.0,
+        "damping_ratio": 0.17, "belt_velocity_m_per_s": 0.023734177215189875, "static_friction": 0.1,
+        "stribeck_s_per_m": 0.530880, "friction_correlation_length_m": 250.36052e-6}"#;
+
+    fn numbers(answer: &Answer) -> Value {
+        serde_json::from_str(&answer.json()).unwrap()
+    }
+
+    fn parameters() -> Value {
+        numbers(&scaled(MACHINE).unwrap())["parameters"].take()
+    }
+
+    #[test]
+    fn the_paper_s_machine_has_the_paper_s_cycle() {
+        let scaled = numbers(&scaled(MACHINE).unwrap());
+        assert!((scaled["parameters"]["belt_velocity"].as_f64().unwrap() - 0.003).abs() < 1e-9);
+        assert!((scaled["correlation_length"].as_f64().unwrap() - 0.01).abs() < 1e-7);
+        let mut found = motion(&parameters().to_string(), 400).unwrap();
+        let period = numbers(&found)["period"].as_f64().unwrap();
+        assert!((period - 6.372_163_483_739_709).abs() < 1e-6, "period {period}");
+        assert_eq!((found.take("displacement").len(), found.take("velocity").len()), (400, 400));
+        let limits = numbers(&ends_of_vibration(&parameters().to_string()).unwrap());
+        let critical = limits["critical_damping_ratio"].as_f64().unwrap();
+        assert!((critical - 0.204_830_150_584).abs() < 1e-6, "critical damping ratio {critical}");
+    }
+
+    #[test]
+    fn an_ensemble_counts_the_cycles_of_the_paper_s_machine() {
+        let request = json!({"parameters": parameters(), "friction_std": 0.001, "correlation_length": 0.01,
+            "marginal": "beta:2.1,5", "trajectories": 40, "duration": 637.2, "seed": 1});
+        let mut found = simulated(&request.to_string(), &Silent).unwrap();
+        let numbers = numbers(&found);
+        // 8,000 paths of two independent codes: 69.20 ± 0.07.
+        let (mean, se) = (numbers["cycles_mean"].as_f64().unwrap(), numbers["cycles_se"].as_f64().unwrap());
+        assert!((mean - 69.2).abs() < 4.0 * se && se < 2.0, "{mean} ± {se}");
+        let density = found.take("reattachment_density");
+        let centres = found.take("reattachment");
+        let area: f64 = density.iter().sum::<f64>() * (centres[1] - centres[0]);
+        assert!((area - 1.0).abs() < 1e-12, "area {area}");
+        assert_eq!(found.take("velocity").len(), CLOUD * CLOUD_POINTS);
+    }
+
+    #[test]
+    fn an_unknown_key_and_a_large_fluctuation_are_errors_in_words() {
+        assert!(motion(r#"{"damping": 0.1}"#, 10).unwrap_err().0.contains("unknown field `damping`"));
+        let request = json!({"parameters": parameters(), "friction_std": 0.5, "correlation_length": 0.01,
+            "marginal": "normal", "trajectories": 4, "duration": 10.0, "seed": 1});
+        assert!(simulated(&request.to_string(), &Silent).unwrap_err().0.contains("clipped"));
+    }
+}

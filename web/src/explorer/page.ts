@@ -1,0 +1,592 @@
+// The page: parameters in, calls to the workers, results on the cards.
+
+import { digits, FigureView } from "../chart";
+import type { Figure } from "../figure";
+import { Controls } from "./controls";
+import { compiled, Lane, type Watcher, workers } from "./engine";
+import * as figures from "./figures";
+import { percent, quantity, row } from "./format";
+import { MapView, extremes } from "./map";
+import type { Call, Result } from "./messages";
+import { defaults, fragment, fromFragment, type Key, si, type Values } from "./parameters";
+import { type Scan, study, STRIP_POINTS, WINDOW_POINTS } from "./study";
+
+/** Points of a stated map along a side, and the most that are pressed. */
+const MAP_POINTS = 256;
+/** Strips of the friction coefficient. */
+const STRIPS = 2;
+/** Standardised distribution of the fluctuation: figure 3 of the paper. */
+const MARGINAL = "beta:2.1,5";
+
+const SURFACE: Key[] = ["rms_height", "length_x", "length_y", "hurst", "size", "level", "seed"];
+const CONTACT: Key[] = ["control", "pressure", "penetration", "hardness", "elastic", "press_twin", "youngs_modulus", "poisson_ratio"];
+const FRICTION: Key[] = ["shear_strength", "normal_force"];
+const CARDS = ["map", "pressure", "portrait", "probability", "friction", "reattachment", "spectrum", "statistics"] as const;
+/** Parameters of the table of statistics; the others follow. */
+const FIRST_STATISTICS = ["Sq_m", "Sa_m", "Sz_m", "Ssk", "Sku", "Sdq", "Sdr", "Sal_m", "Str", "correlation_length_x_m", "correlation_length_y_m", "hurst"];
+
+type Card = (typeof CARDS)[number];
+
+function element<T extends HTMLElement = HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no element ${id}`);
+  return found as T;
+}
+
+function part(card: Card, selector: string): HTMLElement {
+  const found = element(card).querySelector<HTMLElement>(selector);
+  if (!found) throw new Error(`the card ${card} has no ${selector}`);
+  return found;
+}
+
+const file = element<HTMLInputElement>("file");
+const pixelSize = element<HTMLInputElement>("pixel-size");
+const heightUnit = element<HTMLSelectElement>("height-unit");
+const channel = element<HTMLSelectElement>("channel");
+
+/** File with what the user states about it. */
+interface Source extends Scan {
+  bytes: ArrayBuffer;
+}
+
+/** Returns what the user states about a file. */
+function stated(): Omit<Scan, "name"> {
+  const pixel_m = Number(pixelSize.value) * 1e-6;
+  return {
+    ...(pixel_m > 0 && { pixel_m }),
+    ...(heightUnit.value && { height_unit: heightUnit.value }),
+    ...(channel.value && { channel: channel.value }),
+  };
+}
+
+class Page {
+  private values: Values = fromFragment(location.hash);
+  /** File of the surface; none for a stated surface. */
+  private scan?: Source;
+  /** File that could not be read. */
+  private rejected?: Source;
+  /** Whether the worker has the surface. */
+  private opened = false;
+  private described?: Result;
+  private contact?: Result;
+  private friction?: Result;
+  private cycle?: Result;
+  private limits?: Result;
+  private ensemble?: Result;
+  private readonly controls = new Controls((key, value) => this.set(key, value));
+  private readonly views = new Map<Card, FigureView>();
+  private readonly map = new MapView(part("map", ".host"));
+  private readonly twin = new MapView(part("map", ".twin"));
+  private readonly pressure = new MapView(part("pressure", ".host"));
+  private readonly motion: Lane;
+  private readonly surface: Lane;
+  /** Friction and twins take longer than a contact, and have a worker of their own. */
+  private readonly strips: Lane;
+  private readonly runs: Lane;
+  private saving?: ReturnType<typeof setTimeout>;
+
+  constructor(start: () => Worker) {
+    const watcher: Watcher = {
+      busy: () => this.showStatus(),
+      progress: (task, done, total) => this.showProgress(task, done, total),
+      broken: () => (this.opened = false),
+    };
+    this.motion = new Lane(start, watcher, ["cycle", "limits"]);
+    this.surface = new Lane(start, watcher, ["open", "state", "contact", "spectrum"]);
+    this.strips = new Lane(start, watcher, ["open", "state", "friction", "twin"]);
+    this.runs = new Lane(start, watcher, ["ensemble"]);
+    this.listen();
+    this.showControls();
+    this.open();
+    if (!this.values.from_surface) this.move();
+  }
+
+  private listen() {
+    file.addEventListener("change", () => {
+      const [chosen] = file.files ?? [];
+      file.value = "";
+      if (chosen) void this.take(chosen);
+    });
+    for (const name of ["dragenter", "dragover"]) {
+      document.addEventListener(name, (event) => {
+        event.preventDefault();
+        document.body.classList.add("dragging");
+      });
+    }
+    document.addEventListener("dragleave", (event) => {
+      if (!event.relatedTarget) document.body.classList.remove("dragging");
+    });
+    document.addEventListener("drop", (event) => {
+      event.preventDefault();
+      document.body.classList.remove("dragging");
+      const [dropped] = event.dataTransfer?.files ?? [];
+      if (dropped) void this.take(dropped);
+    });
+    for (const input of [pixelSize, heightUnit, channel]) {
+      input.addEventListener("change", () => {
+        const source = this.rejected ?? this.scan;
+        if (source) this.open({ name: source.name, bytes: source.bytes, ...stated() });
+      });
+    }
+    element("close").addEventListener("click", () => {
+      this.scan = this.rejected = undefined;
+      this.problem();
+      this.open();
+    });
+    element("twin").addEventListener("click", () => this.set("press_twin", true));
+    element("cancel").addEventListener("click", () => this.cancel());
+    element("save").addEventListener("click", () => this.save());
+    element("reset").addEventListener("click", (event) => {
+      event.preventDefault();
+      this.replace(defaults());
+    });
+    element("controls").addEventListener("submit", (event) => event.preventDefault());
+    addEventListener("hashchange", () => {
+      if (location.hash.slice(1) !== fragment(this.values)) this.replace(fromFragment(location.hash));
+    });
+  }
+
+  /** Changes one parameter, and computes what depends on it. */
+  private set(key: Key, value: number | string | boolean) {
+    this.values = { ...this.values, [key]: value };
+    this.showControls();
+    this.remember();
+    if (SURFACE.includes(key)) this.open();
+    else if (CONTACT.includes(key)) this.press();
+    else if (FRICTION.includes(key)) this.slide();
+    if (!SURFACE.includes(key) && !CONTACT.includes(key)) this.move();
+  }
+
+  private replace(values: Values) {
+    this.values = values;
+    this.showControls();
+    this.remember();
+    this.open();
+    this.move();
+  }
+
+  /** Stores the parameters in the address, at most a few times per second. */
+  private remember() {
+    clearTimeout(this.saving);
+    this.saving = setTimeout(() => history.replaceState(null, "", `#${fragment(this.values)}`), 250);
+  }
+
+  private async take(chosen: File) {
+    const bytes = await chosen.arrayBuffer();
+    pixelSize.value = heightUnit.value = "";
+    channel.replaceChildren();
+    this.open({ name: chosen.name, bytes });
+  }
+
+  /** Opens the file or the stated surface; everything on the surface follows. */
+  private open(source = this.scan) {
+    const { surface, strips } = this;
+    const failed = (message: string) => {
+      if (!source) return this.report(message, "map", "pressure", "friction", "spectrum", "statistics");
+      // A file that cannot be read leaves the page as it was. The user may state what it lacks.
+      this.rejected = source;
+      this.problem(message);
+      if (this.opened) this.current("map", "spectrum", "statistics", "pressure", "friction");
+      else this.open();
+    };
+    const done = (result: Result) => {
+      [this.scan, this.rejected, this.opened, this.described] = [source, undefined, true, result];
+      this.problem();
+      this.showSurface(result);
+      surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", figures.spectrum(found)), (error) => this.report(error, "spectrum"));
+      strips.call(call, () => undefined, failed);
+      strips.call({ what: "twin" }, (found) => this.showTwin(found), (error) => this.report(error, "map"));
+      this.press();
+    };
+    this.stale("map", "spectrum", "statistics", "pressure", "friction");
+    for (const lane of [surface, strips]) lane.drop(source ? "state" : "open");
+    const call = this.opening(source);
+    surface.call(call, done, failed);
+  }
+
+  /** Returns the call that opens a file or the stated surface. */
+  private opening(source: Source | undefined): Call {
+    const { values } = this;
+    if (source) {
+      const { name, bytes, pixel_m, height_unit, channel } = source;
+      const settings = { seed: values.seed, level: values.level, height_unit, channel, ...(pixel_m && { pixel_size_m: [pixel_m, pixel_m] }) };
+      return { what: "open", bytes, name, settings: JSON.stringify(settings) };
+    }
+    const side = si(values, "size");
+    const settings = {
+      seed: values.seed,
+      points: [MAP_POINTS, MAP_POINTS],
+      size_m: [side, side],
+      boundary: "periodic",
+      rms_height_m: si(values, "rms_height"),
+      correlation_length_m: [si(values, "length_x"), si(values, "length_y")],
+      hurst: values.hurst,
+    };
+    return { what: "state", settings: JSON.stringify(settings) };
+  }
+
+  private body() {
+    const { values } = this;
+    return {
+      youngs_modulus_pa: si(values, "youngs_modulus"),
+      poisson_ratio: values.poisson_ratio,
+      hardness_pa: values.elastic ? null : si(values, "hardness"),
+      [values.control === "penetration" ? "penetration_m" : "mean_pressure_pa"]: si(values, values.control as Key),
+    };
+  }
+
+  /** Presses the map. */
+  private press() {
+    if (!this.opened) return this.open();
+    const { boundary } = this.described?.numbers ?? {};
+    const settings = { ...this.body(), twin: this.values.press_twin, points: MAP_POINTS, boundary };
+    this.stale("pressure");
+    this.surface.call(
+      { what: "contact", settings: JSON.stringify(settings) },
+      (result) => {
+        this.contact = result;
+        this.showContact(result);
+      },
+      (message) => {
+        this.contact = undefined;
+        this.report(message, "pressure");
+        element("twin").hidden = this.values.press_twin || !this.described?.numbers.statistics.missing_points;
+      },
+    );
+    this.slide();
+  }
+
+  /** Slides windows along strips. */
+  private slide() {
+    if (!this.opened) return this.open();
+    const { dx_m, dy_m } = this.described?.numbers ?? {};
+    const settings = {
+      ...this.body(),
+      strip_points: STRIP_POINTS,
+      strip_m: [STRIP_POINTS[0] * dx_m, STRIP_POINTS[1] * dy_m],
+      window_m: WINDOW_POINTS * dx_m,
+      realisations: STRIPS,
+      shear_strength_pa: si(this.values, "shear_strength"),
+      normal_force_n: si(this.values, "normal_force"),
+    };
+    this.stale("friction");
+    this.strips.call(
+      { what: "friction", settings: JSON.stringify(settings) },
+      (result) => {
+        this.friction = result;
+        this.showFriction(result);
+        if (this.values.from_surface) this.move();
+      },
+      (message) => {
+        this.friction = undefined;
+        this.report(message, "friction");
+        if (this.values.from_surface) this.report(`The friction of the surface is unknown: ${message}`, "portrait", "probability", "reattachment");
+      },
+    );
+  }
+
+  private machine(): { mu: number; machine: object } | undefined {
+    const { values } = this;
+    const found = this.friction?.numbers;
+    if (values.from_surface && !found) return undefined;
+    const mu = values.from_surface ? found.mean : Number(values.static_friction);
+    const length_m = values.from_surface ? (found.correlation_length_m ?? found.window_m) : si(values, "friction_length");
+    const machine = {
+      mass_kg: si(values, "mass"),
+      natural_frequency_rad_per_s: this.angularFrequency(),
+      normal_force_n: si(values, "normal_force"),
+      damping_ratio: values.damping,
+      belt_velocity_m_per_s: si(values, "belt_velocity"),
+      static_friction: mu,
+      stribeck_s_per_m: values.stribeck,
+      friction_correlation_length_m: length_m,
+    };
+    return { mu, machine };
+  }
+
+  private angularFrequency(): number {
+    return 2 * Math.PI * Number(this.values.frequency);
+  }
+
+  /** Moves the machine. */
+  private move() {
+    const { values } = this;
+    const found = this.machine();
+    if (!found) return;
+    const { mu, machine } = found;
+    const settings = JSON.stringify({ machine });
+    const failed = (message: string) => this.report(message, "portrait");
+    this.motion.call(
+      { what: "cycle", settings },
+      (result) => {
+        this.cycle = result;
+        this.showMotion();
+      },
+      failed,
+    );
+    this.motion.call(
+      { what: "limits", settings },
+      (result) => {
+        this.limits = result;
+        this.showVerdict();
+      },
+      failed,
+    );
+    this.stale("probability", "reattachment");
+    const request = {
+      machine,
+      friction_std: mu * si(values, "variability"),
+      marginal: MARGINAL,
+      trajectories: values.trajectories,
+      duration: this.angularFrequency() * si(values, "duration"),
+      seed: values.seed,
+    };
+    this.runs.call(
+      { what: "ensemble", settings: JSON.stringify(request) },
+      (result) => {
+        this.ensemble = result;
+        this.showEnsemble(result);
+      },
+      (message) => {
+        this.ensemble = undefined;
+        this.report(message, "probability", "reattachment");
+        this.showVerdict();
+      },
+    );
+  }
+
+  private cancel() {
+    for (const lane of [this.motion, this.surface, this.strips, this.runs]) lane.cancel();
+    this.opened = false;
+    for (const card of CARDS) {
+      if (element(card).classList.contains("stale")) part(card, ".note, .problem").textContent = "Cancelled; the card shows earlier parameters.";
+    }
+  }
+
+  private save() {
+    const { numbers } = this.described ?? {};
+    if (!numbers) return;
+    const text = study(this.values, {
+      ...(this.scan && { scan: this.scan }),
+      pitch_m: [numbers.dx_m, numbers.dy_m],
+      boundary: numbers.boundary,
+      mean_pressure_pa: this.friction?.numbers.mean_pressure_pa ?? this.contact?.numbers.mean_pressure_pa,
+    });
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: "application/toml" }));
+    link.download = "study.toml";
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+
+  private showControls() {
+    const { values, controls } = this;
+    controls.show(values);
+    controls.reveal("pressure", values.control === "pressure");
+    controls.reveal("penetration", values.control === "penetration");
+    controls.reveal("hardness", !values.elastic);
+    for (const key of ["static_friction", "friction_length"] as const) controls.reveal(key, !values.from_surface);
+    this.showLinked();
+  }
+
+  private showLinked() {
+    const { mean, correlation_length_m, std, area_std } = this.friction?.numbers ?? {};
+    const text =
+      mean === undefined
+        ? ""
+        : `The surface gives μ = ${digits(mean, 3)} with a correlation length of ${quantity(correlation_length_m ?? NaN, "m", 3)}. ` +
+          `One window varies by ${percent(std / mean)}, the whole nominal area by ${percent(area_std / mean)}.`;
+    element("linked").textContent = this.values.from_surface ? text : "";
+  }
+
+  private showStatus() {
+    const status = element("status");
+    const busy = [this.surface, this.strips, this.runs, this.motion].some((lane) => lane.busy);
+    if (busy === !status.hidden) return;
+    status.hidden = !busy;
+    if (!busy) return;
+    element("task").textContent = "Computing …";
+    element("progress").removeAttribute("value");
+  }
+
+  private showProgress(task: string, done: number, total: number) {
+    element("task").textContent = `Computing: ${task}`;
+    element<HTMLProgressElement>("progress").value = done / total;
+  }
+
+  private stale(...cards: Card[]) {
+    for (const card of cards) element(card).classList.add("stale");
+  }
+
+  private current(...cards: Card[]) {
+    for (const card of cards) element(card).classList.remove("stale");
+  }
+
+  /** Marks a card as current, with a sentence below. */
+  private settle(card: Card, note = "") {
+    this.current(card);
+    part(card, ".problem").hidden = true;
+    const sentence = element(card).querySelector(".note");
+    if (sentence) sentence.textContent = note;
+  }
+
+  /** Shows an error on cards, whose earlier results stay. */
+  private report(message: string, ...cards: Card[]) {
+    for (const card of cards) {
+      const problem = part(card, ".problem");
+      problem.textContent = message;
+      problem.hidden = false;
+    }
+  }
+
+  /** Shows or hides the error of a file. */
+  private problem(message?: string) {
+    const problem = element("file-problem");
+    problem.hidden = message === undefined;
+    problem.textContent = message ?? "";
+    element("scale").hidden = !message && !this.scan;
+  }
+
+  private draw(card: Card, figure: Figure, note = "") {
+    const view = this.views.get(card);
+    if (view) view.update(figure);
+    else this.views.set(card, new FigureView(part(card, ".host"), figure));
+    this.settle(card, note);
+  }
+
+  private showSurface({ numbers, arrays }: Result) {
+    const values = arrays.heights_m as Float64Array;
+    this.map.show({ ...numbers, values, unit: "m", name: "heights" });
+    const { scan } = this;
+    element("scan").hidden = element("scale").hidden = !scan;
+    element("stated").hidden = Boolean(scan);
+    this.controls.reveal("size", !scan);
+    element("scan-name").textContent = scan?.name ?? "";
+    element("scan-format").textContent = numbers.format ?? "";
+    const channels: string[] = numbers.channels ?? [];
+    element("channel-field").hidden = channels.length < 2;
+    channel.replaceChildren(...channels.map((name, at) => new Option(name, String(at + 1), false, name === numbers.channel)));
+    const { statistics, warnings } = numbers;
+    const missing = statistics.missing_points / (numbers.nx * numbers.ny);
+    this.settle("map", [missing > 0 ? `${percent(missing)} of the heights are missing (grey).` : "", ...warnings].join(" ").trim());
+    this.showStatistics(statistics);
+  }
+
+  private showStatistics(statistics: Record<string, unknown>) {
+    const own = Object.keys(statistics).filter((key) => !/_(interval|se)$|^(nx|ny|dx_m|dy_m)$/.test(key));
+    const keys = [...FIRST_STATISTICS, ...own.filter((key) => !FIRST_STATISTICS.includes(key))];
+    const rows = keys.map((key) => {
+      const [name, value, interval] = row(key, statistics[key] ?? null, statistics[`${key}_interval`]);
+      const line = document.createElement("tr");
+      const head = Object.assign(document.createElement("th"), { scope: "row", textContent: name });
+      const cells = [value, interval].map((text) => Object.assign(document.createElement("td"), { textContent: text }));
+      line.dataset.key = key;
+      line.append(head, ...cells);
+      return line;
+    });
+    part("statistics", "tbody").replaceChildren(...rows);
+    this.settle("statistics");
+  }
+
+  private showTwin({ numbers, arrays }: Result) {
+    const heights = this.described?.arrays.heights_m;
+    const values = arrays.heights_m as Float64Array;
+    const range = heights && extremes(heights);
+    this.twin.show({ ...numbers, values, unit: "m", name: this.scan ? "random twin" : "second random map", ...(range && { range }) });
+  }
+
+  private showContact({ numbers, arrays }: Result) {
+    element("twin").hidden = true;
+    this.pressure.show({ ...numbers, values: arrays.pressure_pa as Float64Array, unit: "Pa", name: "pressure" });
+    const { contact_fraction_corrected: area, plastic_fraction: plastic, contact_fraction, mean_pressure_pa, penetration_m, whole } = numbers;
+    const yielded = this.values.elastic ? "" : ` (${percent(contact_fraction > 0 ? plastic / contact_fraction : 0)} of it at the hardness)`;
+    this.settle(
+      "pressure",
+      `Contact on ${percent(area)} of the area${yielded} at a mean pressure of ${quantity(mean_pressure_pa, "Pa")} and a penetration of ` +
+        `${quantity(penetration_m, "m")}.${whole ? "" : " The centre of the map was pressed."}`,
+    );
+    Object.assign(part("pressure", ".note").dataset, { numbers: JSON.stringify(numbers) });
+  }
+
+  private showFriction(result: Result) {
+    const { mean, mean_interval: interval, std, window_m, window_width_m } = result.numbers;
+    const range = interval ? ` (95 %: ${digits(interval[0], 3)} to ${digits(interval[1], 3)})` : "";
+    const size = `${quantity(window_m, "m", 3)} × ${quantity(window_width_m, "m", 3)}`;
+    this.draw("friction", figures.friction(result), `Mean μ = ${digits(mean, 3)}${range}, standard deviation ${digits(std, 2)} over windows of ${size}.`);
+    this.showLinked();
+  }
+
+  private showMotion() {
+    const { cycle, ensemble } = this;
+    if (!cycle) return;
+    const { numbers } = cycle;
+    const kind = String(numbers.kind).replaceAll("_", "-");
+    const note = numbers.limit_cycle
+      ? `Without fluctuation: ${kind}, period ${quantity(numbers.period * numbers.time_s, "s")}, in slip for ${percent(numbers.slip_duration / numbers.period)} of it.`
+      : "Without fluctuation every motion ends in steady sliding.";
+    this.draw("portrait", figures.portrait(cycle, ensemble, si(this.values, "belt_velocity")), note);
+    Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify(numbers) });
+    this.showVerdict();
+  }
+
+  private showEnsemble(result: Result) {
+    const { numbers } = result;
+    const [low, high] = numbers.sustained_share_interval as [number, number];
+    element("share").textContent = `${percent(numbers.sustained_share)} (95 %: ${percent(low)} to ${percent(high)})`;
+    element("share-bar").style.width = `${100 * numbers.sustained_share}%`;
+    Object.assign(element("share-range").style, { left: `${100 * low}%`, width: `${100 * (high - low)}%` });
+    const failures = numbers.failures ? ` ${numbers.failures} runs failed, the first: ${numbers.first_failure}.` : "";
+    const clipped = numbers.clipped_fraction > 1e-6 ? ` ${percent(numbers.clipped_fraction)} of the friction values were clipped to stay positive.` : "";
+    this.settle(
+      "probability",
+      `Share of ${numbers.trajectories} runs from standstill that vibrate for at least half of the second half of ${quantity(si(this.values, "duration"), "s", 3)}. ` +
+        `On average they vibrate for ${percent(numbers.vibration_share)} of it, with ${digits(numbers.cycles_mean, 3)} cycles of stick–slip ` +
+        `(${numbers.cycles_deterministic} without fluctuation).${failures}${clipped}`,
+    );
+    Object.assign(part("probability", ".note").dataset, { numbers: JSON.stringify(numbers) });
+    const attached = numbers.reattachment_count > 0;
+    this.draw(
+      "reattachment",
+      figures.reattachment(result, this.cycle?.numbers.reattachment_displacement ?? null),
+      attached
+        ? `${numbers.reattachment_count} re-attachments: mean ${quantity(numbers.reattachment_mean * numbers.length_m, "m")}, ` +
+            `standard deviation ${quantity(numbers.reattachment_std * numbers.length_m, "m")}, skewness ${digits(numbers.reattachment_skewness, 3)}.`
+        : "No run sticks again.",
+    );
+    this.showMotion();
+  }
+
+  private showVerdict() {
+    const { cycle, limits, ensemble } = this;
+    if (!cycle) return;
+    const verdict = element("verdict");
+    const bold = (text: string) => Object.assign(document.createElement("b"), { textContent: text });
+    const { numbers } = cycle;
+    const share: number | undefined = ensemble?.numbers.sustained_share;
+    const vibrates = share === undefined ? numbers.limit_cycle : share >= 0.5;
+    verdict.className = `verdict ${vibrates ? "vibrates" : "quiet"}`;
+    if (share === undefined) verdict.replaceChildren("Without fluctuation the machine ", bold(vibrates ? "vibrates." : "slides steadily."));
+    else verdict.replaceChildren("Vibration persists in ", bold(`${percent(share)} of runs`), " from standstill.");
+    const sentences = [
+      numbers.limit_cycle ? `Without fluctuation it vibrates at ${quantity(1 / (numbers.period * numbers.time_s), "Hz", 3)}.` : "Without fluctuation it slides steadily.",
+    ];
+    const limit = limits?.numbers.limit_damping_ratio;
+    if (typeof limit === "number") {
+      sentences.push(`Vibration ends at a damping ratio of ${digits(limit, 3)}; this machine has ${digits(Number(this.values.damping), 3)}.`);
+    }
+    element("sub").textContent = sentences.join(" ");
+    Object.assign(element("sub").dataset, { numbers: JSON.stringify(limits?.numbers ?? {}) });
+  }
+}
+
+declare const WORKER: string;
+declare const VERSION: string;
+
+element("version").textContent = VERSION;
+compiled(element("module").textContent ?? "").then(
+  (module) => new Page(workers(WORKER, module)),
+  (error: Error) => {
+    element("verdict").textContent = `This browser cannot run the explorer: ${error.message}`;
+  },
+);
+

@@ -1,0 +1,151 @@
+// The parameters of the page: what they are called, their units and ranges, and how the fragment of the address stores them.
+
+export interface Slider {
+  kind: "slider";
+  label: string;
+  /** Unit that people read; empty for a plain number. */
+  unit: string;
+  /** SI value of one unit. */
+  si: number;
+  low: number;
+  high: number;
+  /** Whether equal steps of the slider are equal ratios. */
+  log: boolean;
+  value: number;
+}
+
+export interface Entry extends Omit<Slider, "kind" | "log"> {
+  kind: "number";
+  whole?: boolean;
+}
+
+export interface Choice {
+  kind: "choice";
+  label: string;
+  options: [value: string, text: string][];
+  value: string;
+}
+
+export interface Switch {
+  kind: "switch";
+  label: string;
+  value: boolean;
+}
+
+export type Parameter = Slider | Entry | Choice | Switch;
+
+const slider = (label: string, unit: string, si: number, low: number, high: number, value: number, log = true): Slider => ({
+  kind: "slider",
+  label,
+  unit,
+  si,
+  low,
+  high,
+  log,
+  value,
+});
+
+const entry = (label: string, unit: string, si: number, low: number, high: number, value: number): Entry => ({
+  kind: "number",
+  label,
+  unit,
+  si,
+  low,
+  high,
+  value,
+});
+
+/** Groups of parameters in the order of the page. Those of `more` are shown on request. */
+export const PARAMETERS = {
+  rms_height: slider("Rms height", "µm", 1e-6, 0.05, 20, 1),
+  length_x: slider("Roll-off length along x", "µm", 1e-6, 2, 100, 20),
+  length_y: slider("Roll-off length along y", "µm", 1e-6, 2, 100, 20),
+  hurst: slider("Hurst exponent", "", 1, 0.05, 0.95, 0.8, false),
+  size: entry("Side of the map", "µm", 1e-6, 10, 10000, 256),
+  level: {
+    kind: "choice",
+    label: "Form to remove",
+    options: [
+      ["plane", "plane"],
+      ["none", "none"],
+      ["mean", "mean height"],
+      ["quadratic", "quadratic"],
+    ],
+    value: "plane",
+  } as Choice,
+  control: {
+    kind: "choice",
+    label: "Pressed by",
+    options: [
+      ["pressure", "mean pressure"],
+      ["penetration", "penetration"],
+    ],
+    value: "pressure",
+  } as Choice,
+  pressure: slider("Mean pressure", "MPa", 1e6, 0.5, 2000, 20),
+  penetration: slider("Penetration below the highest point", "µm", 1e-6, 0.02, 20, 1),
+  hardness: slider("Hardness", "GPa", 1e9, 0.02, 20, 2),
+  elastic: { kind: "switch", label: "Elastic: no hardness", value: false } as Switch,
+  press_twin: { kind: "switch", label: "Press the random twin instead of the map", value: false } as Switch,
+  youngs_modulus: entry("Young's modulus", "GPa", 1e9, 0.001, 2000, 210),
+  poisson_ratio: entry("Poisson's ratio", "", 1, 0, 0.5, 0.3),
+  shear_strength: entry("Shear strength of the contacts", "MPa", 1e6, 0.01, 10000, 385),
+  belt_velocity: slider("Belt speed", "mm/s", 1e-3, 0.5, 5000, 23.7),
+  damping: slider("Damping ratio ζ", "", 1, 0, 0.8, 0.17, false),
+  variability: slider("Variability of friction", "%", 1e-2, 0.01, 20, 1),
+  from_surface: { kind: "switch", label: "Friction of the surface", value: true } as Switch,
+  static_friction: slider("Friction coefficient", "", 1, 0.01, 1.5, 0.1, false),
+  friction_length: slider("Correlation length of friction", "µm", 1e-6, 5, 5000, 250),
+  normal_force: entry("Normal force", "N", 1, 0.001, 1e7, 2500),
+  mass: entry("Mass", "kg", 1, 1e-6, 1e6, 1),
+  frequency: entry("Natural frequency", "Hz", 1, 0.01, 1e5, 50.3),
+  stribeck: entry("Stribeck coefficient", "s/m", 1, 0, 1000, 0.531),
+  trajectories: { ...entry("Runs of the ensemble", "", 1, 2, 10000, 100), whole: true } as Entry,
+  duration: entry("Duration of a run", "s", 1, 0.001, 10000, 2),
+  seed: { ...entry("Seed", "", 1, 0, 2 ** 32, 1), whole: true } as Entry,
+} satisfies Record<string, Parameter>;
+
+export type Key = keyof typeof PARAMETERS;
+export type Values = { [K in Key]: (typeof PARAMETERS)[K]["value"] };
+
+export const KEYS = Object.keys(PARAMETERS) as Key[];
+
+export function defaults(): Values {
+  return Object.fromEntries(KEYS.map((key) => [key, PARAMETERS[key].value])) as unknown as Values;
+}
+
+/** Returns a value within the range of its parameter, or the default if it is none. */
+export function accepted(key: Key, text: string): number | string | boolean {
+  const parameter: Parameter = PARAMETERS[key];
+  switch (parameter.kind) {
+    case "switch":
+      return text === "yes" ? true : text === "no" ? false : parameter.value;
+    case "choice":
+      return parameter.options.some(([value]) => value === text) ? text : parameter.value;
+    default: {
+      const value = text.trim() === "" ? NaN : Number(text);
+      if (!Number.isFinite(value)) return parameter.value;
+      const inside = Math.min(Math.max(value, parameter.low), parameter.high);
+      return parameter.kind === "number" && parameter.whole ? Math.round(inside) : inside;
+    }
+  }
+}
+
+/** Returns the fragment that stores the values. */
+export function fragment(values: Values): string {
+  const text = (value: number | string | boolean) => (typeof value === "boolean" ? (value ? "yes" : "no") : String(value));
+  return new URLSearchParams(KEYS.map((key) => [key, text(values[key])])).toString();
+}
+
+/** Reads a fragment; what it does not state has its default. */
+export function fromFragment(text: string): Values {
+  const stated = new URLSearchParams(text.replace(/^#/, ""));
+  const read = (key: Key) => [key, accepted(key, stated.get(key) ?? "")];
+  return Object.fromEntries(KEYS.map(read)) as unknown as Values;
+}
+
+/** Returns a numeric value in SI units. */
+export function si(values: Values, key: Key): number {
+  const parameter: Parameter = PARAMETERS[key];
+  return "si" in parameter ? Number(values[key]) * parameter.si : NaN;
+}

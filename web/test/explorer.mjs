@@ -1,0 +1,312 @@
+// Uses dist/explorer.html in a browser, and compares its numbers with those of the program `asperity`.
+//
+// ASPERITY is the program (default: target/release or target/debug), CHROMIUM the browser (default: /usr/bin/chromium).
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const root = join(import.meta.dirname, "../..");
+const built = ["release", "debug"].map((profile) => join(root, "target", profile, "asperity"));
+const program = process.env.ASPERITY ?? built.find(existsSync);
+assert.ok(program, "build the program `asperity` first, or name it in ASPERITY");
+const file = join(root, "web/dist/explorer.html");
+const address = pathToFileURL(file).href;
+const folder = mkdtempSync(join(tmpdir(), "asperity-explorer-"));
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core"), "utf8");
+
+const asperity = (...given) => execFileSync(program, [...given, "--quiet"], { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+const json = (...given) => JSON.parse(asperity(...given, "--json"));
+
+function close(found, wanted, relative, what) {
+  assert.ok(Math.abs(found - wanted) <= relative * Math.abs(wanted), `${what}: ${found} instead of ${wanted}`);
+}
+
+/** Passes if two estimates differ by less than three standard errors. */
+function agree(found, wanted, error, what) {
+  assert.ok(Math.abs(found - wanted) <= 3 * error, `${what}: ${found} instead of ${wanted} ± ${error}`);
+}
+
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"] });
+const complaints = [];
+const requests = [];
+
+/** Opens the page with a fragment, and waits for its first results. */
+async function open(fragment = "", size = { width: 1280, height: 800 }, scheme = "light") {
+  const page = await browser.newPage({ viewport: size, colorScheme: scheme, acceptDownloads: true });
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("request", (request) => requests.push(request.url()));
+  await page.goto(`${address}${fragment}`);
+  await settled(page);
+  return page;
+}
+
+/** Waits until nothing is computed. */
+async function settled(page) {
+  await page.waitForFunction(() => document.querySelector("#status")?.hidden && !document.querySelector(".stale:not(:has(.problem:not([hidden])))"), undefined, { timeout: 30_000 });
+}
+
+const numbers = (page, selector) => page.$eval(selector, (element) => JSON.parse(element.dataset.numbers));
+const text = (page, selector) => page.textContent(selector);
+
+async function enter(page, id, value) {
+  await page.evaluate((id) => document.getElementById(id).closest("details")?.setAttribute("open", ""), `control-${id}`);
+  await page.fill(`#control-${id}`, String(value));
+  await page.press(`#control-${id}`, "Enter");
+}
+
+const tests = {
+  async "the page is one file below 4 MB and answers within 2 s"() {
+    assert.ok(statSync(file).size < 4e6, `${statSync(file).size} bytes`);
+    const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+    const start = performance.now();
+    await page.goto(address);
+    await page.waitForFunction(() => document.querySelector("#sub")?.textContent !== "" && document.querySelector("#pressure figcaption")?.textContent !== "");
+    const seconds = (performance.now() - start) / 1000;
+    console.log(`     first contact and motion after ${seconds.toFixed(2)} s`);
+    assert.ok(seconds < 2, `${seconds} s`);
+    await page.close();
+  },
+
+  async "the oscillator has the numbers of the command line"() {
+    const page = await open("#from_surface=no&static_friction=0.1&belt_velocity=23.7&damping=0.17&variability=1&friction_length=250&trajectories=400&duration=2");
+    const [motion, ensemble, limits] = await Promise.all(["#portrait .note", "#probability .note", "#sub"].map((place) => numbers(page, place)));
+    const velocity = motion.velocity_m_per_s;
+    const machine = ["--static-friction=0.1", `--stribeck=${0.531 * velocity}`, `--belt-velocity=${0.0237 / velocity}`];
+    const cycle = json("vibration", "cycle", ...machine, "--damping-ratio=0.17");
+    for (const key of ["period", "slip_duration", "reattachment_displacement", "displacement_max", "velocity_min"]) close(motion[key], cycle[key], 1e-9, key);
+    assert.equal(motion.kind, cycle.kind);
+    const critical = json("vibration", "critical-damping", ...machine);
+    for (const key of ["critical_damping_ratio", "hopf_damping_ratio", "limit_damping_ratio"]) close(limits[key], critical[key], 1e-9, key);
+    const omega = 2 * Math.PI * 50.3;
+    const length = 250e-6 / motion.length_m;
+    const random = ["--friction-std=0.001", `--correlation-length=${length}`, "--marginal=beta:2.1,5", "--trajectories=400", `--duration=${2 * omega}`, "--seed=7"];
+    const other = json("vibration", "ensemble", ...machine, "--damping-ratio=0.17", ...random);
+    agree(ensemble.cycles_mean, other.cycles_mean, Math.hypot(ensemble.cycles_se, other.cycles_se), "mean number of cycles");
+    agree(ensemble.vibration_share, other.vibration_share, Math.hypot(ensemble.vibration_share_se, other.vibration_share_se), "share of vibration");
+    // Re-attachments of one run are correlated: their mean is compared by the runs, not by the values.
+    agree(ensemble.reattachment_mean, other.reattachment_mean, (Math.SQRT2 * other.reattachment_std) / 20, "mean re-attachment");
+    await page.close();
+  },
+
+  async "contact has the numbers of the command line"() {
+    const spec = ['seed = 1', 'size = ["256 um", "256 um"]', "points = [256, 256]", 'boundary = "periodic"', "[surface]", 'generator = "spectral"', 'covariance = "self_affine"', 'rms_height = "1 um"', 'correlation_length = ["20 um", "17 um"]', "hurst = 0.8", 'marginal = "normal"'];
+    // Equal lengths would give waves of equal variance, whose order depends on the rounding of the machine.
+    writeFileSync(join(folder, "spec.toml"), spec.join("\n"));
+    asperity("surface", "generate", "spec.toml", "--out", "stated.x3p");
+    const material = ["--youngs-modulus=210GPa", "--poisson-ratio=0.3", "--hardness=2GPa"];
+    const keys = ["contact_fraction_corrected", "mean_pressure_pa", "mean_gap_m", "penetration_m"];
+    const same = (found, wanted) => {
+      for (const key of keys) close(found[key], wanted[key], 10 * found.tolerance, key);
+      // A cell at the edge of contact may change sides.
+      assert.ok(Math.abs(found.contact_fraction - wanted.contact_fraction) <= 2 / 65536);
+    };
+    const page = await open("#length_x=20&length_y=17");
+    same(await numbers(page, "#pressure .note"), json("contact", "stated.x3p", ...material, "--boundary=periodic", "--mean-pressure=20MPa"));
+    await page.selectOption("#control-control", "penetration");
+    await enter(page, "penetration", 1.5);
+    await settled(page);
+    same(await numbers(page, "#pressure .note"), json("contact", "stated.x3p", ...material, "--boundary=periodic", "--penetration=1.5um"));
+    await page.close();
+  },
+
+  async "a scan gets the statistics, the contact and a twin"() {
+    const spec = ['seed = 5', 'size = ["128 um", "96 um"]', "points = [128, 96]", "[surface]", 'generator = "spectral"', 'covariance = "exponential"', 'rms_height = "0.5 um"', 'correlation_length = "4 um"', 'marginal = "normal"'];
+    writeFileSync(join(folder, "scan.toml"), spec.join("\n"));
+    asperity("surface", "generate", "scan.toml", "--out", "scan.x3p");
+    const page = await open();
+    const before = await text(page, "#statistics tr[data-key=Sq_m] td");
+    await page.setInputFiles("#file", join(folder, "scan.x3p"));
+    await page.waitForSelector("#scan:not([hidden])");
+    await settled(page);
+    assert.equal(await text(page, "#scan-name"), "scan.x3p");
+    assert.notEqual(await text(page, "#statistics tr[data-key=Sq_m] td"), before);
+    const statistics = json("surface", "stats", "scan.x3p");
+    const shown = parseFloat(await text(page, "#statistics tr[data-key=Sq_m] td"));
+    close(shown * (shown > 10 ? 1e-9 : 1e-6), statistics.Sq_m, 1e-3, "Sq");
+    assert.match(await text(page, "#map .twin figcaption"), /random twin, 128 µm × 96 µm/);
+    const contact = await numbers(page, "#pressure .note");
+    const wanted = json("contact", "scan.x3p", "--level=plane", "--youngs-modulus=210GPa", "--hardness=2GPa", "--boundary=free", "--mean-pressure=20MPa");
+    for (const key of ["contact_fraction_corrected", "mean_gap_m", "penetration_m"]) close(contact[key], wanted[key], 10 * contact.tolerance, key);
+    await check(page, "study of a scan");
+    await page.close();
+  },
+
+  async "a wrong file is an error in words, and the page keeps its state"() {
+    const page = await open();
+    await page.setInputFiles("#file", join(folder, "scan.x3p"));
+    await page.waitForSelector("#scan:not([hidden])");
+    await settled(page);
+    const before = [await text(page, "#pressure .note"), await text(page, "#scan-name")];
+    const hostile = `<img src=x onerror=alert(1)>"&'.x3p`;
+    await page.setInputFiles("#file", { name: hostile, mimeType: "application/octet-stream", buffer: Buffer.from("PK\x03\x04 no scan") });
+    await page.waitForSelector("#file-problem:not([hidden])");
+    await settled(page);
+    let expected;
+    writeFileSync(join(folder, "wrong.x3p"), "PK\x03\x04 no scan");
+    try {
+      execFileSync(program, ["surface", "stats", "wrong.x3p"], { cwd: folder, encoding: "utf8", stdio: "pipe" });
+    } catch (error) {
+      expected = error.stderr.trim().replace(/^error: /, "").replace(/^wrong\.x3p: /, "");
+    }
+    assert.ok((await text(page, "#file-problem")).includes(expected), `${await text(page, "#file-problem")} instead of ${expected}`);
+    assert.deepEqual([await text(page, "#pressure .note"), await text(page, "#scan-name")], before);
+    // A matrix of numbers states no pixel size; the page asks for it. Names are text, whatever they contain.
+    await page.setInputFiles("#file", { name: hostile, mimeType: "text/plain", buffer: Buffer.from(matrix(48)) });
+    await page.waitForFunction(() => /pixel/.test(document.querySelector("#file-problem").textContent));
+    await page.selectOption("#height-unit", "um");
+    await page.fill("#pixel-size", "2");
+    await page.press("#pixel-size", "Enter");
+    await page.waitForFunction((name) => document.querySelector("#scan-name").textContent === name, hostile);
+    await settled(page);
+    assert.equal(await page.$("img"), null);
+    await page.close();
+  },
+
+  async "a slider changes the histogram, and the address keeps the page"() {
+    const page = await open("#from_surface=no&trajectories=100&duration=1");
+    const state = async () => [await text(page, "#reattachment .note"), await text(page, "#probability .note"), await text(page, "#verdict")];
+    const before = await state();
+    await page.focus("input[type=range][aria-label='Variability of friction']");
+    for (let i = 0; i < 10; i++) await page.keyboard.press("ArrowRight");
+    await page.focus("input[type=range][aria-label='Damping ratio ζ']");
+    for (let i = 0; i < 10; i++) await page.keyboard.press("ArrowLeft");
+    await settled(page);
+    const after = await state();
+    assert.notDeepEqual(after, before);
+    assert.notEqual(after[0], before[0]);
+    await page.waitForTimeout(400);
+    const kept = page.url();
+    await page.reload();
+    await settled(page);
+    assert.equal(page.url(), kept);
+    assert.deepEqual(await state(), after);
+    await page.close();
+  },
+
+  async "sixty portraits per second, and a contact within a second"() {
+    const page = await open("#from_surface=no&trajectories=50&duration=1");
+    const rate = await page.evaluate(async () => {
+      const range = document.querySelector("input[type=range][aria-label='Belt speed']");
+      const canvas = document.querySelector("#portrait .note");
+      const portraits = new Set();
+      new MutationObserver(() => portraits.add(canvas.dataset.numbers)).observe(canvas, { attributes: true, attributeFilter: ["data-numbers"] });
+      const start = performance.now();
+      for (let frame = 0; performance.now() - start < 2000; frame++) {
+        range.value = String(300 + (frame % 600));
+        range.dispatchEvent(new Event("input"));
+        await new Promise(requestAnimationFrame);
+      }
+      return (1000 * portraits.size) / (performance.now() - start);
+    });
+    console.log(`     ${rate.toFixed(0)} portraits per second`);
+    await settled(page);
+    const seconds = await page.evaluate(async () => {
+      const range = document.querySelector("input[type=range][aria-label='Mean pressure']");
+      const note = document.querySelector("#pressure .note");
+      const start = performance.now();
+      const done = new Promise((resolve) => new MutationObserver(resolve).observe(note, { attributes: true, attributeFilter: ["data-numbers"] }));
+      range.value = "700";
+      range.dispatchEvent(new Event("input"));
+      await done;
+      return (performance.now() - start) / 1000;
+    });
+    console.log(`     contact of 256 × 256 points in ${seconds.toFixed(2)} s`);
+    assert.ok(seconds < 1, `${seconds} s`);
+    assert.ok(rate > 50, `${rate} per second`);
+    await page.close();
+  },
+
+  async "cancel ends a long computation, and the next one works"() {
+    const page = await open("#from_surface=no&trajectories=100&duration=1");
+    await enter(page, "duration", 10000);
+    await page.waitForTimeout(500);
+    await page.click("#cancel");
+    await page.waitForSelector("#status", { state: "hidden" });
+    assert.match(await text(page, "#probability .note"), /Cancelled/);
+    await enter(page, "duration", 1);
+    await settled(page);
+    assert.match(await text(page, "#share"), /%/);
+    await enter(page, "pressure", 50);
+    await settled(page);
+    assert.equal((await numbers(page, "#pressure .note")).mean_pressure_pa, 50e6);
+    await page.close();
+  },
+
+  async "a saved study passes the check of the command line, and runs"() {
+    const page = await open();
+    await check(page, "study of a stated surface");
+    await enter(page, "trajectories", 20);
+    await enter(page, "duration", 0.3);
+    await page.uncheck("#control-from_surface");
+    await page.selectOption("#control-control", "penetration");
+    await settled(page);
+    const saved = await check(page, "study with stated friction");
+    asperity("run", saved, "--out", "run", "--force", "--only", "vibration");
+    const results = JSON.parse(readFileSync(join(folder, "run/results.json"), "utf8"));
+    close(results.vibration.cycle.period, (await numbers(page, "#portrait .note")).period, 1e-6, "period of the run");
+    await page.close();
+  },
+
+  async "the page is accessible in light and dark, wide and narrow"() {
+    for (const scheme of ["light", "dark"]) {
+      for (const width of [1280, 390]) {
+        const page = await open("#trajectories=50&duration=0.5", { width, height: 800 }, scheme);
+        // The policy of the page allows no further script element.
+        await page.evaluate(axe);
+        const { violations } = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }));
+        const serious = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
+        assert.deepEqual(serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(" ")}`), [], `${scheme}, ${width}`);
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+        assert.ok(wide <= width, `the page is ${wide} wide at ${width}`);
+        if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `${scheme}-${width}.png`), fullPage: width === 390 });
+        await page.close();
+      }
+    }
+  },
+
+  async "the page makes no request, and the console stays silent"() {
+    const foreign = requests.filter((url) => !url.startsWith(address) && !url.startsWith("blob:"));
+    assert.deepEqual(foreign, []);
+    assert.deepEqual(complaints, []);
+  },
+};
+
+function matrix(side) {
+  const height = (x, y) => (Math.sin(1.3 * x) + Math.cos(0.7 * y + x * y)).toFixed(4);
+  return Array.from({ length: side }, (_, y) => Array.from({ length: side }, (_, x) => height(x, y)).join(" ")).join("\n");
+}
+
+/** Saves the study of a page, and checks it with the command line. */
+async function check(page, what) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  const path = join(folder, "study.toml");
+  await download.saveAs(path);
+  try {
+    execFileSync(program, ["check", path], { cwd: folder, encoding: "utf8", stdio: "pipe" });
+  } catch (error) {
+    assert.fail(`${what}: ${error.stderr}\n${readFileSync(path, "utf8")}`);
+  }
+  return path;
+}
+
+let failed = 0;
+for (const [name, test] of Object.entries(tests)) {
+  if (process.argv[2] && !name.includes(process.argv[2])) continue;
+  try {
+    await test();
+    console.log(`ok   ${name}`);
+  } catch (error) {
+    failed++;
+    console.log(`FAIL ${name}\n${error.stack}`);
+  }
+}
+await browser.close();
+rmSync(folder, { recursive: true });
+process.exit(failed ? 1 : 0);
