@@ -81,7 +81,8 @@ fn a_report_contains_process_tables_and_figures() {
     assert_eq!(written(&folder.path().join("out")), ["figures", "fit.json", "friction_process.json", "tables"]);
     let names = ["friction_acf", "friction_histogram", "friction_pit", "friction_qq", "friction_record"];
     assert_eq!(listing(&folder.path().join("out/tables")), names.map(|name| format!("{name}.csv")));
-    assert_eq!(listing(&folder.path().join("out/figures")), names.map(|name| format!("{name}.svg")));
+    let both_widths = names.map(|name| [format!("{name}.svg"), format!("{name}_one_column.svg")]).concat();
+    assert_eq!(listing(&folder.path().join("out/figures")), both_widths);
     run_in(folder.path(), line).refuses(2, &["out", "not empty", "--force"]);
     run_in(folder.path(), &format!("{line} --force")).json(0);
 }

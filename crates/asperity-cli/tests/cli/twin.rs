@@ -56,7 +56,8 @@ fn the_folder_contains_twins_comparison_tables_figures_and_a_page() {
             "twins.html"
         ]
     );
-    assert_eq!(listing(&out.join("figures")), ["acf.svg", "height_pdf.svg", "maps.svg", "parameters.svg", "psd.svg"]);
+    let figures = ["acf.svg", "height_pdf.svg", "maps.svg", "parameters.svg", "parameters_one_column.svg", "psd.svg"];
+    assert_eq!(listing(&out.join("figures")), figures);
     let tables = listing(&out.join("tables"));
     let wanted = ["acf_x.csv", "acf_y.csv", "height_pdf.csv", "psd_x.csv", "psd_y.csv", "statistics.csv"];
     assert_eq!(tables, wanted);
