@@ -53,12 +53,13 @@ python PROFILE="release":
 gallery:
     scripts/build-gallery --check
 
-# The explorer in one file, web/dist/explorer.html: installs its tools, builds, checks types, and tests it in Chromium with the
-# program `asperity`.
+# The scripts of the reports, and the explorer in one file, web/dist/explorer.html: installs the tools, builds, checks types,
+# and tests the explorer and reports of every kind in Chromium with the program `asperity`.
 web:
     rustup target add wasm32-unknown-unknown
     cargo install --quiet --root target/tools wasm-bindgen-cli --version "$(sed -n 's/^wasm-bindgen = "=\(.*\)"/\1/p' Cargo.toml)"
     npm --prefix web ci --no-audit --no-fund
+    npm --prefix web run oscillator
     npm --prefix web run explorer
     npm --prefix web run check
     cargo build

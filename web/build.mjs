@@ -1,6 +1,8 @@
-// Bundles the scripts. `node build.mjs` writes the script of reports into `asperity-report`, which carries it.
+// Bundles the scripts. `node build.mjs` writes the script of reports into `asperity-report`, which carries it; `check` fails if
+// the script there is another one.
 // `node build.mjs explorer` compiles the bindings and writes the explorer, one file, to dist/explorer.html; `page` writes it
-// with the bindings as they are. `node build.mjs oscillator` compiles the bindings of the oscillator alone to build/oscillator.
+// with the bindings as they are. `node build.mjs oscillator` compiles the bindings of the oscillator alone, and `node build.mjs
+// machine` also writes them into `asperity-report`, with the script of their worker.
 
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -13,8 +15,15 @@ const COMMON = { bundle: true, minify: true, format: "iife", target: "es2022", c
 /** The tool that makes the JavaScript side of the bindings, where `just web` installs it or on the path. */
 const TOOL = "target/tools/bin/wasm-bindgen";
 
-async function report() {
-  await build({ ...COMMON, entryPoints: ["src/report.ts"], outfile: "../crates/asperity-report/src/page/figures.js" });
+/** What `asperity-report` carries. */
+const CARRIED = "../crates/asperity-report/src/page";
+
+async function report(write) {
+  const outfile = `${CARRIED}/figures.js`;
+  const { outputFiles } = await build({ ...COMMON, entryPoints: ["src/report.ts"], outfile, write: false });
+  const [{ text }] = outputFiles;
+  if (write) writeFileSync(outfile, text);
+  else if (readFileSync(outfile, "utf8") !== text) throw new Error(`${outfile} is not current; run \`npm run build\``);
 }
 
 /** Compiles the bindings for the browser into `folder`, with the features of cargo's `flags`. */
@@ -40,9 +49,14 @@ async function script(entry, define) {
 
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
+async function machine() {
+  writeFileSync(`${CARRIED}/oscillator.js`, await script("src/machine/worker.ts", { "import.meta.url": '""' }));
+  writeFileSync(`${CARRIED}/oscillator.wasm.gz`, gzipSync(readFileSync("build/oscillator/asperity_wasm_bg.wasm"), { level: 9 }));
+}
+
 async function page() {
   const [, version] = readFileSync("../Cargo.toml", "utf8").match(/^version = "(.*)"$/m);
-  const worker = await script("src/worker.ts", { "import.meta.url": '""' });
+  const worker = await script("src/explorer/worker.ts", { "import.meta.url": '""' });
   const main = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version) });
   const style = (await build({ ...COMMON, entryPoints: ["src/explorer/style.css"], write: false })).outputFiles[0].text.trim();
   const module = gzipSync(readFileSync("build/asperity_wasm_bg.wasm"), { level: 9 }).toString("base64");
@@ -65,7 +79,10 @@ const size = (path) => `${path}: ${(readFileSync(path).length / 1e6).toFixed(2)}
 
 switch (process.argv[2]) {
   case undefined:
-    await report();
+    await report(true);
+    break;
+  case "check":
+    await report(false);
     break;
   case "explorer":
     bindings("build");
@@ -78,6 +95,10 @@ switch (process.argv[2]) {
   case "oscillator":
     bindings("build/oscillator", ["--no-default-features"]);
     console.log(size("build/oscillator/asperity_wasm_bg.wasm"));
+    break;
+  case "machine":
+    bindings("build/oscillator", ["--no-default-features"]);
+    await machine();
     break;
   default:
     throw new Error(`no target ${process.argv[2]}`);

@@ -2,6 +2,7 @@
 
 import { FigureView } from "./chart";
 import type { Chart, Figure, Values } from "./figure";
+import * as machine from "./machine/page";
 
 /** Offers a text as a file. */
 function save(name: string, type: string, text: string) {
@@ -85,3 +86,16 @@ const observer = new IntersectionObserver(
   { rootMargin: "300px" },
 );
 for (const figure of document.querySelectorAll("figure[id]")) observer.observe(figure);
+
+const movable = document.getElementById("move");
+if (movable) {
+  const near = new IntersectionObserver(
+    ([entry]) => {
+      if (!entry?.isIntersecting) return;
+      near.disconnect();
+      machine.start();
+    },
+    { rootMargin: "300px" },
+  );
+  near.observe(movable);
+}

@@ -1,83 +1,75 @@
-// Runs the module on a thread of its own. Ending the worker cancels the call.
+// What the workers share: they answer calls to the module on a thread of their own. Ending a worker cancels its call.
 
-import { type Answer, cycle, dimensionless, ensemble, initSync, limits, Surface } from "../build/asperity_wasm";
-import type { Call, Reply, Request, Result, Start } from "./explorer/messages";
+import type { Call, Reply, Request, Result, Start } from "./messages";
 
 /** Points of the portrait of a limit cycle. */
 const PORTRAIT_POINTS = 240;
 
-let surface: Surface | undefined;
+interface Answer {
+  json(): string;
+  names(): string[];
+  take(name: string): Float64Array;
+  free(): void;
+}
+
+/** The calls of the oscillator in a module. */
+interface Oscillator {
+  cycle(parameters: string, points: number): Answer;
+  limits(parameters: string): Answer;
+  ensemble(request: string): Answer;
+}
+
+/** Machine in the variables of the oscillator, with what an ensemble of it needs. */
+export interface Motion {
+  parameters: object;
+  process: object | null;
+  /** Units of length, time and velocity. */
+  units: object;
+  [key: string]: unknown;
+}
 
 const post = (reply: Reply, moved: Transferable[] = []) => (self as unknown as Worker).postMessage(reply, moved);
 
-Object.assign(globalThis, {
-  asperityProgress: (task: string, done: number, total: number) => post({ progress: { task, done, total } }),
-});
-
-function taken(answer: Answer): Result {
+/** Takes numbers and arrays out of an answer. */
+export function taken(answer: Answer): Result {
   const arrays = Object.fromEntries(answer.names().map((name) => [name, answer.take(name)]));
   const numbers = JSON.parse(answer.json());
   answer.free();
   return { numbers, arrays };
 }
 
-function open(next: Surface): Result {
-  surface?.free();
-  surface = next;
-  return taken(next.describe());
-}
-
-/** Converts a machine and calls the oscillator; the units of the machine join the numbers. */
-function oscillator(settings: string, run: (parameters: unknown, length: number, rest: object) => Answer): Result {
-  const { machine, ...rest } = JSON.parse(settings) as { machine: object };
-  const { parameters, correlation_length, ...units } = taken(dimensionless(JSON.stringify(machine))).numbers;
-  const { numbers, arrays } = taken(run(parameters, correlation_length, rest));
+/** Moves a machine; its units join the numbers. */
+export function moved(module: Oscillator, what: "cycle" | "limits" | "ensemble", { units, parameters, ...rest }: Motion): Result {
+  const text = JSON.stringify(parameters);
+  const answers = {
+    cycle: () => module.cycle(text, PORTRAIT_POINTS),
+    limits: () => module.limits(text),
+    ensemble: () => module.ensemble(JSON.stringify({ parameters, ...rest })),
+  };
+  const { numbers, arrays } = taken(answers[what]());
   return { numbers: { ...numbers, ...units }, arrays };
 }
 
-function run(call: Call): Result {
-  const own = () => {
-    if (!surface) throw new Error("no surface is open");
-    return surface;
-  };
-  switch (call.what) {
-    case "open":
-      return open(Surface.from_file(new Uint8Array(call.bytes), call.name, call.settings));
-    case "state":
-      return open(Surface.stated(call.settings));
-    case "spectrum":
-      return taken(own().spectrum());
-    case "twin":
-      return taken(own().twin());
-    case "contact":
-      return taken(own().contact(call.settings));
-    case "friction":
-      return taken(own().friction(call.settings));
-    case "cycle":
-      return oscillator(call.settings, (parameters) => cycle(JSON.stringify(parameters), PORTRAIT_POINTS));
-    case "limits":
-      return oscillator(call.settings, (parameters) => limits(JSON.stringify(parameters)));
-    case "ensemble":
-      return oscillator(call.settings, (parameters, correlation_length, rest) =>
-        ensemble(JSON.stringify({ parameters, correlation_length, ...rest })),
+/** Answers the calls of the page. */
+export function serve(start: (given: { module: WebAssembly.Module }) => unknown, run: (call: Call) => Result) {
+  Object.assign(globalThis, {
+    asperityProgress: (task: string, done: number, total: number) => post({ progress: { task, done, total } }),
+  });
+  self.onmessage = ({ data }: MessageEvent<Start | Request>) => {
+    if ("module" in data) {
+      start({ module: data.module });
+      return;
+    }
+    const { id, call } = data;
+    try {
+      const result = run(call);
+      post(
+        { id, result },
+        Object.values(result.arrays).map((array) => array.buffer as ArrayBuffer),
       );
-  }
+    } catch (error) {
+      const broken = error instanceof WebAssembly.RuntimeError;
+      post({ id, broken, error: broken ? "internal error; the console of the browser says where" : (error as Error).message });
+    }
+  };
 }
-
-self.onmessage = ({ data }: MessageEvent<Start | Request>) => {
-  if ("module" in data) {
-    initSync({ module: data.module });
-    return;
-  }
-  const { id, call } = data;
-  try {
-    const result = run(call);
-    post(
-      { id, result },
-      Object.values(result.arrays).map((array) => array.buffer as ArrayBuffer),
-    );
-  } catch (error) {
-    const broken = error instanceof WebAssembly.RuntimeError;
-    post({ id, broken, error: broken ? "internal error; the console of the browser says where" : (error as Error).message });
-  }
-};

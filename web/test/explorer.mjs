@@ -52,6 +52,13 @@ async function settled(page) {
   await page.waitForFunction(() => document.querySelector("#status")?.hidden && !document.querySelector(".stale:not(:has(.problem:not([hidden])))"), undefined, { timeout: 30_000 });
 }
 
+/** Returns the least of three measured times: others may use the machine too. */
+async function least(measure) {
+  const times = [];
+  for (let i = 0; i < 3; i++) times.push(await measure());
+  return Math.min(...times);
+}
+
 const numbers = (page, selector) => page.$eval(selector, (element) => JSON.parse(element.dataset.numbers));
 const text = (page, selector) => page.textContent(selector);
 
@@ -64,14 +71,17 @@ async function enter(page, id, value) {
 const tests = {
   async "the page is one file below 4 MB and answers within 2 s"() {
     assert.ok(statSync(file).size < 4e6, `${statSync(file).size} bytes`);
-    const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-    const start = performance.now();
-    await page.goto(address);
-    await page.waitForFunction(() => document.querySelector("#sub")?.textContent !== "" && document.querySelector("#pressure figcaption")?.textContent !== "");
-    const seconds = (performance.now() - start) / 1000;
+    const seconds = await least(async () => {
+      const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+      const start = performance.now();
+      await page.goto(address);
+      await page.waitForFunction(() => document.querySelector("#sub")?.textContent !== "" && document.querySelector("#pressure figcaption")?.textContent !== "");
+      const seconds = (performance.now() - start) / 1000;
+      await page.close();
+      return seconds;
+    });
     console.log(`     first contact and motion after ${seconds.toFixed(2)} s`);
     assert.ok(seconds < 2, `${seconds} s`);
-    await page.close();
   },
 
   async "the oscillator has the numbers of the command line"() {
@@ -144,7 +154,7 @@ const tests = {
     await page.waitForSelector("#scan:not([hidden])");
     await settled(page);
     const before = [await text(page, "#pressure .note"), await text(page, "#scan-name")];
-    const hostile = `<img src=x onerror=alert(1)>"&'.x3p`;
+    const hostile = `=1+1 <img src=x onerror=alert(1)>"&'${"x".repeat(4096)}.x3p`;
     await page.setInputFiles("#file", { name: hostile, mimeType: "application/octet-stream", buffer: Buffer.from("PK\x03\x04 no scan") });
     await page.waitForSelector("#file-problem:not([hidden])");
     await settled(page);
@@ -166,6 +176,7 @@ const tests = {
     await page.waitForFunction((name) => document.querySelector("#scan-name").textContent === name, hostile);
     await settled(page);
     assert.equal(await page.$("img"), null);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 1280, "a long name widens the page");
     await page.close();
   },
 
@@ -192,7 +203,7 @@ const tests = {
 
   async "sixty portraits per second, and a contact within a second"() {
     const page = await open("#from_surface=no&trajectories=50&duration=1");
-    const rate = await page.evaluate(async () => {
+    const rate = 1 / (await least(() => page.evaluate(async () => {
       const range = document.querySelector("input[type=range][aria-label='Belt speed']");
       const canvas = document.querySelector("#portrait .note");
       const portraits = new Set();
@@ -203,20 +214,20 @@ const tests = {
         range.dispatchEvent(new Event("input"));
         await new Promise(requestAnimationFrame);
       }
-      return (1000 * portraits.size) / (performance.now() - start);
-    });
+      return (performance.now() - start) / (1000 * portraits.size);
+    })));
     console.log(`     ${rate.toFixed(0)} portraits per second`);
     await settled(page);
-    const seconds = await page.evaluate(async () => {
+    const seconds = await least(() => page.evaluate(async () => {
       const range = document.querySelector("input[type=range][aria-label='Mean pressure']");
       const note = document.querySelector("#pressure .note");
       const start = performance.now();
       const done = new Promise((resolve) => new MutationObserver(resolve).observe(note, { attributes: true, attributeFilter: ["data-numbers"] }));
-      range.value = "700";
+      range.value = range.value === "700" ? "690" : "700";
       range.dispatchEvent(new Event("input"));
       await done;
       return (performance.now() - start) / 1000;
-    });
+    }));
     console.log(`     contact of 256 × 256 points in ${seconds.toFixed(2)} s`);
     assert.ok(seconds < 1, `${seconds} s`);
     assert.ok(rate > 50, `${rate} per second`);

@@ -1,10 +1,12 @@
 // Opens reports in a real browser: every figure draws, nothing is loaded, nothing fails, and the page is accessible.
 //
+// The machine of a run has the numbers of its results.json, and follows the sliders.
+//
 // node test/report.mjs PAGE.html… [--pictures DIR]; CHROMIUM names the browser.
 
-import { readFileSync, statSync } from "node:fs";
+import { existsSync, readFileSync, statSync } from "node:fs";
 import { createRequire } from "node:module";
-import { basename, resolve } from "node:path";
+import { basename, dirname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -43,12 +45,61 @@ async function open(browser, page, options) {
   return { context, tab, faults };
 }
 
+/** Shows the machine of a page, and waits for its motion; false without one. */
+async function started(tab) {
+  const host = tab.locator("#machine");
+  if ((await host.count()) === 0) return false;
+  await tab.locator("#move").scrollIntoViewIfNeeded();
+  await settled(tab);
+  return true;
+}
+
+const settled = (tab) =>
+  tab.waitForFunction(() => document.querySelector("#machine").dataset.numbers && document.querySelector("#machine .status").hidden, undefined, { timeout: 60_000 });
+
+/** Moves the machine of a page, and compares its first numbers with those of the run. */
+async function move(browser, file) {
+  const page = pathToFileURL(resolve(file)).href;
+  const { context, tab, faults } = await open(browser, page, { viewport: { width: 1280, height: 800 } });
+  if (!(await started(tab))) return context.close();
+  const host = tab.locator("#machine");
+  const numbers = async () => JSON.parse(await host.getAttribute("data-numbers"));
+  const first = await numbers();
+  const results = join(dirname(resolve(file)), "results.json");
+  if (existsSync(results)) {
+    const { vibration } = JSON.parse(readFileSync(results, "utf8"));
+    const close = (found, wanted, tolerance, what) =>
+      check(found === wanted || Math.abs(found - wanted) <= tolerance, `${file}: ${what} is ${found} instead of ${wanted}`);
+    const { cycle } = vibration;
+    for (const key of ["period", "slip_duration", "displacement_min", "displacement_max", "velocity_min", "reattachment_displacement"])
+      close(first[key], cycle[key], 1e-9 * Math.abs(cycle[key]), key);
+    for (const key of ["critical_damping_ratio", "hopf_damping_ratio", "limit_damping_ratio"])
+      close(first[key], vibration[key], 1e-9 * Math.abs(vibration[key]), key);
+    const { reattachment } = vibration[vibration.upscaling];
+    // Re-attachments of one run are correlated: the error of their mean is at most that of the means of the runs.
+    if (first.reattachment_count > 0)
+      close(first.reattachment_mean, reattachment.mean, (3 * Math.SQRT2 * reattachment.std) / Math.sqrt(first.trajectories), "mean re-attachment");
+  }
+  await tab.locator("#machine input[type=range][aria-label='Damping ratio ζ']").focus();
+  for (let i = 0; i < 12; i++) await tab.keyboard.press("ArrowRight");
+  await settled(tab);
+  await tab.waitForFunction((before) => document.querySelector("#machine").dataset.numbers !== before, JSON.stringify(first));
+  if (pictures) await tab.locator("#move").screenshot({ path: `${pictures}/${basename(resolve(file, ".."))}-move.png` });
+  await tab.getByRole("button", { name: "The machine of the study" }).click();
+  await tab.waitForFunction((wanted) => JSON.parse(document.querySelector("#machine").dataset.numbers).period === wanted, first.period);
+  const policy = await tab.getAttribute("meta[http-equiv='Content-Security-Policy']", "content");
+  check(!/unsafe-inline|'unsafe-eval'|\*|https?:/.test(policy), `${file}: ${policy}`);
+  check(faults.length === 0, `${file}: ${faults.join("; ")}`);
+  await context.close();
+}
+
 /** What axe finds on a page. Its script needs a context without the policy of the page. */
 async function accessibility(browser, page, options) {
   const context = await browser.newContext({ bypassCSP: true, ...options });
   const tab = await context.newPage();
   await tab.goto(page);
   await tab.evaluate(() => document.querySelectorAll("details").forEach((element) => (element.open = true)));
+  await started(tab);
   await tab.waitForTimeout(300);
   await tab.evaluate(axe);
   const { violations } = await tab.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
@@ -154,6 +205,7 @@ try {
     let count = 0;
     for (const [width, scheme] of [[1280, "light"], [390, "dark"]]) count = await examine(browser, file, width, scheme);
     await use(browser, file);
+    await move(browser, file);
     console.log(`${file}: ${count} figures`);
   }
 } finally {

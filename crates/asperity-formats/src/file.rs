@@ -6,7 +6,6 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crate::archive::{GZIP_MAGIC, gunzip};
-use crate::large;
 use crate::registry::{read_names, written_extensions};
 use crate::replace::replace_file;
 use crate::text::{Separator, write_text};
@@ -17,9 +16,6 @@ use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
 /// Bytes that suffice to recognise the format, except for archives. Headers need a few hundred.
 const PROBE_BYTES: u64 = 1 << 16;
-/// File size in bytes above which all threads read, and size of the piece that each reads at a time.
-const PARALLEL_BYTES: usize = 4 << 20;
-const PIECE_BYTES: usize = 1 << 20;
 /// Number of bytes that an error shows of unknown content.
 const SHOWN_BYTES: usize = 12;
 
@@ -94,11 +90,15 @@ fn whole(file: &File, length: usize) -> Option<Vec<u8>> {
     use rayon::prelude::*;
     use std::os::unix::fs::FileExt;
 
+    /// File size in bytes above which all threads read, and size of the piece that each reads at a time.
+    const PARALLEL_BYTES: usize = 4 << 20;
+    const PIECE_BYTES: usize = 1 << 20;
+
     if length < PARALLEL_BYTES {
         return None;
     }
     // One more byte lets the reader find the end without more memory.
-    let mut bytes = large::zeros(length + 1);
+    let mut bytes = crate::large::zeros(length + 1);
     bytes.truncate(length);
     let pieces = bytes.par_chunks_mut(PIECE_BYTES).enumerate();
     pieces.try_for_each(|(place, piece)| file.read_exact_at(piece, (place * PIECE_BYTES) as u64)).ok()?;

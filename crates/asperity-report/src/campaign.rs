@@ -62,6 +62,7 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         sections: sections.into_iter().flatten().collect(),
         appendix: Vec::new(),
         script: SORT,
+        machine: None,
     };
     page.render()
 }

@@ -49,6 +49,8 @@ pub struct Run {
     pub inputs: Vec<Input>,
     /// The content of `provenance.json`.
     pub provenance: Option<Provenance>,
+    /// The content of `machine.json`, which the reader of the page can move again.
+    pub machine: Option<String>,
 }
 
 /// Columns of equal length with their names, NaN where a value is undefined.

@@ -39,6 +39,7 @@ pub fn render_vibration(
         sections: sections.into_iter().flatten().collect(),
         appendix: Vec::new(),
         script: "",
+        machine: None,
     };
     Ok(page.render())
 }

@@ -8,6 +8,7 @@ mod certainty;
 mod chain;
 mod cutoff;
 mod friction;
+mod machine;
 mod mode_coupling;
 mod parameters;
 mod provenance;
@@ -31,6 +32,7 @@ use crate::{Figure, Report, ReportError, Run};
 pub(crate) use answers::Answer;
 pub(crate) use cells::{DASH, percent, shown};
 pub(crate) use friction::{conditions, distribution_name, operating_level};
+pub(crate) use machine::Machine;
 pub(crate) use parameters::parameter;
 pub(crate) use random_surface::{in_words, length_in_words};
 pub(crate) use verdict::{dimension, named};
@@ -52,12 +54,17 @@ pub(crate) struct Page<'a> {
     pub(crate) appendix: Vec<Section>,
     /// Script of the page beside that of its figures; empty for none.
     pub(crate) script: &'static str,
+    /// Machine that the reader can move.
+    pub(crate) machine: Option<Machine<'a>>,
 }
 
 impl Page<'_> {
     /// Renders the page. Figures are numbered through all sections.
     pub(crate) fn render(self) -> Report {
-        let Self { title, intro, first_screen, answers, warnings, sections, appendix, script } = self;
+        let Self { title, intro, first_screen, answers, warnings, mut sections, appendix, script, machine } = self;
+        if let Some(machine) = &machine {
+            machine.add_to(&mut sections);
+        }
         let links = answers.first().map(|_| ("answers", "Answers")).into_iter();
         let links = links.chain(sections.iter().map(|section| (section.id, section.title)));
         let links = links.chain(appendix.first().map(|_| ("appendix", "Appendix")));
@@ -83,10 +90,13 @@ impl Page<'_> {
             [] => " 'none'".to_owned(),
             scripts => scripts.iter().map(hash).collect(),
         };
+        let (computes, workers) = machine.as_ref().map_or(("", "'none'"), |_| (" 'wasm-unsafe-eval'", "blob:"));
         let mut number = 0;
         let html = html!(
             include_str!("page/skeleton.html"),
-            script_policy = Html::from_markup(allowed),
+            script_policy = Html::from_markup(allowed + computes),
+            worker_policy = Html::from_markup(workers.to_owned()),
+            module = machine.map_or_else(Html::default, |_| machine::module()),
             style_policy = Html::from_markup(hash(&STYLE)),
             scripts = scripts
                 .iter()
@@ -451,5 +461,6 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         sections,
         appendix: [heights, methods, models].into_iter().flatten().collect(),
         script: "",
+        machine: run.machine.as_deref().map(|json| Machine { json, is_centre: results.verdict.is_some() }),
     })
 }

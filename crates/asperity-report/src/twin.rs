@@ -69,6 +69,7 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
         sections: sections.into_iter().flatten().collect(),
         appendix: Vec::new(),
         script: "",
+        machine: None,
     };
     Ok(page.render())
 }

@@ -2,14 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use asperity_base::distribution::Marginal;
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::Histogram;
 use asperity_process::{FrictionProcess, ProcessModel};
 use asperity_vibration::{
-    EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales, TrajectorySettings,
-    VelocityLaw, VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, smallest_kick,
-    trajectory_portrait,
+    Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales,
+    TrajectorySettings, VelocityLaw, VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping,
+    smallest_kick, trajectory_portrait,
 };
 use serde::Deserialize;
 use serde_json::json;
@@ -35,10 +34,12 @@ struct Machine {
     static_friction: f64,
     stribeck_s_per_m: f64,
     friction_correlation_length_m: f64,
+    friction_std: f64,
+    marginal: String,
 }
 
-/// Converts a machine to the variables of the oscillator: `parameters` of [`cycle`], `correlation_length` of
-/// [`ensemble`], and the units `length_m`, `time_s` and `velocity_m_per_s`.
+/// Converts a machine to the variables of the oscillator: `parameters` of [`cycle`], `process` of [`ensemble`], and the
+/// units `length_m`, `time_s` and `velocity_m_per_s`.
 #[wasm_bindgen]
 pub fn dimensionless(machine: &str) -> Result<Answer, JsError> {
     Ok(scaled(machine)?)
@@ -81,9 +82,10 @@ fn scaled(machine: &str) -> Result<Answer, Failure> {
         belt_velocity: machine.belt_velocity_m_per_s / velocity_m_per_s,
         forcing: None,
     };
+    let correlation_length = machine.friction_correlation_length_m / length_m;
     Answer::new(&json!({
         "parameters": parameters,
-        "correlation_length": machine.friction_correlation_length_m / length_m,
+        "process": ProcessModel::new(machine.marginal.parse()?, machine.friction_std, correlation_length),
         "length_m": length_m,
         "time_s": scales.time_s(),
         "velocity_m_per_s": velocity_m_per_s,
@@ -143,9 +145,9 @@ fn ends_of_vibration(parameters: &str) -> Result<Answer, Failure> {
 #[serde(deny_unknown_fields)]
 struct Request {
     parameters: Parameters,
-    friction_std: f64,
-    correlation_length: f64,
-    marginal: String,
+    process: ProcessModel,
+    #[serde(default)]
+    drive: Drive,
     trajectories: usize,
     duration: f64,
     seed: u64,
@@ -154,9 +156,7 @@ struct Request {
 fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
     let request: Request = read(request)?;
     let oscillator = Oscillator::new(request.parameters)?;
-    let marginal: Marginal = request.marginal.parse()?;
-    let model = ProcessModel::new(marginal, request.friction_std, request.correlation_length);
-    let model = clipped_to_positive(&oscillator, model, 1.0);
+    let model = clipped_to_positive(&oscillator, request.process, 1.0);
     let clipped_fraction = model.clipped_fraction();
     let process = FrictionProcess::new(model)?;
     if clipped_fraction > LARGEST_CLIPPED_FRACTION {
@@ -167,7 +167,10 @@ fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
             100.0 * LARGEST_CLIPPED_FRACTION
         )));
     }
-    let settings = EnsembleSettings::new(request.trajectories, request.duration, request.seed);
+    let settings = EnsembleSettings {
+        drive: request.drive,
+        ..EnsembleSettings::new(request.trajectories, request.duration, request.seed)
+    };
     let found = asperity_vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)?;
     let (displacement, velocity) = cloud(&oscillator, &process, &settings)?;
     let histogram = Histogram::new(&found.reattachments.sample).ok();
@@ -233,7 +236,8 @@ mod tests {
     /// Machine of figure 5 of the paper: one kilogram, so that V = 0.003 and λ = 0.01.
     const MACHINE: &str = r#"{"mass_kg": 1.0, "natural_frequency_rad_per_s": 316.0, "normal_force_n": 2500.0,
         "damping_ratio": 0.17, "belt_velocity_m_per_s": 0.023734177215189875, "static_friction": 0.1,
-        "stribeck_s_per_m": 0.530880, "friction_correlation_length_m": 250.36052e-6}"#;
+        "stribeck_s_per_m": 0.530880, "friction_correlation_length_m": 250.36052e-6,
+        "friction_std": 0.001, "marginal": "beta:2.1,5"}"#;
 
     fn numbers(answer: &Answer) -> Value {
         serde_json::from_str(&answer.json()).unwrap()
@@ -243,11 +247,18 @@ mod tests {
         numbers(&scaled(MACHINE).unwrap())["parameters"].take()
     }
 
+    /// Request for an ensemble of the machine with a standard deviation of friction.
+    fn request(friction_std: f64, trajectories: usize, duration: f64) -> Value {
+        let mut process = numbers(&scaled(MACHINE).unwrap())["process"].take();
+        process["std"] = friction_std.into();
+        json!({"parameters": parameters(), "process": process, "trajectories": trajectories, "duration": duration, "seed": 1})
+    }
+
     #[test]
     fn the_paper_s_machine_has_the_paper_s_cycle() {
         let scaled = numbers(&scaled(MACHINE).unwrap());
         assert!((scaled["parameters"]["belt_velocity"].as_f64().unwrap() - 0.003).abs() < 1e-9);
-        assert!((scaled["correlation_length"].as_f64().unwrap() - 0.01).abs() < 1e-7);
+        assert!((scaled["process"]["correlation_length"].as_f64().unwrap() - 0.01).abs() < 1e-7);
         let mut found = motion(&parameters().to_string(), 400).unwrap();
         let period = numbers(&found)["period"].as_f64().unwrap();
         assert!((period - 6.372_163_483_739_709).abs() < 1e-6, "period {period}");
@@ -259,9 +270,7 @@ mod tests {
 
     #[test]
     fn an_ensemble_counts_the_cycles_of_the_paper_s_machine() {
-        let request = json!({"parameters": parameters(), "friction_std": 0.001, "correlation_length": 0.01,
-            "marginal": "beta:2.1,5", "trajectories": 40, "duration": 637.2, "seed": 1});
-        let mut found = simulated(&request.to_string(), &Silent).unwrap();
+        let mut found = simulated(&request(0.001, 40, 637.2).to_string(), &Silent).unwrap();
         let numbers = numbers(&found);
         // 8,000 paths of two independent codes: 69.20 ± 0.07.
         let (mean, se) = (numbers["cycles_mean"].as_f64().unwrap(), numbers["cycles_se"].as_f64().unwrap());
@@ -276,8 +285,6 @@ mod tests {
     #[test]
     fn an_unknown_key_and_a_large_fluctuation_are_errors_in_words() {
         assert!(motion(r#"{"damping": 0.1}"#, 10).unwrap_err().0.contains("unknown field `damping`"));
-        let request = json!({"parameters": parameters(), "friction_std": 0.5, "correlation_length": 0.01,
-            "marginal": "normal", "trajectories": 4, "duration": 10.0, "seed": 1});
-        assert!(simulated(&request.to_string(), &Silent).unwrap_err().0.contains("clipped"));
+        assert!(simulated(&request(0.5, 4, 10.0).to_string(), &Silent).unwrap_err().0.contains("clipped"));
     }
 }

@@ -24,6 +24,7 @@ mod pressure_stage;
 mod report;
 pub mod result;
 mod run;
+mod run_machine;
 mod scan_tables;
 pub mod scatter;
 mod schema;
@@ -64,6 +65,7 @@ pub use result::{
     TwinModel,
 };
 pub use run::Stage;
+pub use run_machine::RunMachine;
 pub use schema::study_schema;
 pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen, draw_map};

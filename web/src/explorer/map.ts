@@ -1,6 +1,6 @@
 // Draws a map of values with the scale of its colours.
 
-import { quantity } from "./format";
+import { quantity } from "../format";
 
 /** Cividis at equal steps: Nuñez, Anderton & Renslow, PLoS ONE 13 (2018) e0199239. */
 const CIVIDIS = ["#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"];

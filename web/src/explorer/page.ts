@@ -3,11 +3,12 @@
 import { digits, FigureView } from "../chart";
 import type { Figure } from "../figure";
 import { Controls } from "./controls";
-import { compiled, Lane, type Watcher, workers } from "./engine";
+import { compiled, Lane, type Watcher, workers } from "../engine";
 import * as figures from "./figures";
-import { percent, quantity, row } from "./format";
+import * as motion from "../motion";
+import { percent, quantity, row } from "../format";
 import { MapView, extremes } from "./map";
-import type { Call, Result } from "./messages";
+import type { Call, Result } from "../messages";
 import { defaults, fragment, fromFragment, type Key, si, type Values } from "./parameters";
 import { type Scan, study, STRIP_POINTS, WINDOW_POINTS } from "./study";
 
@@ -285,7 +286,7 @@ class Page {
     );
   }
 
-  private machine(): { mu: number; machine: object } | undefined {
+  private machine(): object | undefined {
     const { values } = this;
     const found = this.friction?.numbers;
     if (values.from_surface && !found) return undefined;
@@ -300,8 +301,10 @@ class Page {
       static_friction: mu,
       stribeck_s_per_m: values.stribeck,
       friction_correlation_length_m: length_m,
+      friction_std: mu * si(values, "variability"),
+      marginal: MARGINAL,
     };
-    return { mu, machine };
+    return machine;
   }
 
   private angularFrequency(): number {
@@ -311,9 +314,8 @@ class Page {
   /** Moves the machine. */
   private move() {
     const { values } = this;
-    const found = this.machine();
-    if (!found) return;
-    const { mu, machine } = found;
+    const machine = this.machine();
+    if (!machine) return;
     const settings = JSON.stringify({ machine });
     const failed = (message: string) => this.report(message, "portrait");
     this.motion.call(
@@ -335,8 +337,6 @@ class Page {
     this.stale("probability", "reattachment");
     const request = {
       machine,
-      friction_std: mu * si(values, "variability"),
-      marginal: MARGINAL,
       trajectories: values.trajectories,
       duration: this.angularFrequency() * si(values, "duration"),
       seed: values.seed,
@@ -524,7 +524,7 @@ class Page {
     const note = numbers.limit_cycle
       ? `Without fluctuation: ${kind}, period ${quantity(numbers.period * numbers.time_s, "s")}, in slip for ${percent(numbers.slip_duration / numbers.period)} of it.`
       : "Without fluctuation every motion ends in steady sliding.";
-    this.draw("portrait", figures.portrait(cycle, ensemble, si(this.values, "belt_velocity")), note);
+    this.draw("portrait", motion.portrait(cycle, ensemble, si(this.values, "belt_velocity")), note);
     Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify(numbers) });
     this.showVerdict();
   }
@@ -547,7 +547,7 @@ class Page {
     const attached = numbers.reattachment_count > 0;
     this.draw(
       "reattachment",
-      figures.reattachment(result, this.cycle?.numbers.reattachment_displacement ?? null),
+      motion.reattachment(result, this.cycle?.numbers.reattachment_displacement ?? null),
       attached
         ? `${numbers.reattachment_count} re-attachments: mean ${quantity(numbers.reattachment_mean * numbers.length_m, "m")}, ` +
             `standard deviation ${quantity(numbers.reattachment_std * numbers.length_m, "m")}, skewness ${digits(numbers.reattachment_skewness, 3)}.`

@@ -1,38 +1,6 @@
 // The parameters of the page: what they are called, their units and ranges, and how the fragment of the address stores them.
 
-export interface Slider {
-  kind: "slider";
-  label: string;
-  /** Unit that people read; empty for a plain number. */
-  unit: string;
-  /** SI value of one unit. */
-  si: number;
-  low: number;
-  high: number;
-  /** Whether equal steps of the slider are equal ratios. */
-  log: boolean;
-  value: number;
-}
-
-export interface Entry extends Omit<Slider, "kind" | "log"> {
-  kind: "number";
-  whole?: boolean;
-}
-
-export interface Choice {
-  kind: "choice";
-  label: string;
-  options: [value: string, text: string][];
-  value: string;
-}
-
-export interface Switch {
-  kind: "switch";
-  label: string;
-  value: boolean;
-}
-
-export type Parameter = Slider | Entry | Choice | Switch;
+import { accepted, type Choice, type Entry, type Parameter, type Slider, type Switch, type Value } from "../controls";
 
 const slider = (label: string, unit: string, si: number, low: number, high: number, value: number, log = true): Slider => ({
   kind: "slider",
@@ -114,33 +82,16 @@ export function defaults(): Values {
   return Object.fromEntries(KEYS.map((key) => [key, PARAMETERS[key].value])) as unknown as Values;
 }
 
-/** Returns a value within the range of its parameter, or the default if it is none. */
-export function accepted(key: Key, text: string): number | string | boolean {
-  const parameter: Parameter = PARAMETERS[key];
-  switch (parameter.kind) {
-    case "switch":
-      return text === "yes" ? true : text === "no" ? false : parameter.value;
-    case "choice":
-      return parameter.options.some(([value]) => value === text) ? text : parameter.value;
-    default: {
-      const value = text.trim() === "" ? NaN : Number(text);
-      if (!Number.isFinite(value)) return parameter.value;
-      const inside = Math.min(Math.max(value, parameter.low), parameter.high);
-      return parameter.kind === "number" && parameter.whole ? Math.round(inside) : inside;
-    }
-  }
-}
-
 /** Returns the fragment that stores the values. */
 export function fragment(values: Values): string {
-  const text = (value: number | string | boolean) => (typeof value === "boolean" ? (value ? "yes" : "no") : String(value));
+  const text = (value: Value) => (typeof value === "boolean" ? (value ? "yes" : "no") : String(value));
   return new URLSearchParams(KEYS.map((key) => [key, text(values[key])])).toString();
 }
 
 /** Reads a fragment; what it does not state has its default. */
 export function fromFragment(text: string): Values {
   const stated = new URLSearchParams(text.replace(/^#/, ""));
-  const read = (key: Key) => [key, accepted(key, stated.get(key) ?? "")];
+  const read = (key: Key) => [key, accepted(PARAMETERS[key], stated.get(key) ?? "")];
   return Object.fromEntries(KEYS.map(read)) as unknown as Values;
 }
 

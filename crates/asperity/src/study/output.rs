@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::friction::process::FittedProcess;
 use crate::study::result::{Outcome, Results};
+use crate::study::run_machine::RunMachine;
 use crate::study::{CsvTable, QuantityMap, sentence};
 
 /// Tables, fields and sentences of one stage.
@@ -45,6 +46,7 @@ pub(super) struct Gathered {
     tables: BTreeMap<String, CsvTable>,
     fields: BTreeMap<String, QuantityMap>,
     pub(super) friction_process: Option<FittedProcess>,
+    pub(super) machine: Option<RunMachine>,
 }
 
 impl Gathered {
@@ -61,6 +63,7 @@ impl Gathered {
             tables: self.tables,
             fields: self.fields,
             friction_process: self.friction_process,
+            machine: self.machine,
         }
     }
 }

@@ -23,6 +23,7 @@ pub(super) fn new_report(study: &str, outcome: &Outcome, provenance: &Provenance
         fields: fields.collect(),
         inputs: inputs(study),
         provenance: Some(provenance.clone()),
+        machine: outcome.machine.as_ref().and_then(|machine| serde_json::to_string(machine).ok()),
     })
 }
 
@@ -42,6 +43,7 @@ impl StoredRun {
                 .collect(),
             inputs: inputs(&self.study),
             provenance: Some(self.provenance.clone()),
+            machine: self.machine.as_ref().and_then(|machine| serde_json::to_string(machine).ok()),
         })
     }
 }

@@ -7,6 +7,7 @@ pub use asperity_results::*;
 use crate::distribution::Marginal;
 use crate::friction::process::FittedProcess;
 use crate::stats::Interval;
+use crate::study::run_machine::RunMachine;
 use crate::study::{CsvTable, QuantityMap};
 
 /// All results of a run.
@@ -20,6 +21,8 @@ pub struct Outcome {
     pub fields: BTreeMap<String, QuantityMap>,
     /// Friction process at the operating point.
     pub friction_process: Option<FittedProcess>,
+    /// Machine on a belt, unless its friction has no course along the path.
+    pub machine: Option<RunMachine>,
 }
 
 /// Returns a number, or `None` if it is undefined.

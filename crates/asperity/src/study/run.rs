@@ -370,6 +370,8 @@ impl Study {
                 // The friction of a part of a rough slider on a smooth track has no course along the path.
                 if self.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) {
                     (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
+                } else {
+                    gathered.machine = Some(stage.machine);
                 }
                 gathered.add(stage.output);
                 gathered.results.vibration = Some(stage.result);

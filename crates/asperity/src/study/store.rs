@@ -17,6 +17,7 @@ use thiserror::Error;
 
 use crate::friction::process::ProcessError;
 use crate::study::result::{Provenance, Results, SCHEMA_VERSION};
+use crate::study::run_machine::RunMachine;
 use crate::study::write_run::array_name;
 use crate::study::{CsvTable, TableError};
 use manifest::{MANIFEST, Manifest};
@@ -26,6 +27,8 @@ pub use staging::Staging;
 const COMPLETE: &str = "COMPLETE";
 /// Name of the file with the friction process of the friction stage.
 pub(super) const FRICTION_PROCESS: &str = "friction_process.json";
+/// Name of the file with the machine of the run.
+pub(super) const MACHINE: &str = "machine.json";
 /// Name of the file with the study of the run.
 const STUDY: &str = "study.toml";
 /// Name of the file with the numbers of the run.
@@ -224,6 +227,8 @@ pub struct StoredRun {
     pub tables: BTreeMap<String, CsvTable>,
     /// Fields by name.
     pub fields: BTreeMap<String, StoredField>,
+    /// `machine.json`, if the run has one.
+    pub machine: Option<RunMachine>,
 }
 
 impl StoredRun {
@@ -280,8 +285,14 @@ impl StoredRun {
                 .map_err(|error| corrupt(&relative, error.to_string()))?;
             fields.insert(name, StoredField { dx_m, dy_m, unit, values });
         }
+        let machine = if dir.join(MACHINE).is_file() {
+            let machine = serde_json::from_slice(&read(MACHINE)?);
+            Some(machine.map_err(|error| corrupt(MACHINE, error.to_string()))?)
+        } else {
+            None
+        };
         let study = String::from_utf8_lossy(&read(STUDY)?).into_owned();
-        Ok(Self { study, results, provenance, tables, fields })
+        Ok(Self { study, results, provenance, tables, fields, machine })
     }
 
     /// Replaces files of a finished run, each atomically, and updates the manifest.

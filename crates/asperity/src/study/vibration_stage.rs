@@ -25,6 +25,7 @@ use crate::study::output::left_out;
 use crate::study::result::{
     DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
 };
+use crate::study::run_machine::RunMachine;
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::{
     CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings,
@@ -46,6 +47,7 @@ const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
 /// Output of the vibration stage.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
+    pub(super) machine: RunMachine,
     pub(super) output: StageOutput,
 }
 
@@ -88,7 +90,7 @@ pub(super) fn run(
         let resolution = MapResolutionResult { x: width, y: height, unresolved_share };
         map = Some(MapResult { x: x.into(), y: y.into(), resolution });
     }
-    let assumptions = ensembles.sentences();
+    let (assumptions, machine) = (ensembles.sentences(), ensembles.machine());
     let result = VibrationResult {
         damping_ratio: study.damping_ratio,
         belt_velocity: oscillator.belt_velocity(),
@@ -111,7 +113,7 @@ pub(super) fn run(
         paper,
         area,
     };
-    Ok(VibrationStage { result, output: StageOutput { tables, fields: Vec::new(), assumptions, warnings } })
+    Ok(VibrationStage { result, machine, output: StageOutput { tables, fields: Vec::new(), assumptions, warnings } })
 }
 
 /// Converts a failed search to `None`.
@@ -140,6 +142,20 @@ impl<'a> Ensembles<'a> {
     /// Returns the model of the dimensionless fluctuation.
     fn model(&self, upscaling: Upscaling) -> ProcessModel {
         self.window.process_model(upscaling, self.study.generator, self.study.scales.length_m())
+    }
+
+    fn machine(&self) -> RunMachine {
+        let (study, model) = (self.study, self.model(self.study.upscaling));
+        RunMachine {
+            parameters: self.oscillator.parameters().clone(),
+            process: (model.std >= CONSTANT_STD).then_some(model),
+            length_m: study.scales.length_m(),
+            time_s: study.scales.time_s(),
+            drive: study.drive,
+            trajectories: study.trajectories,
+            duration: study.duration,
+            seed: self.seed,
+        }
     }
 
     /// Returns the dimensionless correlation length.

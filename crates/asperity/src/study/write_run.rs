@@ -5,7 +5,7 @@ use std::path::{self, Path, PathBuf};
 
 use asperity_results::Provenance;
 
-use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, file_hash};
+use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, MACHINE, file_hash};
 use crate::study::{Outcome, QuantityMap, Staging, StoreError, Study, StudyFile, json_bytes};
 
 /// Returns the provenance of a computation from the files `inputs`: version, name, seed and the hash of every file.
@@ -84,7 +84,7 @@ pub fn resolved_study(study: &Study, folder: &Path) -> Result<String, StoreError
 }
 
 /// Passes the files of a run folder that equal studies give equal bytes to `write`, each with its relative name: results, tables,
-/// friction process and fields.
+/// friction process, machine and fields.
 ///
 /// # Errors
 /// A result cannot be written in its format, or `write` fails.
@@ -98,6 +98,9 @@ pub fn result_files(
     }
     if let Some(process) = &outcome.friction_process {
         write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
+    }
+    if let Some(machine) = &outcome.machine {
+        write(MACHINE, &json_bytes(machine)?)?;
     }
     let mut index = BTreeMap::new();
     for (name, field) in &outcome.fields {

@@ -96,22 +96,19 @@ fn elementary_functions() -> String {
 
 /// Returns the instruction sets on which the last bits of results may depend.
 fn instruction_sets() -> Vec<String> {
-    let mut found = Vec::new();
     #[cfg(target_arch = "x86_64")]
-    for (name, present) in [
+    let candidates = [
         ("sse4.1", std::is_x86_feature_detected!("sse4.1")),
         ("avx", std::is_x86_feature_detected!("avx")),
         ("avx2", std::is_x86_feature_detected!("avx2")),
         ("fma", std::is_x86_feature_detected!("fma")),
         ("avx512f", std::is_x86_feature_detected!("avx512f")),
-    ] {
-        if present {
-            found.push(name.to_owned());
-        }
-    }
+    ];
     #[cfg(target_arch = "aarch64")]
-    found.push("neon".to_owned());
-    found
+    let candidates = [("neon", true)];
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let candidates: [(&str, bool); 0] = [];
+    candidates.into_iter().filter(|(_, present)| *present).map(|(name, _)| name.to_owned()).collect()
 }
 
 impl RunRecord {

@@ -1,6 +1,6 @@
 // Numbers for people: units with prefixes, and four digits.
 
-import { digits } from "../chart";
+import { digits } from "./chart";
 
 const PREFIXES: [number, string][] = [
   [1e9, "G"],

@@ -1,0 +1,51 @@
+// Makes reports of every kind with the program `asperity`, and opens them in a browser.
+//
+// node test/pages.mjs [--pictures DIR]; ASPERITY is the program (default: target/release or target/debug).
+
+import { execFileSync } from "node:child_process";
+import { copyFileSync, existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const root = join(import.meta.dirname, "../..");
+const program = process.env.ASPERITY ?? ["release", "debug"].map((profile) => join(root, "target", profile, "asperity")).find(existsSync);
+if (!program) throw new Error("build the program `asperity` first, or name it in ASPERITY");
+const folder = mkdtempSync(join(tmpdir(), "asperity-pages-"));
+
+/** Names that would be markup, a script, or a formula of a spreadsheet. */
+const HOSTILE = `=1+1 <img src=x onerror=alert(1)> "&' ${"x".repeat(150)}`;
+
+const VERDICT = `seed = 3
+[vibration]
+static_friction = 0.42
+friction_std = 0.002
+friction_marginal = "beta:2.1,5"
+friction_correlation_length = "0.2 mm"
+stribeck = 4.2
+mass = "15 kg"
+natural_frequency = "100 Hz"
+normal_force = "10 kN"
+nominal_area = "50 cm^2"
+damping_ratio = "0.05 ± 0.01"
+belt_velocity = { lognormal = ["2 cm/s", 0.2], unknown = true }
+trajectories = 40
+[verdict]
+duration = "1 s"
+remedies = [{ input = "vibration.damping_ratio", range = [0.01, 0.5] }]
+`;
+
+const asperity = (...given) => execFileSync(program, [...given, "--quiet"], { cwd: folder, stdio: ["ignore", "ignore", "inherit"] });
+const machine = ["--static-friction=0.1", "--stribeck=4.2", "--belt-velocity=0.003"];
+const noise = ["--damping-ratio=0.17", "--friction-std=0.001", "--correlation-length=0.01", "--marginal=beta:2.1,5", "--seed=3"];
+
+for (const name of ["quickstart.toml", "brake_disc.x3p"]) copyFileSync(join(root, "studies", name), join(folder, name));
+writeFileSync(join(folder, `${HOSTILE}.toml`), VERDICT);
+copyFileSync(join(root, "studies/brake_disc.x3p"), join(folder, `${HOSTILE}.x3p`));
+asperity("run", "quickstart.toml", "--out", "run");
+asperity("run", `${HOSTILE}.toml`, "--out", "verdict");
+asperity("surface", "twin", `${HOSTILE}.x3p`, "--count=2", "--seed=1", "--out", "twins");
+asperity("vibration", "ensemble", ...machine, ...noise, "--trajectories=30", "--duration=200", "--report", "ensemble");
+asperity("vibration", "basin", ...machine, "--damping-ratio=0.20482", "--report", "basin");
+const pages = ["run/report.html", "verdict/report.html", "twins/twins.html", "ensemble/report.html", "basin/report.html"];
+execFileSync("node", [join(import.meta.dirname, "report.mjs"), ...pages.map((page) => join(folder, page)), ...process.argv.slice(2)], { stdio: "inherit" });
+rmSync(folder, { recursive: true });
