@@ -494,6 +494,7 @@ fn build() -> Run {
             program: Program { instruction_sets: vec!["avx2".into()], ..Program::default() },
             ..Provenance::default()
         }),
+        machine: Some("{\"parameters\":{\"damping_ratio\":0.17},\"note\":\"</script><b>\"}".into()),
     }
 }
 
@@ -501,6 +502,7 @@ fn build() -> Run {
 pub(crate) fn surface_run() -> Run {
     let mut run = full_run();
     run.results = Results { surface: run.results.surface, ..Results::default() };
+    run.machine = None;
     run.tables.retain(|name, _| name.starts_with("height_"));
     run.fields.retain(|name, _| name.starts_with("height_") || name == "surface_sample");
     run
