@@ -6,7 +6,7 @@ pub(crate) mod surface;
 pub(crate) mod verdict;
 pub(crate) mod vibration;
 
-use crate::plot::{Align, Canvas, Chart, Kind, LABEL, Raster, Rect, WIDTH, draw, figure};
+use crate::plot::{Chart, ColourBar, Kind, Layout, ONE_COLUMN, Raster, TWO_COLUMNS};
 use crate::{Figure, ReportError, Run, Table};
 
 /// A figure with its title, its caption and the files that hold its data.
@@ -17,7 +17,7 @@ pub(crate) struct CaptionedFigure {
     pub(crate) caption: String,
     /// Files of the run folder.
     pub(crate) sources: Vec<String>,
-    pub(crate) svg: String,
+    pub(crate) layout: Layout,
 }
 
 impl CaptionedFigure {
@@ -30,23 +30,15 @@ impl CaptionedFigure {
         charts: &[Chart],
         tables: &[&str],
     ) -> Option<Self> {
-        let caption = caption.into();
-        let svg = (!charts.is_empty()).then(|| figure(title, &caption, columns, charts))?;
-        let drawn = Self { name, title: title.into(), caption, sources: Vec::new(), svg };
+        let layout = (!charts.is_empty()).then(|| Layout::new(columns, charts))?;
+        let drawn = Self { name, title: title.into(), caption: caption.into(), sources: Vec::new(), layout };
         Some(drawn.with_tables(tables))
     }
 
-    /// Draws on a canvas of some size.
-    pub(crate) fn from_drawing(
-        name: &'static str,
-        title: &str,
-        caption: impl Into<String>,
-        size: (f64, f64),
-        content: impl FnOnce(&mut Canvas),
-    ) -> Self {
-        let caption = caption.into();
-        let svg = draw(size, title, &caption, content);
-        Self { name, title: title.into(), caption, sources: Vec::new(), svg }
+    /// Adds the bar that explains the colours of the maps.
+    pub(crate) fn with_colours(mut self, colours: ColourBar) -> Self {
+        self.layout.colours = Some(colours);
+        self
     }
 
     /// Names the tables that hold the data.
@@ -60,11 +52,18 @@ impl CaptionedFigure {
         self.sources.extend(fields.iter().map(|field| format!("fields/{field}")));
         self
     }
+
+    /// Draws the figure, two columns of a paper wide.
+    pub(crate) fn svg(&self) -> String {
+        self.layout.svg(&self.title, &self.caption, TWO_COLUMNS)
+    }
 }
 
 impl From<CaptionedFigure> for Figure {
     fn from(figure: CaptionedFigure) -> Self {
-        Self { name: figure.name.into(), svg: figure.svg }
+        let one_column = || figure.layout.svg(&figure.title, &figure.caption, ONE_COLUMN);
+        let one_column = (figure.layout.columns == 1).then(one_column);
+        Self { name: figure.name.into(), svg: figure.svg(), one_column }
     }
 }
 
@@ -101,48 +100,33 @@ fn field_map(
 
 /// Draws a raster as a map.
 fn raster_map(raster: &Raster, name: &'static str, title: &str, caption: &str) -> Option<CaptionedFigure> {
-    Some(raster_panels(name, title, caption, &[("", raster)], 1, (WIDTH, 400.0))?.with_fields(&[name]))
+    Some(raster_panels(name, title, caption, &[("", raster)], 1, 400.0)?.with_fields(&[name]))
 }
 
-/// Draws rasters of one colour scale with their names in a grid of panels, with axes, colour bar and legend. `size` is the width of
-/// the figure and the largest height of all rows of panels. Panels of all shapes are centred in the same width.
+/// Draws rasters of one colour scale with their names in a grid of panels, with axes, colour bar and legend. `height` is the largest
+/// one of all rows of panels.
 pub(crate) fn raster_panels(
     name: &'static str,
     title: &str,
     caption: &str,
     panels: &[(&str, &Raster)],
     columns: usize,
-    size: (f64, f64),
+    height: f64,
 ) -> Option<CaptionedFigure> {
-    const LEFT: f64 = 92.0;
-    const RIGHT: f64 = 118.0;
-    const BETWEEN: f64 = 36.0;
-    let (first_name, first) = panels.first()?;
-    let rows = panels.len().div_ceil(columns);
-    let room = (size.0 - LEFT - RIGHT + BETWEEN) / columns as f64 - BETWEEN;
-    let tallest = size.1 / rows as f64;
-    let width = room.min(tallest / first.aspect()).max(40.0);
-    let height = (width * first.aspect()).clamp(40.0, tallest);
-    let left = LEFT + 0.5 * (room - width) * columns as f64;
-    let legend = panels.iter().find(|(_, raster)| raster.has_legend());
-    let above = if first_name.is_empty() { 8.0 } else { 32.0 };
-    let top = |row: usize| if legend.is_some() { 22.0 } else { 0.0 } + above + (height + above) * row as f64;
-    let bottom = top(rows - 1) + height;
-    let right = left + (width + BETWEEN) * columns as f64 - BETWEEN;
-    let bar = Rect::new(right + 18.0, top(0), 16.0, (bottom - top(0)).max(100.0));
+    let (_, first) = panels.first()?;
+    let tallest = height / panels.len().div_ceil(columns) as f64;
+    let charts: Vec<Chart> = panels
+        .iter()
+        .enumerate()
+        .map(|(number, (name, raster))| {
+            let mut chart = raster.chart().with_height(tallest);
+            // The lowest panel of a column has the x axis, the first of a row the y axis.
+            chart.shows_x = number + columns >= panels.len();
+            chart.shows_y = number % columns == 0;
+            if name.is_empty() { chart } else { chart.with_title(name) }
+        })
+        .collect();
     let caption = format!("{caption}{}", first.pixel_sentence());
-    let size = (size.0, (bottom + 54.0).max(bar.bottom + 2.0).ceil());
-    Some(CaptionedFigure::from_drawing(name, title, caption, size, |canvas| {
-        if let Some((_, raster)) = legend {
-            raster.draw_legend(canvas, (left, 14.0));
-        }
-        for (number, (name, raster)) in panels.iter().enumerate() {
-            let (row, column) = (number / columns, number % columns);
-            let plot = Rect::new(left + (width + BETWEEN) * column as f64, top(row), width, height);
-            // The lowest panel of a column has the x axis.
-            raster.draw(canvas, plot, number + columns >= panels.len(), column == 0);
-            canvas.text((plot.left, plot.top - 12.0), name, LABEL, Align::Start);
-        }
-        first.draw_colour_bar(canvas, bar);
-    }))
+    let figure = CaptionedFigure::from_charts(name, title, caption, columns, &charts, &[])?;
+    Some(figure.with_colours(first.colour_bar().clone()))
 }

@@ -14,6 +14,7 @@ mod figures;
 mod fits;
 mod format;
 mod markup;
+mod motion;
 mod page;
 mod plot;
 mod record;
@@ -26,7 +27,7 @@ use asperity_results::{Provenance, Results, VibrationResult};
 use thiserror::Error;
 
 pub use campaign::{CampaignRun, render_campaign};
-pub use figures::vibration::vibration_figures;
+pub use motion::render_vibration;
 pub use page::verdict_text;
 pub use record::record_figures;
 pub use twin::{TwinRun, render_twins};
@@ -107,8 +108,19 @@ pub struct Report {
 pub struct Figure {
     /// File name without extension, such as `pressure_cdf`.
     pub name: String,
-    /// A complete SVG document.
+    /// A complete SVG document, two columns of a paper (170 mm) wide.
     pub svg: String,
+    /// The same figure in one column (85 mm), unless its charts stand side by side.
+    pub one_column: Option<String>,
+}
+
+impl Figure {
+    /// Returns the files of the figure: their paths in a folder, and their content.
+    pub fn files(&self) -> impl Iterator<Item = (String, &str)> {
+        let one_column =
+            self.one_column.iter().map(|svg| (format!("figures/{}_one_column.svg", self.name), svg.as_str()));
+        std::iter::once((format!("figures/{}.svg", self.name), self.svg.as_str())).chain(one_column)
+    }
 }
 
 /// Reason why a report cannot be rendered.

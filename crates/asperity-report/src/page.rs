@@ -4,6 +4,7 @@
 pub(crate) mod answers;
 mod appendix;
 mod cells;
+mod certainty;
 mod chain;
 mod cutoff;
 mod friction;
@@ -36,6 +37,8 @@ pub(crate) use verdict::{dimension, named};
 pub(crate) use vibration::kind_in_words;
 
 const STYLE: &str = include_str!("page/style.css");
+/// Script of the figures, bundled from `web/src/report.ts`.
+const FIGURES: &str = include_str!("page/figures.js");
 
 /// A page before it is rendered.
 pub(crate) struct Page<'a> {
@@ -47,7 +50,7 @@ pub(crate) struct Page<'a> {
     pub(crate) warnings: &'a [String],
     pub(crate) sections: Vec<Section>,
     pub(crate) appendix: Vec<Section>,
-    /// Script of the page, the only one that it lets a browser run; empty for none.
+    /// Script of the page beside that of its figures; empty for none.
     pub(crate) script: &'static str,
 }
 
@@ -72,19 +75,23 @@ impl Page<'_> {
                 unordered(warnings)
             ),
         };
-        let (script_policy, script) = match script {
-            "" => (Html::default(), Html::default()),
-            script => {
-                let hash = BASE64.encode(Sha256::digest(script));
-                let policy = format!("; script-src 'sha256-{hash}'");
-                (Html::from_markup(policy), Html::from_markup(format!("<script>{script}</script>\n")))
-            }
+        let draws = sections.iter().chain(&appendix).any(|section| !section.figures.is_empty());
+        let scripts = [script, if draws { FIGURES } else { "" }].map(str::trim_end).into_iter();
+        let scripts: Vec<&str> = scripts.filter(|script| !script.is_empty()).collect();
+        let hash = |text: &&str| format!(" 'sha256-{}'", BASE64.encode(Sha256::digest(text)));
+        let allowed = match scripts.as_slice() {
+            [] => " 'none'".to_owned(),
+            scripts => scripts.iter().map(hash).collect(),
         };
         let mut number = 0;
         let html = html!(
             include_str!("page/skeleton.html"),
-            script_policy = script_policy,
-            script = script,
+            script_policy = Html::from_markup(allowed),
+            style_policy = Html::from_markup(hash(&STYLE)),
+            scripts = scripts
+                .iter()
+                .map(|script| Html::from_markup(format!("<script>{script}</script>\n")))
+                .collect::<Html>(),
             title = title,
             style = Html::from_markup(STYLE.to_owned()),
             opening = opening,
@@ -104,6 +111,8 @@ impl Page<'_> {
 pub(crate) struct Section {
     id: &'static str,
     title: &'static str,
+    /// The answer of the section in one sentence.
+    answer: String,
     lead: String,
     tables: Vec<DataTable>,
     figures: Vec<CaptionedFigure>,
@@ -143,10 +152,22 @@ impl Section {
         Self { id: "references", title: "References", list, ..Self::default() }
     }
 
+    /// Adds how to cite the program and the paper.
+    fn with_citation(self, provenance: Option<&Provenance>) -> Self {
+        let version = provenance.map_or("", |provenance| provenance.asperity.as_str());
+        let list = html!("{}<h3>BibTeX</h3>\n<pre tabindex=\"0\">{}</pre>\n", self.list, references::bibtex(version));
+        Self { list, ..self }
+    }
+
     /// Returns the section of the provenance; `None` without it.
     pub(crate) fn provenance(provenance: Option<&Provenance>) -> Option<Self> {
         let tables = provenance.map(provenance::table).into_iter().collect();
         Self::new("provenance", "Provenance", "", tables, Vec::new())
+    }
+
+    /// States the answer of the section.
+    fn with_answer(self, answer: Option<String>) -> Self {
+        Self { answer: answer.unwrap_or_default(), ..self }
     }
 
     /// Names the entry of the appendix that belongs to the section, if there is one.
@@ -161,10 +182,11 @@ impl Section {
 
     /// Returns everything below the title.
     fn content(&self, number: &mut usize) -> Html {
-        let lead = match self.lead.as_str() {
+        let paragraph = |class: &'static str, text: &str| match text {
             "" => Html::default(),
-            lead => html!("<p class=\"lead\">{}</p>\n", lead),
+            text => html!("<p class=\"{}\">{}</p>\n", class, text),
         };
+        let lead = html!("{}{}", paragraph("found", &self.answer), paragraph("lead", &self.lead));
         let figures = self.figures.iter().map(|figure| {
             *number += 1;
             figure_html(*number, figure)
@@ -197,11 +219,14 @@ fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
         html!("{}<code>{}</code>", comma, source)
     });
     html!(
-        "<figure id=\"figure-{}\">\n<h3>Figure {}. {}</h3>\n{}<figcaption>{} Data: {}.</figcaption>\n</figure>\n",
+        "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
+         <div class=\"static\">{3}</div>\n<script type=\"application/json\">{4}</script>\n<figcaption>{5} Data: {6}.</figcaption>\n</figure>\n",
         figure.name,
         number.to_string(),
         &figure.title,
-        Html::from_markup(figure.svg.clone()),
+        Html::from_markup(figure.svg()),
+        // No tag can begin inside of the data.
+        Html::from_markup(figure.layout.json().to_string().replace('<', "\\u003c")),
         &figure.caption,
         sources.collect::<Html>(),
     )
@@ -226,7 +251,7 @@ impl DataTable {
     }
 
     /// Returns a table of names and values. A name with an empty value is the title of the rows below it.
-    fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
+    pub(crate) fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
         let row = |(name, value): (String, String)| if value.is_empty() { vec![name] } else { vec![name, value] };
         Self::new(caption, &["Property", "Value"], rows.into_iter().map(row).collect(), source)
     }
@@ -271,8 +296,9 @@ impl DataTable {
             [] => Html::default(),
         });
         html!(
-            "<div class=\"table\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
+            "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
              <p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
+            if self.caption.is_empty() { "Table" } else { &self.caption },
             caption,
             headers.collect::<Html>(),
             rows.collect::<Html>(),
@@ -328,7 +354,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         tables::surface(run),
         figures::surface::figures(run)?,
     )
-    .map(|section| section.with_further(heights.as_ref()));
+    .map(|section| section.with_further(heights.as_ref()).with_answer(answers::of_surface(run)));
     let contact = Section::new(
         "pressure",
         "Contact pressure",
@@ -339,7 +365,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         pressure.map(tables::scalars).into_iter().collect(),
         appendix::without_moved(figures::pressure::figures(run)?),
     )
-    .map(|section| section.with_further(methods.as_ref()));
+    .map(|section| section.with_further(methods.as_ref()).with_answer(pressure.map(answers::of_pressure)));
     let coefficient = Section::new(
         "friction",
         "Friction coefficient",
@@ -347,14 +373,15 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         friction.map_or_else(Vec::new, friction::tables),
         appendix::without_moved(figures::friction::figures(run)),
     )
-    .map(|section| section.with_further(models.as_ref()));
+    .map(|section| section.with_further(models.as_ref()).with_answer(friction.map(answers::of_friction)));
     let quotient = Section::new(
         "quotient",
         "Quotient F/N of single windows",
         friction::quotient_lead(friction),
         friction.map_or_else(Vec::new, friction::quotient_tables),
         figures::friction::quotient_figures(run)?,
-    );
+    )
+    .map(|section| section.with_answer(friction.and_then(answers::of_quotient)));
     let motion = Section::new(
         "vibration",
         "Friction-induced vibration",
@@ -362,21 +389,24 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
          velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.",
         vibration.map_or_else(Vec::new, vibration::tables),
         figures::vibration::figures(run)?,
-    );
+    )
+    .map(|section| section.with_answer(vibration.map(answers::of_vibration)));
     let coupled = Section::new(
         "mode-coupling",
         "Mode coupling",
         "Stability of steady sliding of a mass with two modes that friction couples, and the vibration that follows.",
         results.mode_coupling.as_ref().map_or_else(Vec::new, mode_coupling::tables),
         figures::vibration::coupled_figures(run),
-    );
+    )
+    .map(|section| section.with_answer(results.mode_coupling.as_ref().map(answers::of_mode_coupling)));
     let judged = Section::new(
         "verdict",
         "Behind the verdict",
         verdict::lead(results.verdict.as_ref().map(|verdict| verdict.model).unwrap_or_default()),
         results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
         figures::verdict::figures(run)?,
-    );
+    )
+    .map(|section| section.with_answer(results.verdict.as_ref().map(crate::verdict_sentence)));
     let stages = [
         surface.is_some() || results.surface.is_some(),
         contact.is_some() || pressure.is_some(),
@@ -384,7 +414,8 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         motion.is_some() || vibration.is_some(),
         coupled.is_some(),
     ];
-    let inputs = "The study with all defaults.";
+    let inputs = "The study with all defaults, and where each value comes from. Settings change the error of the computation, not the \
+                  machine.";
     let assumptions = "Conventions and defaults behind the results above.";
     let sections = [
         judged,
@@ -394,10 +425,18 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         quotient,
         motion,
         coupled,
+        Section::new(
+            "certainty",
+            "How sure, and why",
+            "Brackets are 95 % intervals of what was sampled. They do not contain errors of the model, nor of values that the study states \
+             as exact.",
+            vec![certainty::table(run)],
+            Vec::new(),
+        ),
         Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
         Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
         Section::provenance(run.provenance.as_ref()),
-        Some(Section::references(&references::references(stages))),
+        Some(Section::references(&references::references(stages)).with_citation(run.provenance.as_ref())),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let ids: Vec<&str> = sections.iter().map(|section| section.id).collect();

@@ -55,9 +55,9 @@ pub fn record_figures(tables: &BTreeMap<String, Table>) -> Result<Vec<Figure>, R
         ),
     ];
     let figures = drawn.into_iter().filter_map(|(name, title, description, charts)| {
-        CaptionedFigure::from_charts(name, title, description, 1, &charts, &[]).map(Figure::from)
+        CaptionedFigure::from_charts(name, title, description, 1, &charts, &[])
     });
-    Ok(figures.collect())
+    Ok(figures.map(Figure::from).collect())
 }
 
 /// Draws the record with its trend, and below it the record without the trend.

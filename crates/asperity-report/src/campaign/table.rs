@@ -66,7 +66,7 @@ pub(super) fn table(results: &CampaignResults, shown: usize) -> Html {
         html!("<tr>{}</tr>\n", cells.collect::<Html>())
     });
     html!(
-        "<div class=\"table\">\n<table class=\"sortable\">\n<thead><tr class=\"group\">{}</tr>\n<tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n\
+        "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"Members\">\n<table class=\"sortable\">\n<thead><tr class=\"group\">{}</tr>\n<tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n\
          </table>\n<p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
         groups.collect::<Html>(),
         headers.collect::<Html>(),

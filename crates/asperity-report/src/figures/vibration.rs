@@ -17,7 +17,7 @@ use serde_json::Value;
 
 use super::{CaptionedFigure, columns, present};
 use crate::plot::{BLUE, Chart, Colour, Dash, GREEN, ORANGE, Pen, VERMILION, WHITE};
-use crate::{Figure, ReportError, Run, Table};
+use crate::{ReportError, Run, Table};
 
 /// The tables of a command or of a run, by name.
 type Tables = BTreeMap<String, Table>;
@@ -38,8 +38,7 @@ pub(crate) fn coupled_figures(run: &Run) -> Vec<CaptionedFigure> {
     answer.and_then(|answer| modes::over_friction(&answer, &run.tables)).into_iter().collect()
 }
 
-/// Draws the answer of a vibration command from its JSON object, as `--json` prints it, and its tables. It is a pure function. The
-/// names of the tables determine the figures:
+/// Draws the answer of a vibration command. The names of the tables determine the figures:
 ///
 /// - `map_cells`, `map_contours`, `map_limit`: a stability map over the parameters in the keys `x` and `y`;
 /// - `bifurcation_up`, `bifurcation_down`, `bifurcation_marks`, `bifurcation_turnovers`: a bifurcation diagram, and
@@ -51,9 +50,8 @@ pub(crate) fn coupled_figures(run: &Run) -> Vec<CaptionedFigure> {
 ///   `critical_friction` and `friction`, and the cycle in the plane.
 ///
 /// # Errors
-/// The columns of a table differ in length, or the PNG encoder failed.
-pub fn vibration_figures(answer: &Value, tables: &BTreeMap<String, Table>) -> Result<Vec<Figure>, ReportError> {
-    crate::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
+/// The PNG encoder failed.
+pub(crate) fn of_answer(answer: &Value, tables: &Tables) -> Result<Vec<CaptionedFigure>, ReportError> {
     let drawn = [
         stability_map::figure(answer, tables)?,
         bifurcation::figure(answer, tables),
@@ -66,7 +64,7 @@ pub fn vibration_figures(answer: &Value, tables: &BTreeMap<String, Table>) -> Re
         modes::over_friction(answer, tables),
         modes::cycle(answer, tables),
     ];
-    Ok(drawn.into_iter().flatten().map(Figure::from).collect())
+    Ok(drawn.into_iter().flatten().collect())
 }
 
 /// Returns the label of an axis over a parameter of the machine.

@@ -1,13 +1,14 @@
 //! The headline answers of a page.
 
 use asperity_results::{
-    DampingResult, EnsembleResult, FrictionResult, KindResult, PressureResult, RoughBodyResult, VibrationResult,
+    DampingResult, EnsembleResult, FrictionResult, KindResult, ModeCouplingResult, PressureResult, RoughBodyResult,
+    VibrationResult,
 };
 
 use super::cells::shown;
-use super::friction::place;
-use super::mode_coupling;
+use super::friction::{operating_level, place};
 use super::vibration::difference;
+use super::{mode_coupling, parameters};
 use crate::Run;
 use crate::format::{Dimension, significant, with_error};
 use crate::markup::{Html, html};
@@ -131,6 +132,60 @@ fn friction(friction: &FrictionResult) -> Answer {
             significant(point.std_nominal_area, 2)
         ),
     }
+}
+
+/// Returns height and correlation lengths of the surface in a sentence.
+pub(super) fn of_surface(run: &Run) -> Option<String> {
+    let surface = run.results.surface.as_ref()?;
+    let value = |key: &str| parameters::value(&surface.measured, key);
+    let Some(height) = value("Sq_m") else {
+        let covariance = surface.covariance.as_ref()?;
+        return Some(format!("A stated surface with Sq = {}.", Dimension::Length.show_short(covariance.std_m)));
+    };
+    let lengths = [value("correlation_length_x_m"), value("correlation_length_y_m")];
+    let lengths = match lengths {
+        [Some(x), Some(y)] => format!("; heights are correlated over {x} along x and {y} along y"),
+        _ => String::new(),
+    };
+    Some(format!("Sq = {height}{lengths}."))
+}
+
+/// Returns contact probability and mean pressure at a point in a sentence.
+pub(super) fn of_pressure(pressure: &PressureResult) -> String {
+    let mean = shown(Dimension::Pressure, pressure.mean_pa, pressure.mean_interval);
+    format!(
+        "A point of the patch is in contact with probability {}; its mean pressure is {mean}.",
+        patch_probability(pressure)
+    )
+}
+
+/// Returns the friction coefficient at the operating point in a sentence.
+pub(super) fn of_friction(result: &FrictionResult) -> String {
+    let point = &result.operating_point;
+    let window = Dimension::Length.show(result.window_m);
+    let std = significant(point.std, 2);
+    format!("{}; it differs by ± {std} from window to window of {window}.", friction(result).answer)
+}
+
+/// Returns the quotient F/N at the operating point in a sentence, if it has a mean.
+pub(super) fn of_quotient(friction: &FrictionResult) -> Option<String> {
+    let level = operating_level(friction)?;
+    Some(format!(
+        "Its mean at the operating point is {}.",
+        shown(Dimension::None, Some(level.mean?), level.mean_interval)
+    ))
+}
+
+/// Returns whether the machine vibrates, and the damping that stops it, in a sentence.
+pub(super) fn of_vibration(vibration: &VibrationResult) -> String {
+    let limit =
+        damping(vibration).map_or(String::new(), |damping| format!(" No vibration persists above {}.", damping.answer));
+    format!("{}.{limit}", vibration_answer(vibration))
+}
+
+/// Returns whether steady sliding is stable in a sentence.
+pub(super) fn of_mode_coupling(result: &ModeCouplingResult) -> String {
+    format!("{}.", mode_coupling::answer(result).answer)
 }
 
 /// Answers whether the machine vibrates without fluctuation of friction, and what starts the vibration.

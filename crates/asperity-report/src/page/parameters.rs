@@ -194,6 +194,12 @@ impl Known {
     }
 }
 
+/// Returns a parameter with its unit and its interval.
+pub(super) fn value(measured: &MeasuredSurface, key: &str) -> Option<String> {
+    let Known { value, interval, .. } = Known::new(measured, key)?;
+    Some(if interval == DASH { value } else { format!("{value} {interval}") })
+}
+
 /// Returns the groups of parameters in the results: meaning, symbol, value and interval.
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let mut rows = Vec::new();

@@ -34,3 +34,16 @@ pub(super) fn references(present: [bool; 5]) -> Vec<&'static str> {
     let stages = STAGES.iter().zip(present).filter(|(_, present)| *present);
     std::iter::once(PAPER).chain(stages.flat_map(|(works, _)| works.iter().copied())).collect()
 }
+
+/// Returns the entries of the program and of the paper for BibTeX.
+pub(super) fn bibtex(version: &str) -> String {
+    let version = if version.is_empty() { String::new() } else { format!("  version = {{{version}}},\n") };
+    format!(
+        "@software{{asperity,\n  title = {{asperity: from measured rough surfaces to contact pressure, friction and stick-slip}},\n  \
+         author = {{{{The asperity developers}}}},\n{version}}}\n\n\
+         @article{{gaus2016roughness,\n  title = {{Influence of surface roughness on friction induced vibrations}},\n  \
+         author = {{Gaus, N. and Proppe, C. and Zaccardi, C.}},\n  \
+         journal = {{Meccanica dei Materiali e delle Strutture}},\n  volume = {{VI}},\n  number = {{1}},\n  \
+         pages = {{115--122}},\n  year = {{2016}}\n}}\n"
+    )
+}

@@ -107,15 +107,116 @@ pub(super) fn scalars(pressure: &PressureResult) -> DataTable {
     DataTable::new(caption, &headers, rows.collect(), "tables/pressure_scalars.csv")
 }
 
-/// Returns the inputs, one table per section in the order of appearance.
+/// Returns the inputs with their origin, one table per section in the order of appearance.
 pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
+    let is_list = |input: &&Input| input.section == "study" && input.key == UNSTATED;
+    let unstated: Vec<&str> =
+        inputs.iter().find(is_list).map_or_else(Vec::new, |list| list.value.split(", ").collect());
     let mut tables: Vec<DataTable> = Vec::new();
-    for Input { section, key, value } in inputs {
-        let row = vec![key.clone(), value.clone()];
+    for input in inputs.iter().filter(|input| !is_list(input)) {
+        let Input { section, key, value } = input;
+        let row = vec![key.clone(), value.clone(), origin(input, &unstated).to_owned()];
         match tables.iter_mut().find(|table| table.caption == *section) {
             Some(table) => table.rows.push(row),
-            None => tables.push(DataTable::new(section, &["Key", "Value"], vec![row], "study.toml")),
+            None => tables.push(DataTable::new(section, &["Key", "Value", "Origin"], vec![row], "study.toml")),
         }
     }
     tables
+}
+
+/// Key of the defaults that a resolved study lists.
+const UNSTATED: &str = "unstated";
+/// Keys of values of the machine and its surfaces; all others are settings of the computation.
+const VALUES: [(&str, &[&str]); 5] = [
+    ("surface", &["rms_height", "correlation_length", "hurst", "smoothness", "fractal_dimension", "body"]),
+    ("counterface", &["youngs_modulus", "poisson_ratio", "hardness"]),
+    ("material", &["youngs_modulus", "poisson_ratio", "hardness", "shear_strength", "ploughing_hardness"]),
+    ("friction", &["law", "pressure_coefficient", "coefficient"]),
+    (
+        "vibration",
+        &[
+            "static_friction",
+            "friction_std",
+            "friction_correlation_length",
+            "friction_process",
+            "velocity_law",
+            "stribeck",
+            "linear_weakening",
+            "stribeck_velocity",
+            "high_speed_share",
+            "kinetic_share",
+            "model",
+            "spring_angles",
+            "springs",
+            "contact_spring",
+            "damping_ratio",
+            "mass",
+            "natural_frequency",
+            "normal_force",
+            "nominal_area",
+            "belt_velocity",
+            "dimensionless_belt_velocity",
+        ],
+    ),
+];
+
+/// Returns where the value of an input comes from.
+fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static str {
+    let name = key.split('.').next().unwrap_or(key);
+    let is_measured = match name {
+        "file" => true,
+        "covariance" | "marginal" => matches!(value.as_str(), "measured" | "empirical"),
+        _ => false,
+    };
+    let is_value = VALUES.iter().any(|(own, keys)| own == section && keys.contains(&name));
+    match (section.as_str(), format!("{section}.{name}").as_str()) {
+        ("surface" | "counterface", _) if is_measured => "measured",
+        (_, "friction.law" | "vibration.velocity_law" | "vibration.stribeck" | "vibration.kinetic_share")
+            if unstated.contains(&format!("{section}.{name}").as_str()) =>
+        {
+            "the paper’s default"
+        }
+        (_, full) if unstated.contains(&full) => "asperity’s default",
+        _ if !is_value => "setting",
+        _ if key.contains('.') || ["±", "+/-", ".."].iter().any(|mark| value.contains(mark)) => "stated, uncertain",
+        _ => "stated",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_input_has_an_origin() {
+        let input = |section: &str, key: &str, value: &str| Input {
+            section: section.into(),
+            key: key.into(),
+            value: value.into(),
+        };
+        let all = [
+            input("study", "seed", "1"),
+            input("study", "unstated", "friction.law, material.poisson_ratio"),
+            input("surface", "file", "a.x3p"),
+            input("friction", "law", "bowden_tabor"),
+            input("friction", "points", "64, 64"),
+            input("material", "poisson_ratio", "0.3"),
+            input("material", "youngs_modulus", "2 GPa ± 0.1 GPa"),
+            input("material", "hardness.lognormal", "1 GPa, 0.2"),
+            input("vibration", "mass", "1 kg"),
+        ];
+        let origins: Vec<String> =
+            inputs(&all).into_iter().flat_map(|table| table.rows).filter_map(|row| row.last().cloned()).collect();
+        let wanted = [
+            "setting",
+            "measured",
+            "the paper’s default",
+            "setting",
+            "asperity’s default",
+            "stated, uncertain",
+            "stated, uncertain",
+            "stated",
+        ];
+        assert_eq!(origins, wanted);
+    }
 }

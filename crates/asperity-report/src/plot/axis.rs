@@ -25,6 +25,10 @@ pub(crate) struct Axis {
     spacing: Spacing,
     low: f64,
     high: f64,
+    /// Names at 0, 1, … in place of numbers; empty for numbers.
+    names: Vec<String>,
+    /// Whether values increase downward.
+    downward: bool,
 }
 
 /// Returns the least and the largest finite value.
@@ -44,7 +48,46 @@ impl Axis {
             let reach = if low == 0.0 { 0.5 * unit.si } else { 0.1 * low.abs() };
             (low - reach, low + reach)
         };
-        Self { quantity: quantity.into(), unit, spacing: Spacing::Linear, low, high }
+        Self {
+            quantity: quantity.into(),
+            unit,
+            spacing: Spacing::Linear,
+            low,
+            high,
+            names: Vec::new(),
+            downward: false,
+        }
+    }
+
+    /// Returns an axis with names at 0, 1, … from the top.
+    pub(crate) fn named(names: Vec<String>) -> Self {
+        let ends = (-0.5, names.len() as f64 - 0.5);
+        Self { names, ..Self::linear("", Unit::none(), ends).downward() }
+    }
+
+    /// Turns a vertical axis downward.
+    pub(crate) fn downward(self) -> Self {
+        Self { downward: true, ..self }
+    }
+
+    /// Returns the names in place of numbers.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Reports whether values increase downward.
+    pub(crate) fn is_downward(&self) -> bool {
+        self.downward
+    }
+
+    /// Reports whether equal distances are equal ratios.
+    pub(crate) fn is_logarithmic(&self) -> bool {
+        self.spacing == Spacing::Logarithmic
+    }
+
+    /// Returns the number that the labels show for a value in SI units.
+    pub(crate) fn shown(&self, value: f64) -> f64 {
+        (value - self.offset()) / (self.unit.si * 10f64.powi(self.power()))
     }
 
     /// Returns a linear axis with a margin at either end, as a fraction of the range; an end at zero stays there.
@@ -59,7 +102,7 @@ impl Axis {
     /// Returns a logarithmic axis; the range must be positive.
     pub(crate) fn logarithmic(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
         let (low, high) = if high > low { (low, high) } else { (low / 2.0, high * 2.0) };
-        Self { quantity: quantity.into(), unit, spacing: Spacing::Logarithmic, low, high }
+        Self { spacing: Spacing::Logarithmic, ..Self::linear(quantity, unit, (low, high)) }
     }
 
     /// Returns the ends of the range in SI units.
@@ -74,7 +117,7 @@ impl Axis {
             Spacing::Logarithmic if value > 0.0 => (value / self.low).ln() / (self.high / self.low).ln(),
             Spacing::Logarithmic => return None,
         };
-        position.is_finite().then_some(position)
+        position.is_finite().then_some(if self.downward { 1.0 - position } else { position })
     }
 
     /// Returns the quantity with its unit and the power of ten that is left out of the tick labels.
@@ -120,10 +163,20 @@ impl Axis {
     /// Returns at least `wanted` labelled ticks and fewer than three times as many, on decades at most twice as many, with minor ones
     /// between them.
     pub(crate) fn ticks(&self, wanted: usize) -> Vec<Tick> {
-        match self.spacing {
+        let mut ticks = match self.spacing {
+            Spacing::Linear if !self.names.is_empty() => self.named_ticks(),
             Spacing::Linear => self.linear_ticks(wanted),
             Spacing::Logarithmic => self.logarithmic_ticks(wanted),
+        };
+        if self.downward {
+            ticks.iter_mut().for_each(|tick| tick.position = 1.0 - tick.position);
         }
+        ticks
+    }
+
+    fn named_ticks(&self) -> Vec<Tick> {
+        let place = |number: usize| (number as f64 - self.low) / (self.high - self.low);
+        self.names.iter().enumerate().map(|(i, name)| Tick { position: place(i), label: name.clone() }).collect()
     }
 
     fn linear_ticks(&self, wanted: usize) -> Vec<Tick> {

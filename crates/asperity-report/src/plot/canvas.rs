@@ -83,18 +83,29 @@ pub(crate) enum Dash {
 }
 
 impl Dash {
-    /// Returns the SVG attribute with the lengths drawn and left out in turn, in pixels.
-    fn attribute(self) -> &'static str {
+    /// Returns the lengths drawn and left out in turn, in pixels.
+    pub(crate) fn lengths(self) -> &'static [f64] {
         match self {
-            Self::Solid => "",
-            Self::Dashed => " stroke-dasharray=\"8 4\"",
-            Self::Dotted => " stroke-dasharray=\"2 3\"",
-            Self::Alternating => " stroke-dasharray=\"10 3.5 2 3.5\"",
-            Self::Long => " stroke-dasharray=\"16 5\"",
-            Self::Short => " stroke-dasharray=\"4 2.5\"",
-            Self::DoubleDotted => " stroke-dasharray=\"9 3 2 3 2 3\"",
-            Self::LongShort => " stroke-dasharray=\"14 4 5 4\"",
-            Self::Sparse => " stroke-dasharray=\"2 6\"",
+            Self::Solid => &[],
+            Self::Dashed => &[8.0, 4.0],
+            Self::Dotted => &[2.0, 3.0],
+            Self::Alternating => &[10.0, 3.5, 2.0, 3.5],
+            Self::Long => &[16.0, 5.0],
+            Self::Short => &[4.0, 2.5],
+            Self::DoubleDotted => &[9.0, 3.0, 2.0, 3.0, 2.0, 3.0],
+            Self::LongShort => &[14.0, 4.0, 5.0, 4.0],
+            Self::Sparse => &[2.0, 6.0],
+        }
+    }
+
+    /// Returns the SVG attribute of the lengths.
+    fn attribute(self) -> String {
+        match self.lengths() {
+            [] => String::new(),
+            lengths => {
+                let lengths: Vec<String> = lengths.iter().map(f64::to_string).collect();
+                format!(" stroke-dasharray=\"{}\"", lengths.join(" "))
+            }
         }
     }
 }
@@ -145,9 +156,10 @@ fn opaque(opacity: f64) -> String {
     if opacity == 1.0 { String::new() } else { format!(" opacity=\"{opacity}\"") }
 }
 
-/// Draws an SVG document of `width` × `height` pixels with an accessible title and description.
+/// Draws an SVG document of `width` × `height` pixels, `mm` millimetres wide in print, with an accessible title and description.
 pub(crate) fn draw(
     (width, height): (f64, f64),
+    mm: f64,
     title: &str,
     description: &str,
     content: impl FnOnce(&mut Canvas),
@@ -155,9 +167,10 @@ pub(crate) fn draw(
     let mut canvas = Canvas::default();
     content(&mut canvas);
     let (width, height, title, description) = (px(width), px(height), escape(title), escape(description));
+    let tall = px(mm * height / width);
     let Canvas { images, body } = canvas;
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{mm}mm\" height=\"{tall}mm\" viewBox=\"0 0 {width} {height}\" \
          role=\"img\" aria-label=\"{title}\" stroke-linejoin=\"round\" font-family=\"{FONT_FAMILY}\">\n\
          <title>{title}</title>\n<desc>{description}</desc>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"{WHITE}\"/>\n{images}{body}</svg>\n"
@@ -206,14 +219,6 @@ impl Canvas {
         self.body += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{colour}\"{opacity}/>\n");
     }
 
-    /// Draws an interval as a horizontal line with bars of ± `cap` pixels at its ends.
-    pub(crate) fn interval(&mut self, (low, high): (f64, f64), y: f64, cap: f64, pen: Pen) {
-        self.line(&[(low, y), (high, y)], pen);
-        for x in [low, high] {
-            self.line(&[(x, y - cap), (x, y + cap)], pen);
-        }
-    }
-
     /// Writes a text whose vertical middle lies at the point; an empty text is left out.
     pub(crate) fn text(&mut self, (x, y): Point, text: &str, size: f64, align: Align) {
         if text.is_empty() {
@@ -236,7 +241,7 @@ impl Canvas {
         let (x, y, width, height) = (px(rect.left), px(rect.top), px(rect.width()), px(rect.height()));
         self.images += &format!(
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
-             style=\"image-rendering:pixelated\" href=\"{data_uri}\"/>\n"
+             image-rendering=\"pixelated\" href=\"{data_uri}\"/>\n"
         );
     }
 }
@@ -268,10 +273,10 @@ mod tests {
 
     #[test]
     fn the_header_states_pixels_and_the_text_is_escaped() {
-        let svg = draw((640.0, 300.0), "a < b & \"c\"", "d", |canvas| {
+        let svg = draw((640.0, 300.0), 170.0, "a < b & \"c\"", "d", |canvas| {
             canvas.text((10.0, 10.0), "<script>", TEXT, Align::Start);
         });
-        assert!(svg.contains("width=\"640\" height=\"300\""));
+        assert!(svg.contains("width=\"170mm\" height=\"79.7mm\""));
         assert!(svg.contains("viewBox=\"0 0 640 300\""));
         assert!(svg.contains("a &lt; b &amp; &quot;c&quot;"));
         assert!(svg.contains("&lt;script&gt;") && !svg.contains("<script>"));

@@ -4,11 +4,10 @@ mod frame;
 mod layout;
 mod legend;
 
-pub(crate) use self::frame::{draw_x_ticks, label_x_axis};
-pub(crate) use self::layout::{WIDTH, figure, stacked};
+pub(crate) use self::layout::{Layout, ONE_COLUMN, TWO_COLUMNS, stacked};
 use self::legend::Legend;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, THIN, WHITE, text_width};
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, TEXT, THIN, WHITE, text_width};
 use crate::plot::polyline::{clipped, simplified};
 use crate::plot::symbol::Shape;
 
@@ -24,6 +23,8 @@ const SYMBOL: f64 = 4.2;
 const DISC: f64 = 3.2;
 /// Size of notes in pixels.
 const SMALL: f64 = 12.0;
+/// Largest number of curves that remain distinct in one chart.
+pub(crate) const CURVES: usize = 6;
 /// Height of a chart that has a figure of its own, in pixels.
 const HEIGHT: f64 = 330.0;
 
@@ -63,6 +64,8 @@ pub(crate) struct Backdrop {
     /// Ends of the image along the axes, in SI units.
     pub(crate) x: (f64, f64),
     pub(crate) y: (f64, f64),
+    /// Height over width of the image if both axes have one scale.
+    pub(crate) aspect: Option<f64>,
 }
 
 /// A series with its name in the legend; a series without a name is not in the legend.
@@ -81,14 +84,16 @@ pub(crate) struct Chart {
     pub(crate) series: Vec<Series>,
     /// Whether the x axis has tick labels and a label; of stacked charts only the lowest has them.
     pub(crate) shows_x: bool,
+    /// Whether the y axis has tick labels and a label.
+    pub(crate) shows_y: bool,
     pub(crate) backdrop: Option<Backdrop>,
-    /// Height in a figure, in pixels.
+    /// Height in a figure, in pixels; the largest one for a map with one scale along both axes.
     pub(crate) height: f64,
 }
 
 impl Chart {
     pub(crate) fn new(x: Axis, y: Axis) -> Self {
-        Self { title: None, x, y, series: Vec::new(), shows_x: true, backdrop: None, height: HEIGHT }
+        Self { title: None, x, y, series: Vec::new(), shows_x: true, shows_y: true, backdrop: None, height: HEIGHT }
     }
 
     pub(crate) fn with_title(mut self, title: &str) -> Self {
@@ -140,14 +145,55 @@ impl Chart {
         self.add("", Mark::Note { x, y, text: text.into() });
     }
 
+    /// Returns the title, if there is one.
+    pub(crate) fn title(&self) -> Option<&str> {
+        self.title.as_deref()
+    }
+
+    /// Returns the room for labels at the left and at the right in pixels.
+    pub(crate) fn horizontal_margins(&self) -> f64 {
+        self.left_margin() + 20.0
+    }
+
+    fn left_margin(&self) -> f64 {
+        match self.y.names() {
+            _ if !self.shows_y => 12.0,
+            [] => 72.0,
+            names => names.iter().map(|name| text_width(name, TEXT)).fold(40.0, f64::max) + 20.0,
+        }
+    }
+
+    fn vertical_margins(&self) -> [f64; 2] {
+        [if self.title.is_some() { 26.0 } else { 8.0 }, if self.shows_x { 50.0 } else { 8.0 }]
+    }
+
+    /// Returns the height of the chart with its margins, if its plot has a width.
+    pub(crate) fn height_for(&self, width: f64) -> f64 {
+        let margins: f64 = self.vertical_margins().iter().sum();
+        let aspect = self.backdrop.as_ref().and_then(|backdrop| backdrop.aspect);
+        aspect.map_or(self.height, |aspect| (width * aspect).clamp(40.0, self.height.max(40.0)) + margins)
+    }
+
+    /// Returns the place of the plot in that of the chart.
+    pub(crate) fn plot(&self, outer: Rect) -> Rect {
+        let [above, below] = self.vertical_margins();
+        let mut plot = Rect {
+            left: outer.left + self.left_margin(),
+            top: outer.top + above,
+            right: outer.right - 20.0,
+            bottom: outer.bottom - below,
+        };
+        if let Some(aspect) = self.backdrop.as_ref().and_then(|backdrop| backdrop.aspect) {
+            let spare = (plot.width() - (plot.height() / aspect).max(40.0)).max(0.0);
+            plot.left += 0.5 * spare;
+            plot.right -= 0.5 * spare;
+        }
+        plot
+    }
+
     /// Draws the chart without its legend into `outer`, margins for labels included.
     pub(crate) fn draw(&self, canvas: &mut Canvas, outer: Rect) {
-        let plot = Rect {
-            left: outer.left + 72.0,
-            top: outer.top + if self.title.is_some() { 26.0 } else { 8.0 },
-            right: outer.right - 20.0,
-            bottom: outer.bottom - if self.shows_x { 50.0 } else { 8.0 },
-        };
+        let plot = self.plot(outer);
         self.draw_frame(canvas, plot);
         for series in &self.series {
             self.draw_mark(canvas, plot, &series.mark);
@@ -155,20 +201,10 @@ impl Chart {
         self.draw_notes(canvas, plot);
         canvas.frame(plot, THIN);
         if let Some(title) = &self.title {
-            canvas.text((plot.left, outer.top + 13.0), title, LABEL, Align::Start);
+            // Beside names a title needs their room, too.
+            let left = if self.y.names().is_empty() { plot.left } else { outer.left + 12.0 };
+            canvas.text((left, outer.top + 13.0), title, LABEL, Align::Start);
         }
-    }
-
-    /// Returns the height of the chart's legend in a width.
-    pub(crate) fn legend_height(&self, width: f64) -> f64 {
-        Legend::new([self], 72.0, width).height()
-    }
-
-    /// Draws the chart into `outer` with a legend of some width above it, for charts that share a figure with a map.
-    pub(crate) fn draw_with_legend(&self, canvas: &mut Canvas, outer: Rect, width: f64) {
-        let legend = Legend::new([self], outer.left + 72.0, width);
-        legend.draw(canvas, outer.top);
-        self.draw(canvas, Rect { top: outer.top + legend.height(), ..outer });
     }
 
     fn x_at(&self, plot: Rect, x: f64) -> Option<f64> {
@@ -311,7 +347,7 @@ impl Chart {
 }
 
 /// Returns the edges and the height of every bin from the centres; edges lie midway between them.
-fn bins<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
+pub(crate) fn bins<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
     let last = x.len().saturating_sub(1);
     (0..x.len().min(y.len())).filter(move |_| last > 0).map(move |i| {
         let low = if i == 0 { x[0] - 0.5 * (x[1] - x[0]) } else { 0.5 * (x[i - 1] + x[i]) };

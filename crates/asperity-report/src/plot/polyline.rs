@@ -39,8 +39,13 @@ pub(crate) fn clipped(points: &[Point], rect: Rect) -> Vec<Vec<Point>> {
 
 /// Returns a polyline with fewer corners that stays within `tolerance` of the given one (Douglas & Peucker).
 pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
+    points.iter().zip(corners(points, tolerance)).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
+}
+
+/// Returns which points [`simplified`] keeps.
+pub(crate) fn corners(points: &[Point], tolerance: f64) -> Vec<bool> {
     if points.len() < 3 {
-        return points.to_vec();
+        return vec![true; points.len()];
     }
     let mut keep = vec![false; points.len()];
     keep[0] = true;
@@ -57,7 +62,7 @@ pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
             spans.extend([(first, index), (index, last)]);
         }
     }
-    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
+    keep
 }
 
 /// Returns the distance of a point from a segment.

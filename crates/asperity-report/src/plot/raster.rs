@@ -2,8 +2,7 @@
 
 use crate::format::Dimension;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Align, Canvas, LABEL, Pen, Rect, TEXT, THIN, text_width};
-use crate::plot::chart::{draw_x_ticks, label_x_axis};
+use crate::plot::chart::{Backdrop, Chart, Mark};
 use crate::plot::image::{ColourBar, indexed, scale_palette, shade};
 use crate::plot::palette::{MISSING, NO_CONTACT};
 use crate::{Field, ReportError};
@@ -168,7 +167,7 @@ impl Raster {
         all.iter().map(|pixels| pixels.coloured((low, high))).collect()
     }
 
-    /// Returns the height of the drawn image over its width.
+    /// Returns the height of the field over its width.
     pub(crate) fn aspect(&self) -> f64 {
         self.height_m / self.width_m
     }
@@ -178,9 +177,9 @@ impl Raster {
         self.width_m
     }
 
-    /// Reports whether the legend has an entry.
-    pub(crate) fn has_legend(&self) -> bool {
-        self.no_contact || self.missing > 0
+    /// Returns the colour scale.
+    pub(crate) fn colour_bar(&self) -> &ColourBar {
+        &self.colour_bar
     }
 
     /// Returns a sentence on the pixels for a caption; empty if each pixel is one point.
@@ -191,46 +190,21 @@ impl Raster {
         }
     }
 
-    /// Draws image and frame into `plot`, with the axes if wanted.
-    pub(crate) fn draw(&self, canvas: &mut Canvas, plot: Rect, shows_x: bool, shows_y: bool) {
-        canvas.image(plot, &self.data_uri);
-        canvas.frame(plot, THIN);
+    /// Returns the map as a chart with one scale along both axes, y downward, and the meaning of the reserved colours in its legend.
+    pub(crate) fn chart(&self) -> Chart {
         let unit = Dimension::Length.unit(self.width_m.max(self.height_m));
-        if shows_x {
-            let x = Axis::linear("x", unit.clone(), (0.0, self.width_m));
-            draw_x_ticks(canvas, plot, &x, None, true);
-            label_x_axis(canvas, plot, &x);
+        // A narrow strip has a unit of its own along y.
+        let across = if self.aspect() < 0.1 { Dimension::Length.unit(self.height_m) } else { unit.clone() };
+        let (x, y) = ((0.0, self.width_m), (0.0, self.height_m));
+        let mut chart = Chart::new(Axis::linear("x", unit, x), Axis::linear("y", across, y).downward());
+        chart.backdrop = Some(Backdrop { data_uri: self.data_uri.clone(), x, y, aspect: Some(self.aspect()) });
+        if self.no_contact {
+            chart.add("no contact (p = 0)", Mark::Patch { colour: NO_CONTACT });
         }
-        if shows_y {
-            // A narrow strip has a unit of its own along y.
-            let unit = if self.aspect() < 0.1 { Dimension::Length.unit(self.height_m) } else { unit };
-            let y = Axis::linear("y", unit, (0.0, self.height_m));
-            for tick in y.ticks((plot.height() / 110.0).max(2.0) as usize) {
-                let at = plot.top + tick.position * plot.height();
-                canvas.line(&[(plot.left - 5.0, at), (plot.left, at)], THIN);
-                canvas.text((plot.left - 8.0, at), &tick.label, TEXT, Align::End);
-            }
-            canvas.text((plot.left - 50.0, plot.centre().1), &y.label(), LABEL, Align::Upward);
+        if self.missing > 0 {
+            chart.add(format!("missing ({} points)", self.missing), Mark::Patch { colour: MISSING });
         }
-    }
-
-    /// Draws the colour bar into `bar`, its ticks and label at the right.
-    pub(crate) fn draw_colour_bar(&self, canvas: &mut Canvas, bar: Rect) {
-        self.colour_bar.draw(canvas, bar);
-    }
-
-    /// Draws the meaning of the reserved colours, from `(x, y)` to the right.
-    pub(crate) fn draw_legend(&self, canvas: &mut Canvas, (mut x, y): (f64, f64)) {
-        let missing = format!("missing ({} points)", self.missing);
-        let entries =
-            [(self.no_contact, NO_CONTACT, "no contact (p = 0)"), (self.missing > 0, MISSING, missing.as_str())];
-        for (_, colour, text) in entries.iter().filter(|(wanted, _, _)| *wanted) {
-            let swatch = Rect::new(x, y - 6.0, 18.0, 12.0);
-            canvas.fill(swatch, *colour, 1.0);
-            canvas.frame(swatch, Pen { width: 0.8, ..THIN });
-            canvas.text((x + 24.0, y), text, TEXT, Align::Start);
-            x += 24.0 + text_width(text, TEXT) + 20.0;
-        }
+        chart
     }
 }
 

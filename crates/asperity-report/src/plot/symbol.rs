@@ -17,6 +17,19 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
+    /// Returns the name of the shape.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Disc => "disc",
+            Self::Ring => "ring",
+            Self::Frame => "frame",
+            Self::Diamond => "diamond",
+            Self::Cross => "cross",
+            Self::Plus => "plus",
+            Self::OpenDiamond => "open_diamond",
+        }
+    }
+
     /// Draws the symbol around a point. All shapes cover about the area of a disc of this radius.
     pub(crate) fn draw(self, canvas: &mut Canvas, (x, y): Point, radius: f64, colour: Colour) {
         let pen = Pen::new(colour, 1.8, Dash::Solid);

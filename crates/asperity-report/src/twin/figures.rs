@@ -3,10 +3,7 @@
 use super::{TwinRun, distance, inside_share, named, percent, statistics};
 use crate::figures::{CaptionedFigure, columns, positive, raster_panels};
 use crate::format::{Dimension, Unit, significant};
-use crate::plot::{
-    Align, Axis, BLUE, Canvas, Chart, Dash, GREY, GRID, Kind, Pen, Raster, Rect, SKY, TEXT, THIN, VERMILION, WIDTH,
-    draw_x_ticks, label_x_axis, range,
-};
+use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Kind, Mark, Pen, Raster, SKY, Shape, VERMILION, range};
 use crate::{ReportError, Table};
 
 /// Draws the figures for which the run holds data.
@@ -22,18 +19,18 @@ pub(super) fn figures(run: &TwinRun) -> Result<Vec<CaptionedFigure>, ReportError
 fn maps(run: &TwinRun) -> Result<Option<CaptionedFigure>, ReportError> {
     /// Least height over width of maps side by side.
     const SIDE_BY_SIDE: f64 = 0.45;
-    /// Size of a figure that spans the page, with one row and with several.
-    const WIDE: (f64, f64) = (960.0, 460.0);
-    const TALL: (f64, f64) = (960.0, 1000.0);
+    /// Largest height with one row and with several.
+    const WIDE: f64 = 460.0;
+    const TALL: f64 = 1000.0;
     let rasters = Raster::with_common_scale(run.scan.iter().chain(run.twins.iter().take(2)), Kind::Height)?;
     let names = run.scan.as_ref().map(|_| "Scan").into_iter().chain(["Twin 1", "Twin 2"]);
     let panels: Vec<(&str, &Raster)> = names.zip(&rasters).collect();
     let in_a_row = rasters.first().is_none_or(|first| first.aspect() >= SIDE_BY_SIDE);
-    let (columns, size) = if in_a_row { (panels.len().max(1), WIDE) } else { (1, TALL) };
+    let (columns, height) = if in_a_row { (panels.len().max(1), WIDE) } else { (1, TALL) };
     let title = "Heights of the scan and of its twins";
     let caption = "Heights relative to their mean, all on one colour scale, which saturates beyond the 0.1 % and 99.9 % quantiles. \
                    The scan is shown after preparation, the twins as drawn.";
-    let mut drawn = raster_panels("maps", title, caption, &panels, columns, size);
+    let mut drawn = raster_panels("maps", title, caption, &panels, columns, height);
     drawn.iter_mut().for_each(|figure| figure.sources = vec!["twin_0001".into(), "twin_0002".into()]);
     Ok(drawn)
 }
@@ -51,41 +48,26 @@ fn parameters(run: &TwinRun) -> Option<CaptionedFigure> {
     let widest = rows.iter().map(|(_, d, low, high)| d.abs().max(-low).max(*high)).reduce(f64::max)?;
     let reach = (1.1 * widest).clamp(3.0, FARTHEST);
     let label = "Distance from the mean of the twins (their standard deviations)";
-    let axis = Axis::linear(label, Unit::none(), (-reach, reach));
-    let plot = Rect::new(110.0, 34.0, 450.0, ROW * rows.len() as f64);
-    let place = |value: f64| plot.left + axis.position(value).unwrap_or(0.5).clamp(0.0, 1.0) * plot.width();
+    let names = Axis::named(rows.iter().map(|(symbol, ..)| symbol.clone()).collect());
+    let mut chart = Chart::new(Axis::linear(label, Unit::none(), (-reach, reach)), names);
+    chart.height = ROW * rows.len() as f64 + 58.0;
+    chart.vertical("", 0.0, Pen::new(GREY, 1.2, Dash::Solid));
+    for (row, (_, distance, low, high)) in rows.iter().enumerate() {
+        let y = row as f64;
+        let pen = Pen { opacity: 0.5, ..Pen::new(SKY, 12.0, Dash::Solid) };
+        chart.add("twins, 95 % band", Mark::Span { from: low.max(-reach), to: high.min(reach), y, pen });
+        let outside = distance < low || distance > high;
+        let (name, colour) = if outside { ("scan, outside", VERMILION) } else { ("scan, within", BLUE) };
+        let x = distance.clamp(-reach, reach);
+        chart.add(name, Mark::Symbol { x, y, shape: Shape::Disc, colour });
+        if outside {
+            chart.note(x, y, significant(*distance, 3));
+        }
+    }
     let title = "Parameters of the scan among those of its twins";
     let caption = "Discs: the scan; bars: the 95 % bands of the twins; zero: the mean of the twins. Discs outside their band are \
                    orange and carry their distance.";
-    let size = (WIDTH, plot.bottom + 54.0);
-    let drawn = CaptionedFigure::from_drawing("parameters", title, caption, size, |canvas| {
-        draw_legend(canvas, plot.left);
-        draw_x_ticks(canvas, plot, &axis, Some(GRID), true);
-        label_x_axis(canvas, plot, &axis);
-        canvas.line(&[(place(0.0), plot.top), (place(0.0), plot.bottom)], Pen::new(GREY, 1.2, Dash::Solid));
-        for (i, (symbol, distance, low, high)) in rows.iter().enumerate() {
-            let y = plot.top + ROW * (i as f64 + 0.5);
-            canvas.text((plot.left - 10.0, y), symbol, TEXT, Align::End);
-            canvas.fill(Rect::new(place(*low), y - 6.0, place(*high) - place(*low), 12.0), SKY, 0.35);
-            let outside = distance < low || distance > high;
-            canvas.disc((place(*distance), y), 4.0, if outside { VERMILION } else { BLUE });
-            if outside {
-                canvas.text((plot.right + 10.0, y), &significant(*distance, 3), TEXT, Align::Start);
-            }
-        }
-        canvas.frame(plot, THIN);
-    });
-    Some(drawn.with_tables(&["statistics"]))
-}
-
-fn draw_legend(canvas: &mut Canvas, left: f64) {
-    let y = 14.0;
-    canvas.disc((left + 6.0, y), 4.0, BLUE);
-    canvas.text((left + 18.0, y), "scan, within", TEXT, Align::Start);
-    canvas.disc((left + 126.0, y), 4.0, VERMILION);
-    canvas.text((left + 138.0, y), "scan, outside", TEXT, Align::Start);
-    canvas.fill(Rect::new(left + 250.0, y - 6.0, 26.0, 12.0), SKY, 0.35);
-    canvas.text((left + 284.0, y), "twins, 95 % band", TEXT, Align::Start);
+    CaptionedFigure::from_charts("parameters", title, caption, 1, &[chart], &["statistics"])
 }
 
 /// A function of the scan with the mean and the band of its twins.

@@ -36,6 +36,19 @@ pub(crate) fn text(document: &str) -> String {
     parts.fold(first, |all, part| all + part.split_once('"').unwrap().1).replace('\u{a0}', " ")
 }
 
+/// Returns a page without its scripts and the data of its figures, after a check that no tag begins in the data.
+pub(crate) fn without_scripts(html: &str) -> String {
+    let mut parts = html.split("<script");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |all, part| {
+        let (script, rest) = part.split_once("</script>").expect("a closed script");
+        assert!(
+            script.starts_with('>') || (script.starts_with(" type=\"application/json\">") && !script.contains('<'))
+        );
+        all + rest
+    })
+}
+
 /// Returns the values of `src` and `href` attributes.
 pub(crate) fn resources(html: &str) -> Vec<&str> {
     let after = |marker: &'static str| html.split(marker).skip(1).map(|rest| rest.split('"').next().unwrap());

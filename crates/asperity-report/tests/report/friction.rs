@@ -116,7 +116,7 @@ fn uncertain_parameters_have_a_band_and_their_indices() {
     let columns = columns.map(|(name, values)| (name.to_owned(), values)).to_vec();
     run.tables.insert("friction_uncertainty".into(), Table { columns });
     let drawn = words(&run, "friction_sensitivity");
-    for wanted in ["Mean of μ", "Correlation length of μ", "rms height", "explained: 98 % of the variance"] {
+    for wanted in ["Mean of μ", "Correlation length of μ", "rms height", "Sobol’ index; 98 % explained"] {
         assert!(drawn.iter().any(|text| text == wanted), "{wanted:?} in {drawn:?}");
     }
     assert!(!drawn.iter().any(|text| text == "Std of μ"));

@@ -1,6 +1,6 @@
 //! The report of a complete run: figures, sections, and escaping.
 
-use crate::documents::{elements, resources, text};
+use crate::documents::{elements, resources, text, without_scripts};
 use crate::stages::{friction, pressure, surface};
 use crate::synthetic::{example, full_run};
 use asperity_report::{Input, render};
@@ -113,7 +113,7 @@ fn every_figure_names_its_tables() {
 fn every_figure_is_a_well_formed_svg_document_with_readable_text() {
     for figure in render(&full_run()).unwrap().figures {
         assert!(elements(&figure.svg) > 20, "{} is drawn", figure.name);
-        assert!(figure.svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"640\""), "{}", figure.name);
+        assert!(figure.svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"170mm\""), "{}", figure.name);
         assert!(figure.svg.contains("<title>") && figure.svg.contains("aria-label="));
         // Nothing is smaller than 12 px at 640 px.
         for size in figure.svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
@@ -131,8 +131,53 @@ fn the_page_loads_nothing_from_elsewhere() {
         assert!(resource.starts_with('#') || resource.starts_with("data:image/png;base64,"), "{resource:.60}");
     }
     for forbidden in ["<script", "<link", "@import", "url("] {
-        assert!(!html.contains(forbidden), "{forbidden}");
+        assert!(!without_scripts(&html).contains(forbidden), "{forbidden}");
     }
+}
+
+#[test]
+fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
+    let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
+    for (section, words) in [
+        ("surface", "Sq = 1.00 µm [0.94, 1.06]; heights are correlated over"),
+        ("pressure", "A point of the patch is in contact with probability"),
+        ("friction", "from window to window of"),
+        ("vibration", "No vibration persists above ζ ="),
+    ] {
+        let content = html.split_once(&format!("<section id=\"{section}\">")).unwrap().1;
+        let answer = content.split_once("<p class=\"found\">").unwrap().1.split_once("</p>").unwrap().0;
+        assert!(answer.contains(words), "{section}: {answer}");
+    }
+    let certainty = html.split_once("<section id=\"certainty\">").unwrap().1.split_once("</section>").unwrap().0;
+    for words in ["rms height Sq", "[0.94, 1.06]", "random strips:", "limit of the damping ratio", "trajectories"] {
+        assert!(certainty.contains(words), "{words}: {certainty}");
+    }
+    assert!(html.contains("@software{asperity,") && html.contains("@article{gaus2016roughness,"));
+}
+
+#[test]
+fn no_panel_has_more_than_six_curves() {
+    let html = render(&full_run()).unwrap().html;
+    let data =
+        html.split("<script type=\"application/json\">").skip(1).map(|rest| rest.split("</script>").next().unwrap());
+    let mut panels = 0;
+    for figure in data.map(|data| serde_json::from_str::<serde_json::Value>(data).unwrap()) {
+        for chart in figure["charts"].as_array().unwrap() {
+            panels += 1;
+            let named = |series: &&serde_json::Value| series["mark"] == "line" && series["name"] != "";
+            let mut names: Vec<&str> = chart["series"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .filter(named)
+                .filter_map(|series| series["name"].as_str())
+                .collect();
+            names.sort_unstable();
+            names.dedup();
+            assert!(names.len() <= 6, "{names:?}");
+        }
+    }
+    assert!(panels > 20);
 }
 
 #[test]
@@ -159,7 +204,7 @@ fn hostile_strings_are_escaped_everywhere() {
     cdf.columns[2].0 = EVIL.into();
     run.tables.get_mut("friction_trace").unwrap().columns[1].0 = format!("mu_{EVIL}");
     let report = render(&run).unwrap();
-    assert!(!report.html.contains("<script") && !report.html.contains("<img"));
+    assert!(!without_scripts(&report.html).contains("<img"));
     assert!(report.html.contains("&lt;script&gt;"));
     for figure in &report.figures {
         elements(&figure.svg);

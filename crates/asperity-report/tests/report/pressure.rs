@@ -114,8 +114,7 @@ fn sensitivities_name_every_variable_and_the_explained_variance() {
         "mode 8",
         "Pressure at the cell: heights about the cell",
         "Contact area: leading modes",
-        "explained: 83 % of the variance",
-        "Sobol’ index",
+        "Sobol’ index; 83 % explained",
     ] {
         assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
     }
@@ -125,7 +124,7 @@ fn sensitivities_name_every_variable_and_the_explained_variance() {
     );
     // An expansion that predicts worse than the mean explains nothing.
     pressure(&mut run).sensitivities[0].cross_validated_error = Some(1.2);
-    assert!(words(&run, "pressure_sensitivities").contains(&"explained: 0 % of the variance".to_owned()));
+    assert!(words(&run, "pressure_sensitivities").contains(&"Sobol’ index; 0 % explained".to_owned()));
     pressure(&mut run).sensitivities.clear();
     assert!(render(&run).unwrap().figures.iter().all(|figure| figure.name != "pressure_sensitivities"));
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use crate::documents::{elements, resources, text};
-use asperity_report::{Figure, ReportError, Table, vibration_figures};
+use crate::documents::{elements, resources, text, without_scripts};
+use asperity_report::{Figure, Report, ReportError, Table, render_vibration};
 use serde_json::{Value, json};
 
 type Tables = BTreeMap<String, Table>;
@@ -247,7 +247,7 @@ fn is_well_formed_and_loads_nothing(figure: &Figure) {
 #[test]
 fn every_answer_becomes_its_labelled_figures() {
     for ((answer, tables), wanted) in all() {
-        let figures = vibration_figures(&answer, &tables).unwrap();
+        let figures = render_vibration("map", &answer, &tables).unwrap().figures;
         assert_eq!(
             figures.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(),
             wanted.iter().map(|w| w.0).collect::<Vec<_>>()
@@ -259,33 +259,53 @@ fn every_answer_becomes_its_labelled_figures() {
                 assert!(drawn.contains(word), "{name}: {word:?}");
             }
         }
-        assert_eq!(figures, vibration_figures(&answer, &tables).unwrap(), "equal tables give equal bytes");
+        assert_eq!(
+            figures,
+            render_vibration("map", &answer, &tables).unwrap().figures,
+            "equal tables give equal bytes"
+        );
     }
 }
 
 #[test]
 fn absent_and_undefined_data_are_left_out_and_ragged_tables_are_refused() {
-    assert!(vibration_figures(&json!({}), &Tables::new()).unwrap().is_empty());
+    assert!(render_vibration("map", &json!({}), &Tables::new()).unwrap().figures.is_empty());
     for ((answer, tables), _) in all() {
         for (name, table) in &tables {
             for hidden in 0..table.columns.len() {
                 let mut without = tables.clone();
                 without.get_mut(name).unwrap().columns[hidden].1.fill(f64::NAN);
-                vibration_figures(&answer, &without).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
+                render_vibration("map", &answer, &without)
+                    .unwrap()
+                    .figures
+                    .iter()
+                    .for_each(is_well_formed_and_loads_nothing);
                 let mut holed = tables.clone();
                 holed.get_mut(name).unwrap().columns[hidden].1[0] = f64::NAN;
-                vibration_figures(&json!({}), &holed).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
-                vibration_figures(&answer, &holed).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
+                render_vibration("map", &json!({}), &holed)
+                    .unwrap()
+                    .figures
+                    .iter()
+                    .for_each(is_well_formed_and_loads_nothing);
+                render_vibration("map", &answer, &holed)
+                    .unwrap()
+                    .figures
+                    .iter()
+                    .for_each(is_well_formed_and_loads_nothing);
                 let mut absent = tables.clone();
                 absent.get_mut(name).unwrap().columns.remove(hidden);
-                vibration_figures(&answer, &absent).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
+                render_vibration("map", &answer, &absent)
+                    .unwrap()
+                    .figures
+                    .iter()
+                    .for_each(is_well_formed_and_loads_nothing);
             }
             let mut empty = tables.clone();
             empty.get_mut(name).unwrap().columns.iter_mut().for_each(|(_, values)| values.clear());
-            vibration_figures(&answer, &empty).unwrap().iter().for_each(is_well_formed_and_loads_nothing);
+            render_vibration("map", &answer, &empty).unwrap().figures.iter().for_each(is_well_formed_and_loads_nothing);
             let mut ragged = tables.clone();
             ragged.get_mut(name).unwrap().columns[0].1.pop();
-            assert!(matches!(vibration_figures(&answer, &ragged), Err(ReportError::RaggedTable { .. })));
+            assert!(matches!(render_vibration("map", &answer, &ragged), Err(ReportError::RaggedTable { .. })));
         }
     }
 }
@@ -295,7 +315,9 @@ fn names_of_parameters_are_escaped() {
     let (_, mut tables) = curve();
     let hostile = "<script>\"&";
     tables.get_mut("critical_curve").unwrap().columns[0].0 = hostile.into();
-    let figures = vibration_figures(&json!({"parameter": hostile}), &tables).unwrap();
+    let Report { html, figures } =
+        render_vibration(hostile, &json!({"parameter": hostile, hostile: hostile}), &tables).unwrap();
+    assert!(!without_scripts(&html).contains("<script") && html.contains("&lt;script"));
     assert_eq!(figures.len(), 1);
     elements(&figures[0].svg);
     assert!(!figures[0].svg.contains("<script") && figures[0].svg.contains("&lt;script"));
@@ -305,14 +327,15 @@ fn names_of_parameters_are_escaped() {
 fn the_curve_under_forcing_is_the_fold_of_the_locked_cycle() {
     let (answer, mut tables) = curve();
     tables.get_mut("critical_curve").unwrap().columns[3].1.fill(1.0);
-    let drawn = text(&vibration_figures(&answer, &tables).unwrap()[0].svg);
+    let drawn = text(&render_vibration("map", &answer, &tables).unwrap().figures[0].svg);
     assert!(drawn.contains("the locked cycle ends (fold)") && !drawn.contains("coexist"));
 }
 
 #[test]
 fn a_sparse_cloud_is_drawn_as_points() {
     let (answer, mut tables) = ensemble();
-    let count = |tables: &Tables| vibration_figures(&answer, tables).unwrap()[0].svg.matches("<circle").count();
+    let count =
+        |tables: &Tables| render_vibration("map", &answer, tables).unwrap().figures[0].svg.matches("<circle").count();
     assert!(count(&tables) < 10);
     tables.get_mut("phase_cloud").unwrap().columns[1].1.iter_mut().for_each(|tau| *tau *= 100.0);
     assert!(count(&tables) >= 120);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_report::{Field, Input, Report, ReportError, Run, render};
+use asperity_report::{Field, Figure, Input, Report, ReportError, Run, render};
 use asperity_results::Provenance;
 
 use crate::study::{CsvTable, Outcome, StoredRun};
@@ -48,7 +48,7 @@ impl StoredRun {
 
 fn render_files(run: Run) -> Result<ReportFiles, ReportError> {
     let Report { html, figures } = render(&run)?;
-    let figures = figures.into_iter().map(|figure| (format!("figures/{}.svg", figure.name), figure.svg.into_bytes()));
+    let figures = figures.iter().flat_map(Figure::files).map(|(path, svg)| (path, svg.as_bytes().to_vec()));
     Ok(figures.chain([("report.html".to_owned(), html.into_bytes())]).collect())
 }
 

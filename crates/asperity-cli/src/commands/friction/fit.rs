@@ -14,7 +14,7 @@ use asperity::friction::measured::{
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::ProcessEstimate;
 use asperity::study::{CsvTable, json_bytes};
-use asperity_report::record_figures;
+use asperity_report::{Figure, record_figures};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -239,8 +239,8 @@ impl FitRecord {
         }
         let figures = record_figures(&drawn)
             .map_err(|e| Failure::new(Kind::Runtime, format!("the figures could not be drawn: {}", chain(&e))))?;
-        for figure in figures {
-            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        for (path, svg) in figures.iter().flat_map(Figure::files) {
+            write(&path, svg.as_bytes())?;
         }
         staging.commit_unmarked().map_err(|e| store_failure(&e))
     }

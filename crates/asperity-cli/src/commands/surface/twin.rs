@@ -18,7 +18,7 @@ use asperity::surface::model::SurfaceModelError;
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 use asperity::translation::TranslationKind;
 use asperity_formats::{Format, Scan};
-use asperity_report::{Field, Report, Table, TwinRun, render_twins};
+use asperity_report::{Field, Figure, Report, Table, TwinRun, render_twins};
 use clap::Args;
 
 use super::convert::format_failure;
@@ -249,8 +249,8 @@ impl Twin {
         for (name, table) in tables {
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
         }
-        for figure in &report.figures {
-            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        for (path, svg) in report.figures.iter().flat_map(Figure::files) {
+            write(&path, svg.as_bytes())?;
         }
         write("twins.html", report.html.as_bytes())
     }

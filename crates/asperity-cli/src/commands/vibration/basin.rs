@@ -70,7 +70,7 @@ impl Basin {
             let mut tables = vec![("basin", table(&found))];
             tables.extend(border.map(|border| ("separatrix", portrait_table(&border.points))));
             tables.extend(series::cycle(&oscillator)?);
-            self.folder.write(&inputs, &whole, tables, monitor)?;
+            self.folder.write("basin", &inputs, &whole, tables, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.without("slip_cycles").print(false) }
     }

@@ -56,7 +56,13 @@ impl Bifurcation {
         let has_folder = self.folder.is_requested(&inputs)?;
         let diagram = bifurcation_diagram(&oscillator, self.over, &settings, monitor)?;
         if has_folder {
-            self.folder.write(&inputs, &Answer::new(&diagram)?, tables(&diagram, self.over.name()), monitor)?;
+            self.folder.write(
+                "bifurcation",
+                &inputs,
+                &Answer::new(&diagram)?,
+                tables(&diagram, self.over.name()),
+                monitor,
+            )?;
         }
         if self.json {
             return Answer::new(&diagram)?.print(true);

@@ -74,7 +74,7 @@ impl CriticalCurve {
         let branch = curve(&oscillator, self.over, &settings, monitor)?;
         if has_folder {
             let tables = vec![("critical_curve", branch_columns(&branch, self.over.name()))];
-            self.folder.write(&inputs, &Answer::new(&branch)?, tables, monitor)?;
+            self.folder.write("critical-curve", &inputs, &Answer::new(&branch)?, tables, monitor)?;
         }
         if self.json { Answer::new(&branch)?.print(true) } else { table(&branch) }
     }

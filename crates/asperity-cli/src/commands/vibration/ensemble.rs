@@ -70,7 +70,7 @@ impl Ensemble {
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));
             }
-            self.folder.write(&inputs, &answer, tables, monitor)?;
+            self.folder.write("ensemble", &inputs, &answer, tables, monitor)?;
         }
         answer.print(self.json)
     }

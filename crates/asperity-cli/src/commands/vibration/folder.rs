@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use asperity::study::{CsvTable, json_bytes};
-use asperity_report::{Figure, vibration_figures};
+use asperity_report::{Figure, Report, render_vibration};
 use clap::Args;
 
 use crate::failure::{Failure, Kind, chain};
@@ -19,7 +19,7 @@ const REPORT_BYTES: f64 = 4e6;
 /// Destination of tables and figures.
 #[derive(Debug, Args)]
 pub(super) struct Folder {
-    /// Write answer, tables and figures to this folder. The folder appears complete or not at all.
+    /// Write answer, tables, figures and report.html to this folder. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Replace a folder that asperity wrote. A folder that contains an input, or a file that asperity did not write or
@@ -37,9 +37,10 @@ impl Folder {
         Ok(true)
     }
 
-    /// Writes `answer.json`, the tables as CSV, and their figures.
+    /// Writes `answer.json`, the tables as CSV, their figures, and the page of all of them.
     pub(super) fn write(
         &self,
+        command: &str,
         inputs: &[&Path],
         answer: &Answer,
         tables: Vec<(&str, CsvTable)>,
@@ -52,9 +53,11 @@ impl Folder {
         for (name, table) in &tables {
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
         }
-        for figure in figures(answer, tables)? {
-            write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        let report = rendered(command, answer, tables)?;
+        for (path, svg) in report.figures.iter().flat_map(Figure::files) {
+            write(&path, svg.as_bytes())?;
         }
+        write("report.html", report.html.as_bytes())?;
         monitor.check()?;
         let written = staging.commit_unmarked().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.display()));
@@ -62,13 +65,12 @@ impl Folder {
     }
 }
 
-fn figures(answer: &Answer, tables: Vec<(&str, CsvTable)>) -> Result<Vec<Figure>, Failure> {
-    let failed = |e: &dyn std::error::Error| {
-        Failure::new(Kind::Runtime, format!("the figures could not be drawn: {}", chain(e)))
-    };
+fn rendered(command: &str, answer: &Answer, tables: Vec<(&str, CsvTable)>) -> Result<Report, Failure> {
+    let failed =
+        |e: &dyn std::error::Error| Failure::new(Kind::Runtime, format!("the report could not be drawn: {}", chain(e)));
     let answer = serde_json::to_value(answer).map_err(|e| failed(&e))?;
     let table = |table: CsvTable| asperity_report::Table { columns: table.columns().to_vec() };
     let tables: BTreeMap<String, asperity_report::Table> =
         tables.into_iter().map(|(name, columns)| (name.to_owned(), table(columns))).collect();
-    vibration_figures(&answer, &tables).map_err(|e| failed(&e))
+    render_vibration(command, &answer, &tables).map_err(|e| failed(&e))
 }

@@ -130,7 +130,7 @@ impl Map {
             let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::new(&map)?);
             let answer = answer.with("clipped_fraction", clipped);
             if has_folder {
-                self.folder.write(&inputs, &answer, stability_map_tables(&map, names), monitor)?;
+                self.folder.write("map", &inputs, &answer, stability_map_tables(&map, names), monitor)?;
             }
             if self.json {
                 return answer.print(true);

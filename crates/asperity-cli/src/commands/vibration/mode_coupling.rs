@@ -190,7 +190,7 @@ impl ModeCoupling {
         let answer = modes_answer.and(answer::motion_answer(&found));
         let whole = answer.clone().with("scan", answer::scan(&found.scan));
         if has_folder {
-            self.folder.write(&inputs, &whole, tables(&found)?, monitor)?;
+            self.folder.write("mode-coupling", &inputs, &whole, tables(&found)?, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.print(false) }
     }

@@ -79,7 +79,7 @@ impl Sound {
         let clipped = process.model().clipped_fraction();
         let answer = Answer::new(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
         if has_folder {
-            self.folder.write(&inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
+            self.folder.write("sound", &inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
         }
         self.wav.write(wave.as_ref(), monitor)?;
         if self.json {

@@ -4,13 +4,16 @@ use super::{columns, positive};
 use crate::Table;
 use crate::format::{Dimension, Unit};
 use crate::page::in_words;
-use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Pen, VERMILION, pen, range};
+use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREEN, GREY, Pen, VERMILION, pen, range};
 
 /// Draws the autocorrelation with that of the window alone and with the models fitted to it; `data` names the data.
 pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {
     let [lag] = columns(table, ["lag_m"])?;
     let named = table.columns.iter().filter(|(name, _)| name != "lag_m");
-    let curves: Vec<(&str, &[f64])> = named.filter_map(|(name, _)| Some((&name[..], table.column(name)?))).collect();
+    let mut curves: Vec<(&str, &[f64])> =
+        named.filter_map(|(name, _)| Some((&name[..], table.column(name)?))).collect();
+    // Further models are in the table.
+    curves.truncate(CURVES);
     let (low, high) = range(curves.iter().flat_map(|(_, values)| *values))?;
     let (first, last) = range(lag)?;
     let x = Axis::linear("Lag", Dimension::Length.unit(last), (first, last));

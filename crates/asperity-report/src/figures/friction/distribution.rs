@@ -4,7 +4,7 @@ use super::columns;
 use crate::Table;
 use crate::format::Unit;
 use crate::page::in_words;
-use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREY, Pen, VERMILION, pen, range};
+use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREY, Pen, VERMILION, pen, range};
 
 /// Draws the histogram with the chosen distribution and the other fitted ones; Beta stands out.
 pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart> {
@@ -16,8 +16,10 @@ pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart
     fits.sort_by_key(|(name, _)| match *name {
         "fitted" => 0,
         "beta" => 1,
-        _ => 2,
+        "normal" => 2,
+        _ => 3,
     });
+    fits.truncate(CURVES);
     let largest = |values: &[f64]| values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
     let tallest = largest(density);
     // A density that is infinite at an end of its support would flatten the rest.

@@ -2,14 +2,13 @@
 
 use super::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit, significant};
-use crate::plot::{Align, Axis, Chart, Kind, Pen, Raster, Rect, WIDTH, pen, range};
+use crate::plot::{Axis, Chart, Kind, Pen, Raster, pen, range};
 use crate::{ReportError, Run, Table};
 
 const NAME: &str = "friction_trace";
 const TITLE: &str = "Pressure along the track and the friction coefficient of a sliding window";
-/// Size of the image of the strip in pixels.
-const STRIP_WIDTH: f64 = 460.0;
-const STRIP_HEIGHT: f64 = 96.0;
+/// Height of the map of the strip in pixels.
+const STRIP_HEIGHT: f64 = 112.0;
 /// Largest number of levels in the figure.
 const MAX_LEVELS: usize = 5;
 
@@ -36,7 +35,7 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
     let chart = run.tables.get(NAME).and_then(|table| trace_chart(table, strip.as_ref()));
     let trace = "μ = F/N of the window centred at each position, by percentile of heights above the plane; at most five levels.";
     Ok(match (&strip, chart) {
-        (Some(strip), chart) => Some(with_strip(strip, chart, trace)),
+        (Some(strip), chart) => with_strip(strip, chart, trace),
         (None, chart) => CaptionedFigure::from_charts(NAME, TITLE, trace, 1, chart.as_slice(), &[NAME]),
     })
 }
@@ -72,27 +71,18 @@ fn trace_chart(table: &Table, strip: Option<&Raster>) -> Option<Chart> {
 }
 
 /// Draws the strip above the chart, aligned with its positions.
-fn with_strip(strip: &Raster, chart: Option<Chart>, trace: &str) -> CaptionedFigure {
-    let stretch = significant(STRIP_HEIGHT / STRIP_WIDTH / strip.aspect(), 2);
+fn with_strip(strip: &Raster, chart: Option<Chart>, trace: &str) -> Option<CaptionedFigure> {
+    let mut map = strip.chart().with_height(STRIP_HEIGHT);
+    // The strip is stretched across, so that its width can be seen.
+    map.backdrop.iter_mut().for_each(|backdrop| backdrop.aspect = None);
+    map.shows_x = chart.is_none();
     let below = chart.as_ref().map_or(String::new(), |_| format!(" Below: {trace}"));
-    let caption = format!(
-        "Top: pressure on the strip at the operating point (y stretched {stretch} times; white: no contact).{below}"
-    );
-    let room = if chart.is_some() { 320.0 } else { 50.0 };
-    let plot = Rect::new(72.0, 30.0, STRIP_WIDTH, STRIP_HEIGHT);
-    let drawn = CaptionedFigure::from_drawing(NAME, TITLE, caption, (WIDTH, plot.bottom + room), |canvas| {
-        strip.draw_legend(canvas, (plot.left, 14.0));
-        canvas.text((plot.right, 14.0), &format!("y stretched {stretch} ×"), 12.0, Align::End);
-        strip.draw(canvas, plot, chart.is_none(), true);
-        strip.draw_colour_bar(canvas, Rect::new(plot.right + 16.0, plot.top, 14.0, plot.height()));
-        if let Some(chart) = &chart {
-            // The margins of the chart align its frame with the strip.
-            let outer =
-                Rect { left: 0.0, top: plot.bottom + 8.0, right: plot.right + 20.0, bottom: plot.bottom + room };
-            chart.draw_with_legend(canvas, outer, STRIP_WIDTH + 20.0);
-        }
-    });
-    drawn.with_fields(&["pressure_strip"]).with_tables(if chart.is_some() { &[NAME] } else { &[] })
+    let caption =
+        format!("Top: pressure on the strip at the operating point, stretched in y (white: no contact).{below}");
+    let tables: &[&str] = if chart.is_some() { &[NAME] } else { &[] };
+    let charts: Vec<Chart> = std::iter::once(map).chain(chart).collect();
+    let drawn = CaptionedFigure::from_charts(NAME, TITLE, caption, 1, &charts, &[])?;
+    Some(drawn.with_colours(strip.colour_bar().clone()).with_fields(&["pressure_strip"]).with_tables(tables))
 }
 
 #[cfg(test)]

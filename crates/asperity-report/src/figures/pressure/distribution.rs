@@ -4,8 +4,10 @@ use super::{CaptionedFigure, columns, style};
 use crate::Run;
 use crate::format::{Dimension, Unit};
 use crate::page::method_name;
-use crate::plot::{Axis, BLACK, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
+use crate::plot::{Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 
+/// The methods that are left out first if there are too many curves.
+const EXTRA: [&str; 2] = ["polynomial_chaos_local", "sobol"];
 const NAME: &str = "pressure_cdf";
 const BANDS: &str = "pressure_bands";
 /// A larger difference of neighbours is a jump.
@@ -70,7 +72,15 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let is_reference = |name: &str| reference.is_some_and(|(own, _)| own == name);
     let others = table.columns.iter().filter(|(name, _)| name != "pressure_pa" && !is_reference(name));
     let others = others.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?)));
-    let methods: Vec<Method<'_>> = reference.into_iter().chain(others).collect();
+    let mut methods: Vec<Method<'_>> = reference.into_iter().chain(others).collect();
+    let mut hidden = Vec::new();
+    for name in EXTRA {
+        let place = methods.iter().position(|(own, _)| *own == name);
+        if let Some(place) = place.filter(|_| methods.len() > CURVES) {
+            methods.remove(place);
+            hidden.push(method_name(name));
+        }
+    }
     let first = methods.first()?.1;
     let axis = pressure_axis(pressure, first);
     let lowest = axis_start(&methods);
@@ -92,6 +102,9 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         "Cumulative distribution of the pressure at the point studied (the paper’s Fig. 2). The step at p = 0 is \
                        the probability of no contact."
             .to_owned();
+    if !hidden.is_empty() {
+        caption += &format!(" In the table alone: {}.", hidden.join(", "));
+    }
     if lowest > 0.0 {
         caption += " The vertical axis does not begin at 0.";
     }

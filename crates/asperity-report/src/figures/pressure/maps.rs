@@ -4,7 +4,7 @@ use asperity_results::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, Pressu
 
 use crate::figures::{CaptionedFigure, field_map, raster_panels};
 use crate::format::{Dimension, significant};
-use crate::plot::{Kind, Raster, WIDTH};
+use crate::plot::{Kind, Raster};
 use crate::{Field, ReportError, Run};
 
 /// Mean and quantiles with their titles.
@@ -85,7 +85,7 @@ fn statistics(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> {
     let panels: Vec<(&str, &Raster)> = panels.iter().map(|(_, title, _)| *title).zip(&rasters).collect();
     let columns = panels.len().clamp(1, 2);
     let title = "Mean and quantiles of the pressure of every cell";
-    let drawn = raster_panels("pressure_quantiles", title, &caption(run, &hidden), &panels, columns, (WIDTH, 560.0));
+    let drawn = raster_panels("pressure_quantiles", title, &caption(run, &hidden), &panels, columns, 560.0);
     let fields: Vec<&str> = all.iter().map(|(name, _, _)| *name).collect();
     Ok(drawn.map(|figure| figure.with_fields(&fields)))
 }

@@ -5,19 +5,15 @@ use asperity_results::{IndexEntry, Pair, SensitivityEntry};
 use super::CaptionedFigure;
 use crate::Run;
 use crate::format::{Unit, fixed};
-use crate::plot::{
-    Align, Axis, BLACK, BLUE, Canvas, Colour, Dash, GRID, LABEL, ORANGE, Pen, Rect, TEXT, THIN, WIDTH, draw_x_ticks,
-    label_x_axis, text_width,
-};
+use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, Mark, ORANGE, Pen};
 
 const NAME: &str = "pressure_sensitivities";
-/// Height of the rows of a variable, of a bar, and of the room above and below the rows of a panel, in pixels.
+/// Height of the rows of a variable, of a bar, and of title and axis together, in pixels.
 const ROW: f64 = 25.0;
 const BAR: f64 = 9.0;
-const HEAD: f64 = 46.0;
-const FOOT: f64 = 26.0;
-/// Height of the legend in pixels.
-const LEGEND: f64 = 24.0;
+const HEAD: f64 = 76.0;
+/// Distance of the bars from the middle of their row, as a fraction of it.
+const SHIFT: f64 = 0.19;
 /// Quantities by row of the figure, sets of variables by column.
 const QUANTITIES: [(&str, &str); 3] = [
     ("pressure_pa", "Pressure at the cell"),
@@ -75,62 +71,35 @@ pub(in crate::figures) fn draw_panels(
     caption: &str,
     rows: Vec<Vec<Option<Panel>>>,
 ) -> Option<CaptionedFigure> {
-    let room = |row: &[Option<Panel>]| row.iter().flatten().map(|panel| panel.indices.len()).max();
-    let rows: Vec<(f64, Vec<Option<Panel>>)> =
-        rows.into_iter().filter_map(|row| Some((HEAD + ROW * room(&row)? as f64 + FOOT, row))).collect();
-    let width = WIDTH / rows.first()?.1.len() as f64;
-    let height = rows.iter().map(|(height, _)| height).sum::<f64>() + 2.0 * LEGEND;
-    Some(CaptionedFigure::from_drawing(name, title, caption, (WIDTH, height), |canvas| {
-        let mut x = 12.0;
-        for (_, text, colour) in INDICES {
-            canvas.fill(Rect::new(x, 8.0, 18.0, BAR), colour, 1.0);
-            canvas.text((x + 24.0, 12.5), text, TEXT, Align::Start);
-            x += 24.0 + text_width(text, TEXT) + 24.0;
-        }
-        let mut top = LEGEND;
-        for (number, (height, row)) in rows.iter().enumerate() {
-            for (column, panel) in row.iter().enumerate() {
-                let labelled =
-                    rows.get(number + 1).is_none_or(|(_, below)| below.get(column).is_none_or(Option::is_none));
-                let outer = Rect::new(width * column as f64, top, width, *height);
-                panel.iter().for_each(|panel| panel.draw(canvas, outer, labelled));
-            }
-            top += height;
-        }
-    }))
+    let columns = rows.iter().map(|row| row.iter().flatten().count()).max()?;
+    let charts: Vec<Chart> = rows.iter().flatten().flatten().map(Panel::chart).collect();
+    CaptionedFigure::from_charts(name, title, caption, columns, &charts, &[])
 }
 
 impl Panel {
-    /// Draws the bars of the indices, and the fraction of the variance that they refer to.
-    fn draw(&self, canvas: &mut Canvas, outer: Rect, labelled: bool) {
+    /// Returns the bars of the indices, with the fraction of the variance that they refer to.
+    fn chart(&self) -> Chart {
         let Self { title, indices, error } = self;
-        let room = indices.iter().map(|index| text_width(&index.name, TEXT)).fold(40.0, f64::max) + 20.0;
-        let plot = Rect {
-            left: outer.left + room.min(0.5 * outer.width()),
-            top: outer.top + HEAD,
-            right: outer.right - 16.0,
-            bottom: outer.top + HEAD + ROW * indices.len() as f64,
+        let names = indices.iter().map(|index| index.name.clone()).collect();
+        let label = match error {
+            Some(error) => format!("Sobol’ index; {} % explained", fixed((100.0 * (1.0 - error)).max(0.0), 0)),
+            None => "Sobol’ index".to_owned(),
         };
-        canvas.text((outer.left + 12.0, outer.top + 14.0), title, LABEL, Align::Start);
-        if let Some(error) = error {
-            let explained = format!("explained: {} % of the variance", fixed((100.0 * (1.0 - error)).max(0.0), 0));
-            canvas.text((outer.left + 12.0, outer.top + 33.0), &explained, TEXT, Align::Start);
-        }
-        let axis = Axis::linear("Sobol’ index", Unit::none(), (0.0, 1.0));
-        draw_x_ticks(canvas, plot, &axis, Some(GRID), true);
-        if labelled {
-            label_x_axis(canvas, plot, &axis);
-        }
-        let place = |value: f64| plot.left + value.clamp(0.0, 1.0) * plot.width();
+        let axis = Axis::linear(&label, Unit::none(), (0.0, 1.0));
+        let height = ROW * indices.len() as f64 + HEAD;
+        let mut chart = Chart::new(axis, Axis::named(names)).with_title(title).with_height(height);
         for (row, index) in indices.iter().enumerate() {
-            let middle = plot.top + ROW * (row as f64 + 0.5);
-            canvas.text((plot.left - 8.0, middle), &index.name, TEXT, Align::End);
-            for ((of, _, colour), y) in INDICES.into_iter().zip([middle - 0.5 * BAR, middle + 0.5 * BAR]) {
+            for ((of, name, colour), shift) in INDICES.into_iter().zip([-SHIFT, SHIFT]) {
                 let (value, [low, high]) = of(index);
-                canvas.fill(Rect::new(plot.left, y - 0.5 * BAR, place(value) - plot.left, BAR), colour, 1.0);
-                canvas.interval((place(low), place(high)), y, 3.0, Pen::new(BLACK, 1.2, Dash::Solid));
+                let y = row as f64 + shift;
+                let mut span = |name: &str, from: f64, to: f64, pen: Pen| {
+                    let [from, to] = [from, to].map(|end| end.clamp(0.0, 1.0));
+                    chart.add(name, Mark::Span { from, to, y, pen });
+                };
+                span(name, 0.0, value, Pen::new(colour, BAR, Dash::Solid));
+                span("95 %", low, high, Pen::new(BLACK, 1.2, Dash::Solid));
             }
         }
-        canvas.frame(plot, THIN);
+        chart
     }
 }

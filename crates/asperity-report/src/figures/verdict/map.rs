@@ -29,7 +29,7 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
     let Some(map) = verdict.map.as_ref() else { return Ok(None) };
     let (Some(x), Some(y)) = (range(&map.x.values), range(&map.y.values)) else { return Ok(None) };
     let mut chart = Chart::new(axis(&map.x, x), axis(&map.y, y));
-    chart.backdrop = Some(Backdrop { data_uri: image(map)?, x, y });
+    chart.backdrop = Some(Backdrop { data_uri: image(map)?, x, y, aspect: None });
     let table = run.tables.get(CONTOURS);
     let mut levels: Vec<f64> = table.and_then(|table| table.column("level")).map_or_else(Vec::new, <[f64]>::to_vec);
     levels.sort_by(f64::total_cmp);
@@ -57,10 +57,11 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
         chart.add("", Mark::Symbol { x, y, shape: Shape::Disc, colour: WHITE });
         chart.add("now", Mark::Symbol { x, y, shape: Shape::Ring, colour: BLACK });
     }
-    let figure = with_colour_bar("verdict_map", TITLE, caption(verdict, map), &chart, BAR)?;
-    let mut figure = figure.with_tables(&present(run, &[CONTOURS]));
-    figure.sources.insert(0, "results.json".into());
-    Ok(Some(figure))
+    let figure = with_colour_bar("verdict_map", TITLE, caption(verdict, map), chart, BAR)?;
+    Ok(figure.map(|mut figure| {
+        figure.sources.push("results.json".into());
+        figure.with_tables(&present(run, &[CONTOURS]))
+    }))
 }
 
 fn axis(axis: &ProbabilityMapAxis, ends: (f64, f64)) -> Axis {

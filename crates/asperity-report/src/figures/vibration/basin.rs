@@ -19,7 +19,7 @@ pub(super) fn figure(tables: &Tables) -> Result<Option<CaptionedFigure>, ReportE
     let Some(grid) = Grid::new(x, y) else { return Ok(None) };
     let axis = |name: &str, ends| Axis::linear(name, Unit::none(), ends);
     let mut chart = Chart::new(axis("Start: displacement X", grid.x), axis("Start: velocity dX/dτ", grid.y));
-    chart.backdrop = Some(Backdrop { data_uri: grid.image(attractor)?, x: grid.x, y: grid.y });
+    chart.backdrop = Some(Backdrop { data_uri: grid.image(attractor)?, x: grid.x, y: grid.y, aspect: None });
     for (kind, name, colour, _) in ATTRACTORS {
         if attractor.contains(&kind) {
             chart.add(name, Mark::Patch { colour: tint(kind, colour) });

@@ -6,15 +6,13 @@ use serde_json::Value;
 use super::{CaptionedFigure, Tables, axis_label, columns, outlined, present, separated};
 use crate::format::{Unit, significant};
 use crate::plot::{
-    Axis, BLACK, Backdrop, Chart, ColourBar, Dash, Pen, Rect, VERMILION, WIDTH, indexed, range, scale_palette, shade,
+    Axis, BLACK, Backdrop, Chart, ColourBar, Dash, Pen, VERMILION, indexed, range, scale_palette, shade,
 };
 use crate::{ReportError, Run, Table};
 
 /// Largest number of pixels of the image along an axis.
 const MAX_ALONG: f64 = 1024.0;
 const HEIGHT: f64 = 400.0;
-/// Width of the colour bar with its labels in pixels.
-const BAR: f64 = 92.0;
 
 /// Levels of the contours with their dashes.
 const LEVELS: [(f64, &str, Dash); 3] =
@@ -66,7 +64,7 @@ fn drawn(map: &MapResult, tables: &Tables) -> Result<Option<CaptionedFigure>, Re
     let Some(cells) = tables.get("map_cells").and_then(|table| Cells::new(table, x, y)) else { return Ok(None) };
     let axis = |name: &str, ends| Axis::linear(&axis_label(name), Unit::none(), ends);
     let mut chart = Chart::new(axis(x, cells.x), axis(y, cells.y));
-    chart.backdrop = Some(Backdrop { data_uri: cells.image()?, x: cells.x, y: cells.y });
+    chart.backdrop = Some(Backdrop { data_uri: cells.image()?, x: cells.x, y: cells.y, aspect: None });
     let contours = LEVELS.map(|(level, name, dash)| ("map_contours", Some(level), name, Pen::new(BLACK, 2.0, dash)));
     let limit =
         ("map_limit", None, "end of vibration without fluctuation", Pen::new(VERMILION, 2.6, Dash::Alternating));
@@ -75,7 +73,7 @@ fn drawn(map: &MapResult, tables: &Tables) -> Result<Option<CaptionedFigure>, Re
             outlined(&mut chart, name, &x, &y, pen);
         }
     }
-    with_colour_bar("stability_map", TITLE, caption(resolution), &chart, TITLE).map(Some)
+    with_colour_bar("stability_map", TITLE, caption(resolution), chart, TITLE)
 }
 
 /// Draws a chart over an image of probabilities, with the bar of its colours.
@@ -86,17 +84,12 @@ pub(in crate::figures) fn with_colour_bar(
     name: &'static str,
     title: &str,
     caption: String,
-    chart: &Chart,
+    chart: Chart,
     quantity: &str,
-) -> Result<CaptionedFigure, ReportError> {
+) -> Result<Option<CaptionedFigure>, ReportError> {
     let bar = ColourBar::new(Axis::linear(quantity, Unit::none(), (0.0, 1.0)))?;
-    let legend = chart.legend_height(WIDTH - 76.0);
-    let size = (WIDTH, legend + HEIGHT);
-    Ok(CaptionedFigure::from_drawing(name, title, caption, size, |canvas| {
-        chart.draw_with_legend(canvas, Rect::new(0.0, 0.0, WIDTH - BAR + 10.0, size.1), WIDTH - 76.0);
-        // The bar is as high as the chart between its margins.
-        bar.draw(canvas, Rect::new(WIDTH - BAR + 4.0, legend + 8.0, 16.0, HEIGHT - 58.0));
-    }))
+    let chart = chart.with_height(HEIGHT);
+    Ok(CaptionedFigure::from_charts(name, title, caption, 1, &[chart], &[]).map(|figure| figure.with_colours(bar)))
 }
 
 /// Returns the lines of a table, of one level if stated; `None` without points.

@@ -41,7 +41,7 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     drivers.sort_by(|a, b| fraction(b).total_cmp(&fraction(a)));
     let bars = drivers.iter().take(SHOWN).map(|driver| {
         html!(
-            "<li><span>{}</span><span class=\"track\"><span class=\"bar\" style=\"width:{}%\"></span></span><span>{}</span></li>\n",
+            "<li><span>{}</span><svg class=\"track\" viewBox=\"0 0 100 12\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect class=\"bar\" width=\"{}\" height=\"12\"/></svg><span>{}</span></li>\n",
             named(&driver.input),
             format!("{:.1}", 100.0 * fraction(driver)),
             percent(fraction(driver)),

@@ -19,7 +19,7 @@ pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
     let Some(first) = verdict.remedies.first() else { return unstated(verdict, limits) };
     let headers = first.reach.iter().map(|reach| html!("<th scope=\"col\">for {}</th>", target(reach.probability)));
     html!(
-        "<p>{}</p>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
+        "<p>{}</p>\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Remedies\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
          <th scope=\"col\">friction left</th></tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n\
          <p class=\"note\">Brackets are 95 % intervals of the computation. Source: <code>{}</code></p>\n",
         sentence(verdict),

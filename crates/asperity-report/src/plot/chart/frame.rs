@@ -7,10 +7,10 @@ use crate::plot::canvas::{Align, Canvas, GRID, LABEL, Pen, Rect, TEXT, THIN, tex
 impl Chart {
     /// Draws the image behind the marks, the grid, the ticks and the labels.
     pub(super) fn draw_frame(&self, canvas: &mut Canvas, plot: Rect) {
-        if let Some(Backdrop { data_uri, x, y }) = &self.backdrop {
+        if let Some(Backdrop { data_uri, x, y, .. }) = &self.backdrop {
             let ends = (self.x_at(plot, x.0), self.x_at(plot, x.1), self.y_at(plot, y.1), self.y_at(plot, y.0));
             if let (Some(left), Some(right), Some(top), Some(bottom)) = ends {
-                canvas.image(Rect { left, top, right, bottom }, data_uri);
+                canvas.image(Rect { left, top: top.min(bottom), right, bottom: top.max(bottom) }, data_uri);
             }
         }
         let grid = self.backdrop.is_none().then_some(GRID);
@@ -22,11 +22,15 @@ impl Chart {
             let y = plot.bottom - tick.position * plot.height();
             if !tick.label.is_empty() {
                 grid.into_iter().for_each(|grid| canvas.line(&[(plot.left, y), (plot.right, y)], grid));
-                canvas.text((plot.left - 8.0, y), &tick.label, TEXT, Align::End);
+                if self.shows_y {
+                    canvas.text((plot.left - 8.0, y), &tick.label, TEXT, Align::End);
+                }
             }
             canvas.line(&[(plot.left - length(&tick), y), (plot.left, y)], THIN);
         }
-        canvas.text((plot.left - 60.0, plot.centre().1), &self.y.label(), LABEL, Align::Upward);
+        if self.shows_y {
+            canvas.text((plot.left - 60.0, plot.centre().1), &self.y.label(), LABEL, Align::Upward);
+        }
     }
 }
 
@@ -36,7 +40,7 @@ fn length(tick: &Tick) -> f64 {
 }
 
 /// Draws the ticks of a horizontal axis below `plot`, with grid lines and numbers if wanted.
-pub(crate) fn draw_x_ticks(canvas: &mut Canvas, plot: Rect, axis: &Axis, grid: Option<Pen>, numbers: bool) {
+fn draw_x_ticks(canvas: &mut Canvas, plot: Rect, axis: &Axis, grid: Option<Pen>, numbers: bool) {
     for tick in fitting_ticks(axis, plot.width()) {
         let x = plot.left + tick.position * plot.width();
         if let Some(grid) = grid.filter(|_| !tick.label.is_empty()) {
@@ -50,7 +54,7 @@ pub(crate) fn draw_x_ticks(canvas: &mut Canvas, plot: Rect, axis: &Axis, grid: O
 }
 
 /// Writes the label of a horizontal axis below the numbers of its ticks.
-pub(crate) fn label_x_axis(canvas: &mut Canvas, plot: Rect, axis: &Axis) {
+fn label_x_axis(canvas: &mut Canvas, plot: Rect, axis: &Axis) {
     canvas.text((plot.centre().0, plot.bottom + 38.0), &axis.label(), LABEL, Align::Middle);
 }
 

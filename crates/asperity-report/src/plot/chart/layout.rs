@@ -2,9 +2,30 @@
 
 use super::{Chart, Legend};
 use crate::plot::canvas::{Rect, draw};
+use crate::plot::image::ColourBar;
 
-/// Width of a figure in pixels.
-pub(crate) const WIDTH: f64 = 640.0;
+/// Room for the colour bar with its labels in pixels.
+const BAR: f64 = 98.0;
+
+/// Width of a figure in print: the pixels in which it is laid out, and millimetres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Width {
+    pub(crate) px: f64,
+    pub(crate) mm: f64,
+}
+
+/// Two columns of a paper.
+pub(crate) const TWO_COLUMNS: Width = Width { px: 640.0, mm: 170.0 };
+/// One column of a paper.
+pub(crate) const ONE_COLUMN: Width = Width { px: 400.0, mm: 85.0 };
+
+/// Charts of a figure in columns, row by row, with one legend above them and one colour bar for all of their maps.
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
+    pub(crate) columns: usize,
+    pub(crate) charts: Vec<Chart>,
+    pub(crate) colours: Option<ColourBar>,
+}
 
 /// Arranges charts over one x axis, one above the other and equally high; the lowest has the labels of the axis.
 pub(crate) fn stacked(charts: Vec<Chart>, height: f64) -> Vec<Chart> {
@@ -16,20 +37,52 @@ pub(crate) fn stacked(charts: Vec<Chart>, height: f64) -> Vec<Chart> {
     charts.into_iter().enumerate().map(place).collect()
 }
 
-/// Draws charts in that many columns, row by row, with one legend above them.
-pub(crate) fn figure(title: &str, description: &str, columns: usize, charts: &[Chart]) -> String {
-    let legend = Legend::new(charts, 72.0, WIDTH - 76.0);
-    let rows = || charts.chunks(columns).filter_map(|row| Some((row.first()?.height, row)));
-    let height = legend.height() + rows().map(|(height, _)| height).sum::<f64>();
-    let width = WIDTH / columns as f64;
-    draw((WIDTH, height), title, description, |canvas| {
-        legend.draw(canvas, 0.0);
-        let mut top = legend.height();
-        for (height, row) in rows() {
-            for (column, chart) in row.iter().enumerate() {
-                chart.draw(canvas, Rect::new(column as f64 * width, top, width, height));
+impl Layout {
+    pub(crate) fn new(columns: usize, charts: &[Chart]) -> Self {
+        Self { columns, charts: charts.to_vec(), colours: None }
+    }
+
+    /// Draws the figure as an SVG document.
+    pub(crate) fn svg(&self, title: &str, description: &str, width: Width) -> String {
+        let legend = Legend::new(&self.charts, 72.0, width.px - 76.0);
+        let (places, height) = self.places(width.px, legend.height());
+        draw((width.px, height), width.mm, title, description, |canvas| {
+            legend.draw(canvas, 0.0);
+            for (chart, place) in self.charts.iter().zip(&places) {
+                chart.draw(canvas, *place);
+            }
+            let maps = self.charts.iter().zip(&places).filter(|(chart, _)| chart.backdrop.is_some());
+            let maps: Vec<Rect> = maps.map(|(chart, place)| chart.plot(*place)).collect();
+            let ends = |of: fn(&Rect) -> f64, choose: fn(f64, f64) -> f64| maps.iter().map(of).reduce(choose);
+            let ends = (ends(|r| r.top, f64::min), ends(|r| r.bottom, f64::max), ends(|r| r.right, f64::max));
+            if let (Some(bar), (Some(top), Some(bottom), Some(right))) = (&self.colours, ends) {
+                bar.draw(canvas, Rect::new(right + 18.0, top, 16.0, (bottom - top).max(60.0)));
+            }
+        })
+    }
+
+    /// Returns the width over the height of each chart in a figure of two columns.
+    pub(crate) fn ratios(&self) -> Vec<f64> {
+        self.places(TWO_COLUMNS.px, 0.0).0.iter().map(|place| place.width() / place.height()).collect()
+    }
+
+    /// Returns the places of the charts, whose plots are equally wide in a row, and the height of the figure.
+    fn places(&self, width: f64, legend: f64) -> (Vec<Rect>, f64) {
+        let width = width - if self.colours.is_some() { BAR } else { 0.0 };
+        let (mut places, mut top) = (Vec::new(), legend);
+        for row in self.charts.chunks(self.columns.max(1)) {
+            let margins: f64 = row.iter().map(Chart::horizontal_margins).sum();
+            // A last row with fewer charts has plots as wide as those above.
+            let plot = (width - margins * self.columns as f64 / row.len() as f64) / self.columns as f64;
+            let height = row.iter().map(|chart| chart.height_for(plot)).fold(0.0, f64::max);
+            let mut left = 0.0;
+            for chart in row {
+                let width = plot + chart.horizontal_margins();
+                places.push(Rect::new(left, top, width, height));
+                left += width;
             }
             top += height;
         }
-    })
+        (places, top.max(if self.colours.is_some() { legend + 160.0 } else { 0.0 }))
+    }
 }

@@ -1,7 +1,7 @@
 //! Legend of one or several charts.
 
 use super::{Chart, DISC, Mark, SYMBOL, Series};
-use crate::plot::canvas::{Align, Canvas, Pen, Rect, TEXT, text_width};
+use crate::plot::canvas::{Align, Canvas, Pen, Rect, TEXT, THIN, text_width};
 
 /// Height of one row of the legend in pixels.
 const ROW: f64 = 21.0;
@@ -69,7 +69,10 @@ fn draw_sample(canvas: &mut Canvas, (x, y): (f64, f64), mark: &Mark) {
                 canvas.dot(place, 2.0, *colour, 0.8);
             }
         }
-        Mark::Patch { colour } => canvas.fill(patch, *colour, 1.0),
+        Mark::Patch { colour } => {
+            canvas.fill(patch, *colour, 1.0);
+            canvas.frame(patch, Pen { width: 0.8, ..THIN });
+        }
         Mark::Note { .. } => {}
     }
 }

@@ -76,8 +76,8 @@ pub fn write_campaign(
             provenance: Some(provenance.clone()),
         };
         let report = asperity_report::render_campaign(&run);
-        for figure in report.figures {
-            staging.write(&format!("figures/{}.svg", figure.name), figure.svg.as_bytes())?;
+        for (path, svg) in report.figures.iter().flat_map(asperity_report::Figure::files) {
+            staging.write(&path, svg.as_bytes())?;
         }
         staging.write("report.html", report.html.as_bytes())?;
     }

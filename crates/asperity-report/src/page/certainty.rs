@@ -1,0 +1,108 @@
+//! The table of how well each headline number is known, and what its error comes from.
+
+use asperity_results::{CutoffResult, FrictionResult, MeasuredSurface, Pair, PressureResult, VibrationResult};
+
+use super::cells::shown;
+use super::{DataTable, parameters};
+use crate::Run;
+use crate::format::{Dimension, significant};
+use crate::verdict::percent;
+
+/// Name, value with its interval, and the origin of the error.
+type Row = [String; 3];
+
+/// Returns the table; empty without results.
+pub(super) fn table(run: &Run) -> DataTable {
+    let results = &run.results;
+    let rows = results.surface.iter().flat_map(|surface| of_surface(&surface.measured));
+    let rows = rows.chain(results.pressure.iter().flat_map(of_pressure));
+    let rows = rows.chain(results.friction.iter().flat_map(of_friction));
+    let rows = rows.chain(results.vibration.iter().flat_map(of_vibration)).chain(of_verdict(run));
+    let headers = ["Result", "Value, 95 % interval", "What its error comes from"];
+    DataTable::new("", &headers, rows.map(Vec::from).collect(), "results.json")
+}
+
+fn row(name: &str, value: String, why: impl Into<String>) -> Row {
+    [name.to_owned(), value, why.into()]
+}
+
+fn of_surface(measured: &MeasuredSurface) -> Vec<Row> {
+    let why = match measured {
+        MeasuredSurface::Stated {} => return Vec::new(),
+        MeasuredSurface::Scan(_) => {
+            "the field of one scan holds few correlation lengths; how parts differ is not known from one scan"
+                .to_owned()
+        }
+        MeasuredSurface::Part(part) => format!("differences between {} scans, and the field of each", part.scan_count),
+    };
+    let wanted = [("rms height Sq", "Sq_m"), ("correlation length along x", "correlation_length_x_m")];
+    let known = |(name, key): (&str, &str)| Some(row(name, parameters::value(measured, key)?, why.clone()));
+    wanted.into_iter().filter_map(known).collect()
+}
+
+fn of_pressure(pressure: &PressureResult) -> Vec<Row> {
+    let why = format!("random surfaces of the reference run: {}", pressure.reference_samples);
+    let probability = shown(Dimension::None, pressure.contact_probability, pressure.contact_probability_interval);
+    let mean = shown(Dimension::Pressure, pressure.mean_pa, pressure.mean_interval);
+    vec![row("contact probability at a point", probability, why.clone()), row("mean pressure at a point", mean, why)]
+}
+
+fn of_friction(friction: &FrictionResult) -> Vec<Row> {
+    let point = &friction.operating_point;
+    let strips = format!("random strips: {}", friction.realisations);
+    let mut rows = vec![
+        row("friction coefficient μ", shown(Dimension::None, point.mean, point.mean_interval), strips.clone()),
+        row("its standard deviation between windows", shown(Dimension::None, point.std, point.std_interval), strips),
+    ];
+    rows.extend(friction.cutoff.as_ref().and_then(of_pitch));
+    let mean = friction.uncertainty.as_ref().and_then(|found| {
+        let level = friction.levels.iter().position(|level| level.leading).unwrap_or(0);
+        found.levels.get(level)?.at_mean_load.iter().find(|response| response.name == "mean")
+    });
+    rows.extend(mean.and_then(|mean| {
+        let why = "what the scan leaves open about the surface, see the sensitivity of friction";
+        Some(row("μ over surfaces that agree with the scan", shown(Dimension::None, mean.value?, mean.interval), why))
+    }));
+    rows
+}
+
+fn of_pitch(cutoff: &CutoffResult) -> Option<Row> {
+    let halved = cutoff.halved_pitch.as_ref()?;
+    let pitch = Dimension::Length.show(halved.pitch_m);
+    let why = format!(
+        "the strips have points every {}; this is the change with {pitch}",
+        Dimension::Length.show(cutoff.pitch_m)
+    );
+    Some(row("change of μ by finer points", significant(halved.change, 2), why))
+}
+
+fn of_vibration(vibration: &VibrationResult) -> Vec<Row> {
+    let nearest = |a: &&asperity_results::DampingResult, b: &&asperity_results::DampingResult| {
+        let away = |entry: &asperity_results::DampingResult| (entry.damping_ratio - vibration.damping_ratio).abs();
+        away(a).total_cmp(&away(b))
+    };
+    let lost = vibration.area.damping.iter().min_by(nearest).map(|entry| {
+        let interval: Option<Pair> = Some(entry.difference_interval);
+        row("cycles lost by roughness", shown(Dimension::None, entry.difference_mean, interval), "random trajectories")
+    });
+    let limit = vibration.limit_damping_ratio.map(|limit| {
+        let why = "no sampling: it follows from friction and the machine, and is as good as these";
+        row("limit of the damping ratio", significant(limit, 4), why)
+    });
+    limit.into_iter().chain(lost).collect()
+}
+
+fn of_verdict(run: &Run) -> Vec<Row> {
+    let Some(verdict) = run.results.verdict.as_ref().filter(|verdict| !crate::verdict::is_exact(verdict)) else {
+        return Vec::new();
+    };
+    let [low, high] = verdict.probability_interval;
+    let computed = format!("{} [{}, {}]", percent(verdict.probability), percent(low), percent(high));
+    let sampled = format!("machines that were computed: {}", verdict.evaluations);
+    let mut rows = vec![row("probability of vibration", computed, sampled)];
+    rows.extend(verdict.probability_over_unknowns.map(|unknown| {
+        let range = format!("{} to {} (5–95 %)", percent(unknown.q05), percent(unknown.q95));
+        row("the same over the unknown values", range, "values that are stated as unknown; measuring them narrows it")
+    }));
+    rows
+}
