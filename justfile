@@ -29,6 +29,7 @@ fuzz-vibration COUNT="1000000":
 # Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references, and counts how often
 # intervals of pressure and friction hold: some forty minutes.
 validate:
+    cargo run --release -p asperity-validation --bin validate_closed_forms > docs/validation/closed-forms.md
     cargo run --release -p asperity-validation --bin validate_contact -- docs
     cargo run --release -p asperity-validation --bin validate_pressure > docs/validation/pressure.md
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md

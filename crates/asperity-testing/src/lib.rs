@@ -1,13 +1,17 @@
-//! Random maps, records and monitors for tests.
+//! Random maps, records, monitors, and published test functions and values for tests.
 
 mod choices;
+mod functions;
 mod maps;
 mod monitors;
+mod published;
 mod records;
 
 pub use choices::Choices;
+pub use functions::{BOREHOLE, ISHIGAMI, SOBOL_G, SOBOL_G_PARAMETERS, TestFunction};
 pub use maps::{filtered_noise, paraboloid, self_affine};
 pub use monitors::{AlwaysCancelled, CancelAfter};
+pub use published::{CAPPED_HERTZ, CappedHertz, LEINE};
 pub use records::autoregressive;
 
 #[cfg(doctest)]

@@ -1,3 +1,5 @@
+use asperity_testing::ISHIGAMI;
+
 use super::*;
 use crate::UncertainInput;
 use asperity_base::distribution::{Marginal, standard_normal_cdf};
@@ -55,15 +57,12 @@ fn the_margin_and_the_event_of_a_linear_machine_have_their_closed_indices() {
 
 #[test]
 fn ishigami_has_its_closed_indices() {
-    let inputs = independent(&["beta:1,1,-3.141592653589793,3.141592653589793"; 3]);
-    let ishigami = |z: &[f64]| {
-        let x = inputs.values(z);
-        x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
-    };
+    let inputs = independent(&["beta:1,1,-1,1"; 3]);
+    let ishigami = |z: &[f64]| (ISHIGAMI.evaluate)(&inputs.values(z));
     for method in [SamplingMethod::Sobol, SamplingMethod::MonteCarlo] {
         let drivers = PickFreeze { method, ..PickFreeze::new(2) }.drivers(&inputs, ishigami).unwrap();
-        check(&drivers.first_order, &[0.313_905_19, 0.442_411_14, 0.0], 1e-8, 0.015);
-        check(&drivers.total, &[0.557_588_86, 0.442_411_14, 0.243_683_66], 1e-8, 0.015);
+        check(&drivers.first_order, ISHIGAMI.first, 1e-8, 0.015);
+        check(&drivers.total, ISHIGAMI.total, 1e-8, 0.015);
     }
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{Design, MultiIndexSet, PolynomialFamily, SamplingMethod, Truncation};
-use std::f64::consts::PI;
+use asperity_testing::{BOREHOLE, ISHIGAMI, SOBOL_G};
 
 /// Returns the expansion of f over a Sobol' design, where f is a function of the standard variables.
 fn expand(
@@ -56,14 +56,10 @@ fn the_exponential_of_a_normal_variable_has_its_closed_coefficients() {
 
 #[test]
 fn ishigami_has_its_published_indices() {
-    let (a, b) = (7.0, 0.1);
-    let (expansion, fit) = expand(&[PolynomialFamily::Legendre; 3], 12, 1024, |x| {
-        let [x1, x2, x3] = [x[0], x[1], x[2]].map(|x| PI * x);
-        x1.sin() + a * x2.sin().powi(2) + b * x3.powi(4) * x1.sin()
-    });
+    let (expansion, fit) = expand(&[PolynomialFamily::Legendre; 3], 12, 1024, ISHIGAMI.evaluate);
     // The least smooth part, 7 sin² πx = 3.5 − 3.5 cos 2πx, leaves a variance fraction of 2e-5 beyond degree 12.
     assert!(fit.leave_one_out.relative_error.unwrap() < 1e-3);
-    assert!((expansion.variance() / 13.844_587_940_719_254 - 1.0).abs() < 1e-3, "{}", expansion.variance());
+    assert!((expansion.variance() / ISHIGAMI.variance - 1.0).abs() < 1e-3, "{}", expansion.variance());
     let first = expansion.first_order_indices();
     assert!((first[0] - 0.313_905_19).abs() < 1e-3, "{first:?}");
     assert!((first[1] - 0.442_411_14).abs() < 1e-3, "{first:?}");
@@ -76,23 +72,13 @@ fn the_borehole_has_its_published_moments_and_indices() {
     let mut families = [PolynomialFamily::Legendre; 8];
     families[0] = PolynomialFamily::Hermite;
     families[1] = PolynomialFamily::Hermite;
-    let (expansion, _) = expand(&families, 4, 1500, |x| {
-        let between = |x: f64, low: f64, high: f64| low + (high - low) * (x + 1.0) / 2.0;
-        let rw = 0.10 + 0.016_181_2 * x[0];
-        let log_ratio = (7.71 + 1.0056 * x[1]) - rw.ln();
-        let (tu, hu) = (between(x[2], 63_070.0, 115_600.0), between(x[3], 990.0, 1110.0));
-        let (tl, hl) = (between(x[4], 63.1, 116.0), between(x[5], 700.0, 820.0));
-        let (l, kw) = (between(x[6], 1120.0, 1680.0), between(x[7], 9855.0, 12_045.0));
-        2.0 * PI * tu * (hu - hl) / (log_ratio * (1.0 + 2.0 * l * tu / (log_ratio * rw * rw * kw) + tu / tl))
-    });
-    assert!((expansion.mean() / 73.7389 - 1.0).abs() < 5e-4, "mean {}", expansion.mean());
-    assert!((expansion.variance() / 817.69 - 1.0).abs() < 2e-3, "variance {}", expansion.variance());
-    let first = [0.6637, 0.0, 0.0, 0.0949, 1e-5, 0.0949, 0.0907, 0.0219];
-    let total = [0.6942, 0.0, 0.0, 0.1061, 1e-5, 0.1062, 0.1028, 0.0251];
-    for (found, wanted) in expansion.first_order_indices().iter().zip(first) {
+    let (expansion, _) = expand(&families, 4, 1500, BOREHOLE.evaluate);
+    assert!((expansion.mean() / BOREHOLE.mean - 1.0).abs() < 5e-4, "mean {}", expansion.mean());
+    assert!((expansion.variance() / BOREHOLE.variance - 1.0).abs() < 2e-3, "variance {}", expansion.variance());
+    for (found, wanted) in expansion.first_order_indices().iter().zip(BOREHOLE.first) {
         assert!((found - wanted).abs() < 5e-4, "first {:?}", expansion.first_order_indices());
     }
-    for (found, wanted) in expansion.total_indices().iter().zip(total) {
+    for (found, wanted) in expansion.total_indices().iter().zip(BOREHOLE.total) {
         assert!((found - wanted).abs() < 5e-4, "total {:?}", expansion.total_indices());
     }
 }
@@ -101,12 +87,8 @@ fn the_borehole_has_its_published_moments_and_indices() {
 fn the_sobol_g_function_comes_within_its_known_truncation() {
     // Degree 6 keeps 5/64 + 1/256 + 13/128² of the variance 1/12 of |x|, which is 99.4 %, and less of products. The
     // variables with a = 99 contribute a fraction of 3e-4 and are left out.
-    let a = [0.0, 1.0, 4.5, 9.0];
-    let (expansion, _) = expand(&[PolynomialFamily::Legendre; 4], 6, 2000, |x| {
-        x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product()
-    });
-    let published = [0.716_192_169, 0.179_048_042, 0.023_675_774_2, 0.007_161_921_69];
-    for (found, wanted) in expansion.first_order_indices().iter().zip(published) {
+    let (expansion, _) = expand(&[PolynomialFamily::Legendre; 4], 6, 2000, SOBOL_G.evaluate);
+    for (found, wanted) in expansion.first_order_indices().iter().zip(SOBOL_G.first) {
         assert!((found - wanted).abs() < 0.01, "{:?}", expansion.first_order_indices());
     }
     assert!((expansion.variance() / 0.465_424_431_902_206_7 - 1.0).abs() < 0.03, "{}", expansion.variance());

@@ -1,4 +1,4 @@
-use std::f64::consts::PI;
+use asperity_testing::{BOREHOLE, ISHIGAMI, SOBOL_G, SOBOL_G_PARAMETERS};
 
 use super::*;
 use crate::{Basis, Design, MultiIndexSet, PolynomialFamily, RegressionError, SamplingMethod};
@@ -52,13 +52,11 @@ fn intervals_cover_the_ishigami_indices() {
     // Terms of x₁ and x₃ up to degrees 9 and 4, and of x₂ up to 12.
     let rows = (0..10).flat_map(|a| (0..5).map(move |c| [a, 0, c])).chain((1..13).map(|b| [0, b, 0]));
     let basis = Basis::new(MultiIndexSet::from_rows(3, rows).unwrap(), vec![PolynomialFamily::Legendre; 3]).unwrap();
-    let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 3], 250, 1, |x| {
-        (PI * x[0]).sin() + 7.0 * (PI * x[1]).sin().powi(2) + 0.1 * (PI * x[2]).powi(4) * (PI * x[0]).sin()
-    });
+    let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 3], 250, 1, ISHIGAMI.evaluate);
     let (estimates, truncation) = estimated(&basis, &xi_samples, &values, &[&[0, 2]]);
     assert!(truncation < 1e-3, "{truncation}");
-    assert_held("first", &estimates.first_order, &[0.313_905_19, 0.442_411_14, 0.0], truncation);
-    assert_held("total", &estimates.total, &[0.557_588_86, 0.442_411_14, 0.243_683_66], truncation);
+    assert_held("first", &estimates.first_order, ISHIGAMI.first, truncation);
+    assert_held("total", &estimates.total, ISHIGAMI.total, truncation);
     assert_held("closed", &estimates.closed, &[0.557_588_86], truncation);
 }
 
@@ -89,15 +87,13 @@ fn sobol_g_parts(a: &[f64], truncated: bool) -> impl Fn(usize) -> f64 {
 #[test]
 #[ignore = "slow"]
 fn intervals_cover_the_sobol_g_indices_at_their_level() {
-    let a = [0.0, 1.0, 4.5, 9.0];
+    let a = SOBOL_G_PARAMETERS;
     let (exact, projected) = (sobol_g_parts(&a, false), sobol_g_parts(&a, true));
-    // Without the four variables of a = 99, which contribute 3e-4.
-    assert!((exact(1) - 0.716_192_169).abs() < 5e-4 && (exact(2) - 0.179_048_042).abs() < 5e-4);
+    assert!((exact(1) - SOBOL_G.first[0]).abs() < 1e-9 && (exact(2) - SOBOL_G.first[1]).abs() < 1e-9);
     let basis = Basis::new(MultiIndexSet::total_degree(4, 4).unwrap(), vec![PolynomialFamily::Legendre; 4]).unwrap();
-    let g = |x: &[f64]| x.iter().zip(a).map(|(x, a)| ((2.0 * x).abs() + a) / (1.0 + a)).product();
     let (mut held, datasets) = (0, 25);
     for seed in 0..datasets {
-        let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 4], 400, seed, g);
+        let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 4], 400, seed, SOBOL_G.evaluate);
         let resamples = Resamples { count: 100, level: 0.95, seed };
         let estimates =
             resamples.sobol_indices(400, &[&[0, 1]], |rows| fitted(&basis, &xi_samples, &values, rows)).unwrap();
@@ -119,21 +115,11 @@ fn intervals_cover_the_borehole_indices() {
     families[0] = PolynomialFamily::Hermite;
     families[1] = PolynomialFamily::Hermite;
     let basis = Basis::new(MultiIndexSet::total_degree(8, 2).unwrap(), families.to_vec()).unwrap();
-    let (xi_samples, values) = sampled(&families, 250, 2, |x| {
-        let between = |x: f64, low: f64, high: f64| low + (high - low) * (x + 1.0) / 2.0;
-        let rw = 0.10 + 0.016_181_2 * x[0];
-        let log_ratio = (7.71 + 1.0056 * x[1]) - rw.ln();
-        let (tu, hu) = (between(x[2], 63_070.0, 115_600.0), between(x[3], 990.0, 1110.0));
-        let (tl, hl) = (between(x[4], 63.1, 116.0), between(x[5], 700.0, 820.0));
-        let (l, kw) = (between(x[6], 1120.0, 1680.0), between(x[7], 9855.0, 12_045.0));
-        2.0 * PI * tu * (hu - hl) / (log_ratio * (1.0 + 2.0 * l * tu / (log_ratio * rw * rw * kw) + tu / tl))
-    });
+    let (xi_samples, values) = sampled(&families, 250, 2, BOREHOLE.evaluate);
     let (estimates, truncation) = estimated(&basis, &xi_samples, &values, &[]);
     assert!(truncation < 5e-3, "{truncation}");
-    let first = [0.6637, 0.0, 0.0, 0.0949, 1e-5, 0.0949, 0.0907, 0.0219];
-    let total = [0.6942, 0.0, 0.0, 0.1061, 1e-5, 0.1062, 0.1028, 0.0251];
-    assert_held("first", &estimates.first_order, &first, truncation);
-    assert_held("total", &estimates.total, &total, truncation);
+    assert_held("first", &estimates.first_order, BOREHOLE.first, truncation);
+    assert_held("total", &estimates.total, BOREHOLE.total, truncation);
 }
 
 #[test]

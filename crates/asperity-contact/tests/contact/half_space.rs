@@ -11,7 +11,7 @@ use asperity_contact::{
     Base, Boundary, ContactError, ContactProblem, ContactWorkspace, Control, Elastic, HalfSpace, Layer, Solution,
     Solver, SolverStop, Substrate, love_coefficient,
 };
-use asperity_testing::{CancelAfter, self_affine};
+use asperity_testing::{CAPPED_HERTZ, CancelAfter, CappedHertz, self_affine};
 use ndarray::Array2;
 
 fn solve(heights_m: &Array2<f64>, half_space: &HalfSpace, control: Control, hardness_pa: Option<f64>) -> Solution {
@@ -73,17 +73,11 @@ fn the_perimeter_correction_improves_the_hertz_area() {
 
 #[test]
 fn a_hardness_lowers_the_load_of_a_hertz_contact_as_published() {
-    // Fixed approach; reference values of an independent fine solution.
     let delta = 0.01;
     let p0 = Hertz::new(1.0, 1.0, Hertz::load_n(1.0, 1.0, delta)).max_pressure_pa;
     // A cell centre lies on the summit, so the prescribed depth is the depth of the paraboloid.
     let (half_space, heights) = paraboloid(256, 0.4, 0.5);
-    for (ratio, load, area, load_tolerance) in [
-        (0.8, 0.98526, 1.012, 3e-4),
-        (0.6, 0.91633, 1.083, 3e-4),
-        (0.4, 0.76164, 1.274, 3e-4),
-        (0.1, 0.2675, 1.783, 2e-3),
-    ] {
+    for CappedHertz { hardness: ratio, load, area, load_tolerance } in CAPPED_HERTZ {
         let solution = solve(&heights, &half_space, Control::Penetration { metre: delta }, Some(ratio * p0));
         let load_ratio = solution.load_n() / Hertz::load_n(1.0, 1.0, delta);
         println!("H/p0 = {ratio}: load ratio {load_ratio:.5} for {load}");

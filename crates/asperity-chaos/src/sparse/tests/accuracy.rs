@@ -1,46 +1,21 @@
 //! Published test functions of sparse expansions.
 
-use std::f64::consts::PI;
-
+use asperity_testing::{BOREHOLE, ISHIGAMI, TestFunction};
 use ndarray::Array1;
 
 use super::*;
 use crate::{Basis, Design, MultiIndexSet, PolynomialFamily, SamplingMethod, Truncation};
 
-/// Evaluates Ishigami's function with (a, b) = (7, 0.1) of variables on [−1, 1].
-fn ishigami(x: &[f64]) -> f64 {
-    let (first, second, third) = ((PI * x[0]).sin(), (PI * x[1]).sin(), PI * x[2]);
-    first + 7.0 * second * second + 0.1 * third.powi(4) * first
-}
-
-const ISHIGAMI_VARIANCE: f64 = 13.844_587_940_719_254;
-
-/// Evaluates the flow through a borehole, a function of two normal variables and six on [−1, 1].
-fn borehole(x: &[f64]) -> f64 {
-    let between = |low: f64, high: f64, x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;
-    let well_m = 0.10 + 0.016_181_2 * x[0];
-    let log_ratio = (7.71 + 1.0056 * x[1]) - well_m.ln();
-    let upper = between(63_070.0, 115_600.0, x[2]);
-    let head_m = between(990.0, 1110.0, x[3]) - between(700.0, 820.0, x[5]);
-    let lower = between(63.1, 116.0, x[4]);
-    let (length_m, conductivity) = (between(1120.0, 1680.0, x[6]), between(9855.0, 12_045.0, x[7]));
-    let leak = 2.0 * length_m * upper / (log_ratio * well_m * well_m * conductivity);
-    2.0 * PI * upper * head_m / (log_ratio * (1.0 + leak + upper / lower))
-}
-
-const BOREHOLE_VARIANCE: f64 = 817.69;
-
 struct Problem {
     basis: Basis,
-    function: fn(&[f64]) -> f64,
-    variance: f64,
+    function: TestFunction,
 }
 
 impl Problem {
     fn ishigami() -> Self {
         let basis =
             Basis::new(MultiIndexSet::total_degree(3, 14).unwrap(), vec![PolynomialFamily::Legendre; 3]).unwrap();
-        Self { basis, function: ishigami, variance: ISHIGAMI_VARIANCE }
+        Self { basis, function: ISHIGAMI }
     }
 
     /// The hyperbolic set (Σ α_i^q)^{1/q} ≤ p with q = 3/4 and p = 5.
@@ -49,7 +24,7 @@ impl Problem {
         let set = MultiIndexSet::truncated(8, &truncation).unwrap();
         let families =
             (0..8).map(|i| if i < 2 { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre }).collect();
-        Self { basis: Basis::new(set, families).unwrap(), function: borehole, variance: BOREHOLE_VARIANCE }
+        Self { basis: Basis::new(set, families).unwrap(), function: BOREHOLE }
     }
 
     fn points(&self, method: SamplingMethod, seed: u64, samples: usize) -> Vec<Vec<f64>> {
@@ -72,14 +47,14 @@ impl Problem {
         let tests = self.points(SamplingMethod::MonteCarlo, 99, fresh);
         let error = |seed| {
             let points = self.points(design, seed, samples);
-            let response: Vec<f64> = points.iter().map(|x| (self.function)(x)).collect();
+            let response: Vec<f64> = points.iter().map(|x| (self.function.evaluate)(x)).collect();
             let fit = regression.select(&Candidates::new(self.matrix(&points).view()).unwrap(), &response).unwrap();
             let dense = Array1::from(fit.dense(self.basis.len()));
             let square = |points: &[Vec<f64>]| -> f64 {
                 let predicted = self.matrix(points).dot(&dense);
-                predicted.iter().zip(points).map(|(p, x)| (p - (self.function)(x)).powi(2)).sum()
+                predicted.iter().zip(points).map(|(p, x)| (p - (self.function.evaluate)(x)).powi(2)).sum()
             };
-            tests.chunks(1000).map(square).sum::<f64>() / (fresh as f64 * self.variance)
+            tests.chunks(1000).map(square).sum::<f64>() / (fresh as f64 * self.function.variance)
         };
         (0..5).map(error).collect()
     }
