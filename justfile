@@ -47,8 +47,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:
@@ -65,6 +65,14 @@ web:
     npm --prefix web run check
     cargo build
     npm --prefix web test
+
+# The book of docs, target/book: builds it and fails on warnings, broken links and generated pages that are not current; then runs the
+# commands of README.md and docs.
+book:
+    cargo install --quiet --root target/tools --locked --no-default-features --features search mdbook --version 0.5.4
+    cargo build
+    PATH="$PWD/target/tools/bin:$PATH" scripts/build-book --check
+    scripts/check-docs
 
 # Everything but the tests.
 lint: fmt clippy doc typos deny
