@@ -75,3 +75,7 @@ typos:
 # Licences, banned crates and sources of the dependencies (advisories are left out: fetching them needs a network).
 deny:
     CARGO="$PWD/.ci/cargo-metadata" cargo-deny --log-level error check bans licenses sources
+
+# Completions of shells and manual pages: written, checked and packed below target.
+shell-files:
+    scripts/pack-shell-files
