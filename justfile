@@ -79,3 +79,7 @@ deny:
 # Completions of shells and manual pages: written, checked and packed below target.
 shell-files:
     scripts/pack-shell-files
+
+# The published crates, packed as for a registry; each is built from its package alone. Uploads nothing.
+package:
+    cargo package --workspace --exclude asperity-benchmarks --exclude asperity-py --exclude asperity-testing --exclude asperity-validation

@@ -560,3 +560,19 @@ fn a_wrong_specification_or_target_writes_nothing() {
         assert_eq!(listing(folder.path()), before);
     }
 }
+
+#[test]
+fn init_writes_the_files_of_the_folder_studies() {
+    let folder = TempDir::new().unwrap();
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    for (example, files) in [("quickstart", &["quickstart.toml", "brake_disc.x3p"][..]), ("paper", &["paper.toml"])] {
+        assert_eq!(asperity_in(folder.path(), &["init", example, "--example", example]).code, 0);
+        for file in files {
+            let written = fs::read(folder.path().join(example).join(file)).unwrap();
+            assert!(
+                written == fs::read(studies.join(file)).unwrap(),
+                "{file} differs from the file in studies: copy it"
+            );
+        }
+    }
+}
