@@ -83,3 +83,8 @@ shell-files:
 # The published crates, packed as for a registry; each is built from its package alone. Uploads nothing.
 package:
     cargo package --workspace --exclude asperity-benchmarks --exclude asperity-py --exclude asperity-testing --exclude asperity-validation
+
+# Compiles with the oldest Rust that Cargo.toml states, which rustup installs where it is missing.
+oldest:
+    rustup toolchain install --profile minimal "$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)"
+    cargo +"$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)" check --workspace --locked
