@@ -96,3 +96,16 @@ typos:
 # Licences, banned crates and sources of the dependencies (advisories are left out: fetching them needs a network).
 deny:
     CARGO="$PWD/.ci/cargo-metadata" cargo-deny --log-level error check bans licenses sources
+
+# Completions of shells and manual pages: written, checked and packed below target.
+shell-files:
+    scripts/pack-shell-files
+
+# The published crates, packed as for a registry; each is built from its package alone. Uploads nothing.
+package:
+    cargo package --workspace --exclude asperity-benchmarks --exclude asperity-py --exclude asperity-testing --exclude asperity-validation
+
+# Compiles with the oldest Rust that Cargo.toml states, which rustup installs where it is missing.
+oldest:
+    rustup toolchain install --profile minimal "$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)"
+    cargo +"$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)" check --workspace --locked

@@ -12,6 +12,7 @@ pub const PITCH_RANGE_M: RangeInclusive<f64> = 1e-15..=1e3;
 
 /// Error in the construction of a map.
 #[derive(Debug, Clone, Error, PartialEq)]
+#[non_exhaustive]
 pub enum MapError {
     /// Fewer than two points along a direction of a grid.
     #[error("the map has {nx} × {ny} points; at least 2 × 2 are needed")]

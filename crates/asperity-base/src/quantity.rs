@@ -12,6 +12,7 @@ use thiserror::Error;
 
 /// Error in the text of a quantity.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum QuantityError {
     /// The text does not start with a finite number.
     #[error("`{text}` does not start with a number; write for example \"{example}\"")]

@@ -32,6 +32,7 @@ pub use spread::{Spread, flat_top};
 
 /// Error of an undefined statistic.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum StatsError {
     /// Too few values.
     #[error("{n} values are present; {statistic} needs at least {wanted}")]

@@ -7,6 +7,7 @@ use super::{Factor, MultiIndexError, MultiIndexSet, PolynomialFamily};
 
 /// Why a basis could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum BasisError {
     /// The set of terms could not be made.
     #[error(transparent)]

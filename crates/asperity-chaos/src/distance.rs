@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Reason why a distribution could not be created.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DiscreteDistributionError {
     /// There are no values.
     #[error("a distribution needs at least one value")]

@@ -50,6 +50,7 @@ const MAX_INPUTS: usize = 64;
 
 /// Reason why drivers could not be estimated.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DriverError {
     /// The design could not be created.
     #[error(transparent)]

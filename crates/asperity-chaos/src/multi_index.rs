@@ -12,6 +12,7 @@ const BORDER_TOLERANCE: f64 = 1e-10;
 
 /// Reason why a set could not be created.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MultiIndexError {
     /// There are no variables.
     #[error("an expansion needs at least one variable")]

@@ -58,6 +58,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Reason why uncertain parameters could not be propagated.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PropagationError {
     /// The list of parameters is empty.
     #[error("there is no uncertain parameter")]

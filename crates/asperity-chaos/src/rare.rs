@@ -72,6 +72,7 @@ const LEAST_REPLICATES: usize = 12;
 
 /// Reason why a small probability could not be estimated.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RareError<E> {
     /// The limit state could not be evaluated.
     #[error(transparent)]

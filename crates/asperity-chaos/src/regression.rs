@@ -13,6 +13,7 @@ use asperity_base::numeric::{Qr, solve_upper, triangular_condition};
 
 /// Reason why a regression failed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RegressionError {
     /// There are not more samples than coefficients.
     #[error("{samples} samples for {coefficients} coefficients; more samples than coefficients are needed")]

@@ -11,6 +11,7 @@ const LEAST_COUNT: usize = 20;
 
 /// Reason why a bootstrap cannot be run.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ResamplesError {
     /// There are too few resamples.
     #[error("{count} resamples; at least {LEAST_COUNT} are needed")]

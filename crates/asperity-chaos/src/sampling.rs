@@ -59,6 +59,7 @@ choice! {
 
 /// Reason why a design could not be created.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum SamplingError {
     /// A design needs at least one sample of at least one variable.
     #[error("a design of {samples} samples in {dimensions} variables is empty")]

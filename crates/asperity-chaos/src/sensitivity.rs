@@ -11,6 +11,7 @@ const FITTED_FRACTION: f64 = 0.95;
 
 /// Reason why indices have no intervals.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum IndexError<E> {
     /// A setting is out of range.
     #[error(transparent)]

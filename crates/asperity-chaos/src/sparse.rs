@@ -172,6 +172,7 @@ impl SparseFit {
 
 /// Reason why there is no sparse model.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SparseError {
     /// There are too few samples to leave one out.
     #[error("{samples} samples; at least three are needed")]

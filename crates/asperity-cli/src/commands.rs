@@ -2,11 +2,13 @@
 
 mod campaign;
 mod check;
+mod completions;
 mod computation;
 mod contact;
 mod formats;
 mod friction;
 mod init;
+mod manual;
 mod merge;
 mod report;
 mod repro;
@@ -42,6 +44,9 @@ pub(crate) enum Command {
     Surface(surface::Surface),
     Formats(formats::Formats),
     Schema(schema::Schema),
+    Completions(completions::Completions),
+    #[command(hide = true)]
+    Manual(manual::Manual),
     Contact(contact::Contact),
     /// Friction coefficient as a random process: fit measured records, draw new ones.
     #[command(subcommand)]
@@ -67,6 +72,8 @@ impl Command {
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),
             Self::Schema(schema) => schema.run(monitor),
+            Self::Completions(completions) => completions.run(),
+            Self::Manual(manual) => manual.run(),
             Self::Contact(contact) => contact.run(monitor),
             Self::Friction(friction) => friction.run(monitor),
             Self::Vibration(vibration) => vibration.run(monitor),

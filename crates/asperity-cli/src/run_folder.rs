@@ -34,12 +34,8 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         StoreError::Input { path, source } => Failure::io(Kind::Data, path.display(), source),
         StoreError::Io { path, source } => write_failure(path, source),
         StoreError::Taken { .. } => Failure::new(Kind::Runtime, error.to_string()),
-        StoreError::Table(_)
-        | StoreError::Field(_)
-        | StoreError::Process(_)
-        | StoreError::Json(_)
-        | StoreError::Toml(_)
-        | StoreError::Report(_) => Failure::new(Kind::Runtime, chain(error)),
+        // A table, field or file that could not be made.
+        _ => Failure::new(Kind::Runtime, chain(error)),
     }
 }
 

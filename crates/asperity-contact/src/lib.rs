@@ -65,6 +65,7 @@ pub fn memory_bytes(cells: usize, boundary: BoundaryKind) -> f64 {
 
 /// Reason why a contact problem could not be posed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ContactError {
     /// A parameter lies outside its range.
     #[error("{parameter} is {value:e} {unit}, but must be {wanted}")]

@@ -47,6 +47,7 @@ impl fmt::Display for Location {
 /// The message of an error is complete: it includes the message of an inner error, so no error has a source. Errors
 /// of [`read`](crate::read) and [`write`](crate::write) name the path; errors of functions on bytes cannot.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FormatError {
     /// The file to read, or the folder to write to, does not exist.
     #[error("{}: no such file or folder", path.display())]

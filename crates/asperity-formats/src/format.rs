@@ -2,6 +2,7 @@
 
 /// File format for measured surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Format {
     /// X3P, ISO 25178-72: a zip archive of an XML description and binary heights.
     X3p,

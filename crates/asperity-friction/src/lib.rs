@@ -44,6 +44,7 @@ use asperity_base::stats::StatsError;
 
 /// Reason why friction could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FrictionError {
     /// Too few strips converged.
     #[error(

@@ -13,6 +13,7 @@ const NEGLIGIBLE: f64 = 1e-18;
 
 /// Reason why there is no load curve, or no point on it.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LoadCurveError {
     /// Too few levels carry load.
     #[error("{loaded} levels carry load; a load curve needs at least two")]

@@ -8,6 +8,7 @@ use asperity_base::sentence;
 
 /// Reason why a window does not fit its strip.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum WindowError {
     /// The window is not longer than a cell.
     #[error("the window is {} long, the cells {}; a window contains at least two cells", metre(*window_m), metre(*cell_m))]

@@ -51,6 +51,7 @@ use asperity_chaos::{BasisError, DiscreteDistributionError, SamplingError};
 
 /// Reason why a distribution of the pressure could not be computed.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PressureError {
     /// The surface and the half-space have different grids.
     #[error("the surface lives on {surface:?}, the half-space on {half_space:?}")]

@@ -52,6 +52,7 @@ impl Method {
 
 /// Reason why a method has no estimate.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MethodError {
     /// The expansion could not be fitted to the samples in contact.
     #[error("no expansion: {0}")]

@@ -60,6 +60,7 @@ pub struct SensitivityIndices {
 
 /// Reason why there are no indices.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SensitivityError {
     /// There are too many variables ξ to compute the response of single heights.
     #[error("too many normal variables to rotate them to the cell")]

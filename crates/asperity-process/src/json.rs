@@ -14,6 +14,7 @@ const VERSION: u64 = 1;
 
 /// Error of reading a fitted process.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ProcessFileError {
     /// The text is not JSON.
     #[error("line {line}, column {column}: not JSON: {message}")]

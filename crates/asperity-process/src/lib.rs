@@ -96,6 +96,7 @@ impl EqualCells {
 
 /// Error of the construction of a friction process.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ProcessError {
     /// A parameter lies outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]

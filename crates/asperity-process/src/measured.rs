@@ -26,6 +26,7 @@ pub use record::{Abscissa, MeasuredRecord, NormalForce, RecordColumns};
 
 /// Error of reading a friction record or of fitting a process to it.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MeasuredError {
     /// The file has no rows.
     #[error("no row of numbers found; wanted one row per line, separated by semicolons, tabs, commas or spaces")]

@@ -127,6 +127,7 @@ impl Figure {
 
 /// Reason why a report cannot be rendered.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum ReportError {
     /// Columns of a table differ in length.
     #[error("table `{table}`: column `{column}` has {found} values, the first column {wanted}")]

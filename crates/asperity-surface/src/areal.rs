@@ -18,6 +18,7 @@ pub use spatial::{Decay, decay};
 
 /// Reason why a map has no texture parameters.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ArealError {
     /// All heights are equal; shape, slope and correlation are undefined without roughness.
     #[error("all {present} heights that are present are equal; a surface without roughness has no texture parameters")]

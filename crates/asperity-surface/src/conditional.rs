@@ -18,6 +18,7 @@ use asperity_base::monitor::Cancelled;
 
 /// Reason why a surface could not be conditioned.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ConditionalError {
     /// A parameter lies outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]

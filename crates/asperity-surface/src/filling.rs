@@ -59,6 +59,7 @@ pub struct FillOptions {
 
 /// Reason why a map could not be filled.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FillError {
     /// The form could not be removed.
     #[error("levelling: {0}")]

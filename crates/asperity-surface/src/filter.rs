@@ -19,6 +19,7 @@ fn metre(length_m: f64) -> String {
 
 /// Reason why a map could not be filtered.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FilterError {
     /// The threshold is not positive and finite.
     #[error("the outlier threshold is {found} standard deviations, but must be positive and finite")]

@@ -32,6 +32,7 @@ const LARGEST_ERROR: f64 = 0.1;
 
 /// Reason why a map has no structure function.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FractalError {
     /// All heights are equal.
     #[error("all {present} heights that are present are equal; a surface without roughness has no fractal dimension")]

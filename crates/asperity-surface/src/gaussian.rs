@@ -8,6 +8,7 @@ use asperity_base::map::{Grid, HeightMap, MapError};
 
 /// Reason why a generator of random surfaces could not be created.
 #[derive(Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum GeneratorError {
     /// A parameter lies outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]

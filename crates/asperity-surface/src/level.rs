@@ -106,6 +106,7 @@ impl From<Level> for String {
 
 /// Reason why a form could not be removed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LevelError {
     /// The text names no form.
     #[error(

@@ -53,6 +53,7 @@ pub struct Pooled {
 
 /// Reason why scans could not be pooled.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PoolingError {
     /// A single scan has no spread between scans.
     #[error("found {scans} scan, but pooling needs at least 2")]

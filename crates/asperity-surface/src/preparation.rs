@@ -40,6 +40,7 @@ pub struct Prepared {
 
 /// Reason why a map could not be prepared.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PreparationError {
     /// The form could not be removed.
     #[error("levelling: {0}")]

@@ -191,6 +191,7 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
 
 /// Reason why a surface could not be translated.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TranslationError {
     /// The marginal distribution is invalid.
     #[error(transparent)]

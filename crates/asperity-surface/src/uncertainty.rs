@@ -171,6 +171,7 @@ impl Estimates {
 
 /// Reason why no estimates could be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum UncertaintyError {
     /// A parameter lies outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]

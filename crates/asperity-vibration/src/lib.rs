@@ -100,6 +100,7 @@ use asperity_process::ProcessError;
 
 /// Error of a vibration computation.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum VibrationError {
     /// A parameter lies outside its range.
     #[error("{parameter} is {}, but must be {wanted}", shown(*value))]

@@ -10,6 +10,7 @@ use crate::stats::Extent;
 
 /// Why a correlation or spectrum could not be estimated.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum EstimateError {
     /// The values present do not vary, so their correlation is undefined.
     #[error("the {present} values present are all equal; a correlation needs values that vary")]

@@ -29,6 +29,7 @@ const TIE: f64 = 1e-3;
 
 /// A failed fit of a covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FitError {
     /// Empty list of model families.
     #[error("no family of covariance models to fit")]

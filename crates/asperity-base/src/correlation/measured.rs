@@ -20,6 +20,7 @@ const FEWEST_PATCHES: f64 = 10.0;
 
 /// An autocorrelation that cannot be made a covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MeasuredCovarianceError {
     /// A correlation so long that the map contains only a few independent patches.
     #[error(

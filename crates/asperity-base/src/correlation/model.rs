@@ -10,6 +10,7 @@ use super::bessel::matern;
 
 /// A rejected covariance.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CovarianceError {
     /// A parameter outside its range.
     #[error("{parameter} is {value}, but must be {wanted}")]

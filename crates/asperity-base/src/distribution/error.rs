@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Error of a distribution or of its fit.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DistributionError {
     /// A parameter outside its range.
     #[error("{distribution}: {parameter} is {value}, but must be {wanted}")]

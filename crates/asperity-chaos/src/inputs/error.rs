@@ -6,6 +6,7 @@ use asperity_base::distribution::DistributionError;
 
 /// Reason why inputs cannot be uncertain as stated.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum InputError {
     /// The distribution of an input is invalid.
     #[error("`{name}`: {source}")]

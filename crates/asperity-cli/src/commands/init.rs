@@ -31,15 +31,15 @@ enum Example {
 /// File of an example: its name and its bytes.
 type Piece = (&'static str, &'static [u8]);
 
-const SCAN: Piece = ("brake_disc.x3p", include_bytes!("../../../../studies/brake_disc.x3p"));
+const SCAN: Piece = ("brake_disc.x3p", include_bytes!("init/brake_disc.x3p"));
 
 impl Example {
     fn pieces(self) -> Vec<Piece> {
         match self {
             Self::Quickstart => {
-                vec![("quickstart.toml", include_bytes!("../../../../studies/quickstart.toml")), SCAN]
+                vec![("quickstart.toml", include_bytes!("init/quickstart.toml")), SCAN]
             }
-            Self::Paper => vec![("paper.toml", include_bytes!("../../../../studies/paper.toml"))],
+            Self::Paper => vec![("paper.toml", include_bytes!("init/paper.toml"))],
         }
     }
 }

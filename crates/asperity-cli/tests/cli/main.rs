@@ -5,6 +5,8 @@
 mod blocks;
 mod bodies;
 mod campaigns;
+#[cfg(unix)]
+mod completions;
 mod contact;
 mod contact_analysis;
 mod folders;

@@ -108,8 +108,17 @@ fn a_run_writes_the_whole_folder_and_equal_studies_give_equal_bytes() {
     assert_eq!(found.code, 0, "{found:?}");
     assert!(found.stdout.contains("contact probability"), "{found:?}");
     let run = folder.path().join("runs/study");
-    let wanted =
-        ["COMPLETE", "fields", "figures", "provenance.json", "report.html", "results.json", "study.toml", "tables"];
+    let wanted = [
+        "COMPLETE",
+        "fields",
+        "figures",
+        "machine.json",
+        "provenance.json",
+        "report.html",
+        "results.json",
+        "study.toml",
+        "tables",
+    ];
     assert_eq!(written(&run), wanted);
     assert_eq!(listing(&folder.path().join("runs")), ["study"]);
     let results: Value = serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
@@ -558,5 +567,21 @@ fn a_wrong_specification_or_target_writes_nothing() {
     ] {
         run_in(folder.path(), &format!("surface generate {line}")).refuses(code, &words);
         assert_eq!(listing(folder.path()), before);
+    }
+}
+
+#[test]
+fn init_writes_the_files_of_the_folder_studies() {
+    let folder = TempDir::new().unwrap();
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    for (example, files) in [("quickstart", &["quickstart.toml", "brake_disc.x3p"][..]), ("paper", &["paper.toml"])] {
+        assert_eq!(asperity_in(folder.path(), &["init", example, "--example", example]).code, 0);
+        for file in files {
+            let written = fs::read(folder.path().join(example).join(file)).unwrap();
+            assert!(
+                written == fs::read(studies.join(file)).unwrap(),
+                "{file} differs from the file in studies: copy it"
+            );
+        }
     }
 }

@@ -17,6 +17,7 @@ use crate::{GeneratorError, TranslationError};
 
 /// Reason why a random surface could not be modelled on a scan or made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SurfaceModelError {
     /// A quantity is to be measured, but there is no scan.
     #[error("random surface: {0} is to be measured, but there is no scan; state a value")]

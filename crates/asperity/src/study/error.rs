@@ -23,6 +23,7 @@ use crate::vibration::{LARGEST_CLIPPED_FRACTION, VibrationError};
 
 /// Why a study ended early.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StudyError {
     /// The scan cannot be read.
     #[error(transparent)]

@@ -19,6 +19,7 @@ pub struct CsvTable {
 
 /// Error of reading a CSV text as a table.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum TableError {
     /// Not CSV.
     #[error("not a CSV table: {0}")]

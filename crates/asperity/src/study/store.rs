@@ -40,6 +40,7 @@ pub(super) const FIELD_INDEX: &str = "fields/index.json";
 
 /// Error of writing or reading a folder.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StoreError {
     /// The operating system refused to read or write a file.
     #[error("{}: {}", path.display(), refusal(source))]
