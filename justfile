@@ -47,8 +47,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:
@@ -100,6 +100,22 @@ deny:
 # Completions of shells and manual pages: written, checked and packed below target.
 shell-files:
     scripts/pack-shell-files
+
+# The public interface of the published crates: fails if crates/NAME/api.txt is not current, or if a signature has a type of a crate
+# below 1.0. scripts/list-api writes the listings.
+api:
+    rustup toolchain install --profile minimal "$(sed -n 's/^NIGHTLY = "\(.*\)"/\1/p' scripts/list-api)"
+    cargo install --quiet --root target/tools --locked cargo-public-api --version 0.52.0
+    PATH="$PWD/target/tools/bin:$PATH" scripts/list-api --check
+
+# The published crates against those of the last tag: fails if a change needs another version.
+semver:
+    cargo install --quiet --root target/tools --locked cargo-semver-checks
+    if tag=$(git describe --tags --abbrev=0 2>/dev/null); then target/tools/bin/cargo-semver-checks semver-checks --baseline-rev "$tag"; else echo "no tag yet"; fi
+
+# The Python package for a release: wheel and source distribution, each installed and used.
+wheels:
+    scripts/build-wheels
 
 # The published crates, packed as for a registry; each is built from its package alone. Uploads nothing.
 package:

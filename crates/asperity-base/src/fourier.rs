@@ -30,6 +30,7 @@ use crate::blocks;
 const SHARED_FROM: usize = 1 << 15;
 
 /// Plan of transforms of real `ny` × `nx` maps. Cheap to clone and to share between threads.
+#[doc(hidden)]
 #[derive(Clone)]
 pub struct RealFft2 {
     nx: usize,
@@ -47,6 +48,7 @@ impl fmt::Debug for RealFft2 {
 }
 
 /// Workspace of one caller for a [`RealFft2`].
+#[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Workspace {
     /// Transformed rows, before the columns.

@@ -3,12 +3,35 @@
 //! A stream is a function of (seed, stage, sample index): sample 17 of a stage does not depend on the order of the
 //! samples or the thread.
 
-use rand::SeedableRng;
+use std::convert::Infallible;
+
+use rand::{SeedableRng, TryRng};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Counter-based random generator.
-pub type Stream = ChaCha12Rng;
+/// Counter-based random generator, ChaCha with twelve rounds. It is a generator of the crate `rand` as well.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stream(ChaCha12Rng);
+
+#[doc(hidden)]
+impl TryRng for Stream {
+    type Error = Infallible;
+
+    #[inline]
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        self.0.try_next_u32()
+    }
+
+    #[inline]
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        self.0.try_next_u64()
+    }
+
+    #[inline]
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        self.0.try_fill_bytes(bytes)
+    }
+}
 
 /// Returns the generator of sample `index` of the named `stage` under `seed`.
 ///
@@ -22,7 +45,7 @@ pub fn stream(seed: u64, stage: &str, index: u64) -> Stream {
     key[8..16].copy_from_slice(&stage_hash.to_le_bytes());
     let mut rng = ChaCha12Rng::from_seed(key);
     rng.set_stream(index);
-    rng
+    Stream(rng)
 }
 
 /// The golden-ratio increment of SplitMix64.

@@ -9,6 +9,7 @@ use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
 pub use realfft::{ComplexToReal, RealToComplex};
+#[doc(hidden)]
 pub use rustfft::num_complex::{Complex, Complex64};
 pub use rustfft::{Fft, FftNum};
 
