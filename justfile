@@ -39,7 +39,7 @@ validate:
 # examples, types, style. `dev` builds faster for the next change, and computes more slowly.
 python PROFILE="release":
     rm -rf target/wheel
-    maturin build --quiet --profile {{PROFILE}} --out target/wheel
+    maturin build --quiet --locked --profile {{PROFILE}} --out target/wheel
     python -m pip install --quiet --force-reinstall --no-deps target/wheel/*.whl
     maturin generate-stubs --quiet --profile {{PROFILE}} --out target/stubs
     diff python/asperity/_core.pyi target/stubs/asperity/_core.pyi
