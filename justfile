@@ -119,7 +119,7 @@ wheels:
 
 # The published crates, packed as for a registry; each is built from its package alone. Uploads nothing.
 package:
-    cargo package --workspace --exclude asperity-benchmarks --exclude asperity-py --exclude asperity-testing --exclude asperity-validation
+    cargo package --workspace --exclude asperity-benchmarks --exclude asperity-py --exclude asperity-testing --exclude asperity-validation --exclude asperity-wasm
 
 # Compiles with the oldest Rust that Cargo.toml states, which rustup installs where it is missing.
 oldest:
