@@ -16,6 +16,8 @@
 //! be interrupted: run them in a worker, and end the worker to cancel.
 
 mod answer;
+#[cfg(all(fuzzing, feature = "surface"))]
+pub mod fuzzing;
 mod monitor;
 mod oscillator;
 #[cfg(feature = "surface")]

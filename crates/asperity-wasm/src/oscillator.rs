@@ -68,7 +68,7 @@ pub fn ensemble(request: &str) -> Result<Answer, JsError> {
     Ok(simulated(request, &Progress)?)
 }
 
-fn scaled(machine: &str) -> Result<Answer, Failure> {
+pub(crate) fn scaled(machine: &str) -> Result<Answer, Failure> {
     let machine: Machine = read(machine)?;
     let scales = Scales::new(machine.mass_kg, machine.natural_frequency_rad_per_s, machine.normal_force_n)?;
     let (length_m, velocity_m_per_s) = (scales.length_m(), scales.velocity_m_per_s());
@@ -101,7 +101,7 @@ fn columns(portrait: &[PhasePoint]) -> (Vec<f64>, Vec<f64>) {
     portrait.iter().map(|point| (point.displacement, point.velocity)).unzip()
 }
 
-fn motion(parameters: &str, points: usize) -> Result<Answer, Failure> {
+pub(crate) fn motion(parameters: &str, points: usize) -> Result<Answer, Failure> {
     let oscillator = oscillator(parameters)?;
     let regime = limit_cycle(&oscillator)?;
     let cycle = regime.cycle();
@@ -125,7 +125,7 @@ fn motion(parameters: &str, points: usize) -> Result<Answer, Failure> {
     Ok(answer.with("displacement", displacement).with("velocity", velocity))
 }
 
-fn ends_of_vibration(parameters: &str) -> Result<Answer, Failure> {
+pub(crate) fn ends_of_vibration(parameters: &str) -> Result<Answer, Failure> {
     let oscillator = oscillator(parameters)?.with_forcing(None)?;
     let critical = asperity_vibration::critical_damping(&oscillator)?;
     let limit = match limit_damping(&oscillator) {

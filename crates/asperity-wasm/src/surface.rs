@@ -90,7 +90,7 @@ impl Surface {
         Self { seed, name, map, origin, twin: OnceCell::new(), model: OnceCell::new() }
     }
 
-    fn from_scan(bytes: &[u8], name: String, settings: &str) -> Result<Self, Failure> {
+    pub(crate) fn from_scan(bytes: &[u8], name: String, settings: &str) -> Result<Self, Failure> {
         let settings: ScanSettings = read(settings)?;
         let scan = read_bytes_with(bytes, &settings.options()?)?;
         let prepared = settings.preparation().apply(&HeightMap::try_from(scan.clone())?)?;
@@ -98,7 +98,7 @@ impl Surface {
         Ok(Self::new(settings_seed(&origin), name, prepared.map, origin))
     }
 
-    fn from_settings(settings: &str) -> Result<Self, Failure> {
+    pub(crate) fn from_settings(settings: &str) -> Result<Self, Failure> {
         let stated: StatedSurface = read(settings)?;
         let model = stated.model()?;
         let generated = model.patch(stated.grid()?, stated.is_periodic())?;
@@ -115,7 +115,7 @@ impl Surface {
         }
     }
 
-    fn description(&self) -> Result<Answer, Failure> {
+    pub(crate) fn description(&self) -> Result<Answer, Failure> {
         let (prepared, own) = match &self.origin {
             Origin::Scan { scan, prepared, .. } => (
                 (**prepared).clone(),
@@ -139,7 +139,7 @@ impl Surface {
         Ok(Answer::new(&numbers)?.with("heights_m", self.map.values_m().to_vec()))
     }
 
-    fn radial(&self) -> Result<Answer, Failure> {
+    pub(crate) fn radial(&self) -> Result<Answer, Failure> {
         let found = radial_spectrum(&self.map)?;
         let numbers = json!({
             "reliable_low_rad_per_m": found.reliable.low_rad_per_m,

@@ -44,6 +44,12 @@ mod write_run;
 
 use asperity_base::sentence;
 
+/// Calls for fuzz targets.
+#[cfg(fuzzing)]
+pub mod fuzzing {
+    pub use super::blocks::read_blocks;
+}
+
 pub use blocks::{
     BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, program, program_difference,
     sha256,

@@ -89,3 +89,30 @@ pub(crate) fn all() -> Vec<Fixture> {
     ]
     .concat()
 }
+
+/// Writes the fixtures below the folder `ASPERITY_SEEDS`, from which coverage-guided fuzzing starts: `format-NAME` for whole
+/// files, `archive-NAME` for the files in archives, each after a line with its name.
+#[test]
+fn every_format_has_seeds() {
+    let name = |fixture: &Fixture| asperity_formats::read_bytes(&fixture.bytes()).unwrap().format.unwrap().name();
+    let names: std::collections::BTreeSet<&str> = all().iter().map(name).collect();
+    for description in asperity_formats::descriptions().filter(|description| !description.reads.is_empty()) {
+        assert!(names.contains(description.format.name()), "{:?}: {names:?}", description.format);
+    }
+    let Some(seeds) = std::env::var_os("ASPERITY_SEEDS") else { return };
+    let write = |folder: String, number: usize, bytes: &[u8]| {
+        let folder = std::path::Path::new(&seeds).join(folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join(format!("fixture-{number}")), bytes).unwrap();
+    };
+    for (number, fixture) in all().iter().enumerate() {
+        write(format!("format-{}", name(fixture)), number, &fixture.bytes());
+        let files = match &fixture.content {
+            Content::Bytes(_) => continue,
+            Content::Gzip(bytes) => vec![("gzip".to_owned(), bytes.clone())],
+            Content::Zip(files) => files.clone(),
+        };
+        let parts = files.iter().map(|(name, bytes)| [format!("\n--- {name}\n").as_bytes(), bytes.as_slice()].concat());
+        write(format!("archive-{}", name(fixture)), number, &parts.collect::<Vec<_>>().concat());
+    }
+}

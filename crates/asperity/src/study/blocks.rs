@@ -20,6 +20,8 @@ use asperity_base::monitor::{BlockStore, Monitor, RoundId};
 use asperity_formats::{remove_abandoned_files, replace_file};
 use sha2::{Digest, Sha256};
 
+#[cfg(fuzzing)]
+pub use self::file::read_blocks;
 use self::file::{Block, Entry, Round};
 pub use self::record::{RunRecord, program, program_difference};
 use self::writer::Writer;

@@ -107,14 +107,19 @@ pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
 
 /// Reads the header of a file, and the offset of the first block. A damaged header is [`io::ErrorKind::InvalidData`].
 pub(super) fn read_header(path: &Path) -> io::Result<(Header, u64)> {
+    header_of(&mut File::open(path)?)
+}
+
+fn header_of(file: &mut (impl Read + Seek)) -> io::Result<(Header, u64)> {
     let damaged = || io::Error::from(io::ErrorKind::InvalidData);
-    let mut file = File::open(path)?;
+    let file_length = file.seek(SeekFrom::End(0))?;
+    file.rewind()?;
     let mut start = [0; START];
     file.read_exact(&mut start)?;
     let (magic, rest) = start.split_at(MAGIC.len());
     let (length, hash) = rest.split_at(size_of::<u64>());
     let length = u64::from_le_bytes(length.try_into().map_err(|_| damaged())?);
-    if magic != MAGIC || length > LONGEST_HEADER.min(file.metadata()?.len()) {
+    if magic != MAGIC || length > LONGEST_HEADER.min(file_length) {
         return Err(damaged());
     }
     let mut header = vec![0; length as usize];
@@ -127,15 +132,29 @@ pub(super) fn read_header(path: &Path) -> io::Result<(Header, u64)> {
 
 /// Reads a block at an offset; `None` if it is damaged or cannot be read.
 pub(super) fn read_block(path: &Path, offset: u64, entry: &Entry) -> Option<Vec<u8>> {
-    let mut file = File::open(path).ok()?;
+    block_of(&mut File::open(path).ok()?, offset, entry)
+}
+
+fn block_of(file: &mut (impl Read + Seek), offset: u64, entry: &Entry) -> Option<Vec<u8>> {
     let end = offset.checked_add(entry.length)?;
-    if end > file.metadata().ok()?.len() {
+    if end > file.seek(SeekFrom::End(0)).ok()? {
         return None;
     }
     file.seek(SeekFrom::Start(offset)).ok()?;
     let mut bytes = vec![0; entry.length as usize];
     file.read_exact(&mut bytes).ok()?;
     (Sha256::digest(&bytes)[..] == entry.hash).then_some(bytes)
+}
+
+/// Reads every block of a file in memory, for fuzz targets.
+#[cfg(fuzzing)]
+pub fn read_blocks(bytes: &[u8]) {
+    let mut file = io::Cursor::new(bytes);
+    let Ok((header, mut offset)) = header_of(&mut file) else { return };
+    for entry in header.entries {
+        let _ = block_of(&mut file, offset, &entry);
+        offset = offset.saturating_add(entry.length);
+    }
 }
 
 /// Returns bytes as lower-case hexadecimal digits.
