@@ -19,8 +19,19 @@ slow:
     cargo test --workspace --tests -- --ignored
 
 # Damages small files of every surface format, COUNT times each, and reads them: about a minute.
-fuzz COUNT="150000":
+damage COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
+
+# Coverage-guided fuzzing of every reader, SECONDS each for some thirty targets: installs cargo-fuzz; needs a C++ compiler. docs/reliability.md
+# states a long run.
+fuzz SECONDS="20":
+    cargo install --quiet --root target/tools --locked cargo-fuzz --version 0.13.2
+    PATH="$PWD/target/tools/bin:$PATH" scripts/fuzz {{SECONDS}}
+
+# Random studies through the program: CHECKS through `asperity check`, RUNS small ones through `asperity run`, some seven seconds each.
+wild CHECKS="100000" RUNS="1000":
+    cargo build --release
+    scripts/wild-studies target/wild --checks {{CHECKS}} --runs {{RUNS}}
 
 # Follows random stick-slip machines for COUNT cycles and checks every step against the laws of motion: some twenty minutes.
 fuzz-vibration COUNT="1000000":
