@@ -50,6 +50,22 @@ impl Control {
     }
 }
 
+/// Largest prescribed quantity, and the inverse of the least.
+const MOST: f64 = 1e100;
+
+/// Checks that a quantity is positive and between 1/`most` and `most`. These limits are wide, but products of
+/// quantities within them, up to the energy, neither overflow nor underflow.
+pub(super) fn positive(parameter: &'static str, value: f64, unit: &'static str, most: f64) -> Result<(), ContactError> {
+    let wanted = match most {
+        _ if !(value > 0.0) => "positive",
+        1e30 => "between 1e-30 and 1e30",
+        1e50 => "between 1e-50 and 1e50",
+        _ => "between 1e-100 and 1e100",
+    };
+    let error = ContactError::Parameter { parameter, value, unit, wanted };
+    if (1.0 / most..=most).contains(&value) { Ok(()) } else { Err(error) }
+}
+
 /// A contact problem: heights, a half-space, a prescribed quantity, and the hardness.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactProblem<'a> {
@@ -66,7 +82,7 @@ impl<'a> ContactProblem<'a> {
     /// Creates a problem; `hardness_pa = None` is elastic.
     ///
     /// # Errors
-    /// Heights are missing, all equal or too large to be squared; the map does not fit the half-space; a prescribed
+    /// Heights are missing, all equal, or rougher or smoother than can be computed (1e-50 m to 1e50 m rms); the map does not fit the half-space; a prescribed
     /// value is out of range; the mean pressure is not below the hardness; or the plane overlaps a periodic half-space
     /// of zero mean compliance.
     pub fn new(
@@ -89,54 +105,39 @@ impl<'a> ContactProblem<'a> {
         let variance = heights_m.iter().map(|z| (z - mean_height_m).powi(2)).sum::<f64>() / points;
         let highest_m = heights_m.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let lowest_m = heights_m.iter().copied().fold(f64::INFINITY, f64::min);
-        // The variance of equal heights is the rounding error of the mean. Squares of very small heights underflow.
-        if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) || variance <= 0.0 {
+        // The variance of equal heights is the rounding error of the mean.
+        if highest_m - lowest_m <= 4.0 * f64::EPSILON * highest_m.abs().max(lowest_m.abs()) {
             return Err(ContactError::Flat);
         }
-        // Squares of the heights must not overflow.
-        if !variance.is_finite() {
-            let (value, wanted) = (highest_m.abs().max(lowest_m.abs()), "below about 1e150");
-            return Err(ContactError::Parameter { parameter: "height", value, unit: "m", wanted });
-        }
-        let problem = Self {
-            half_space,
-            heights_m,
-            control,
-            hardness_pa,
-            mean_height_m,
-            rms_height_m: variance.sqrt(),
-            highest_m,
-        };
+        let rms_height_m = variance.sqrt();
+        positive("rms height", rms_height_m, "m", 1e50)?;
+        let problem = Self { half_space, heights_m, control, hardness_pa, mean_height_m, rms_height_m, highest_m };
         problem.validated()
     }
 
     fn validated(self) -> Result<Self, ContactError> {
-        let positive = |parameter, value: f64, unit| {
-            let error = ContactError::Parameter { parameter, value, unit, wanted: "positive" };
-            if value.is_finite() && value > 0.0 { Ok(()) } else { Err(error) }
-        };
         if let Some(hardness_pa) = self.hardness_pa {
-            positive("hardness", hardness_pa, "Pa")?;
+            positive("hardness", hardness_pa, "Pa", MOST)?;
         }
         match self.control {
-            Control::Plane { height_m } if !height_m.is_finite() => {
-                let (parameter, unit, wanted) = ("height of the plane", "m", "finite");
+            Control::Plane { height_m } if !(height_m.abs() <= MOST) => {
+                let (parameter, unit, wanted) = ("height of the plane", "m", "between −1e100 m and 1e100 m");
                 return Err(ContactError::Parameter { parameter, value: height_m, unit, wanted });
             }
-            Control::Penetration { metre } if !(metre.is_finite() && metre >= 0.0) => {
-                let (parameter, unit, wanted) = ("penetration", "m", "zero or positive");
+            Control::Penetration { metre } if !(0.0..=MOST).contains(&metre) => {
+                let (parameter, unit, wanted) = ("penetration", "m", "between 0 and 1e100 m");
                 return Err(ContactError::Parameter { parameter, value: metre, unit, wanted });
             }
             Control::Percentile { percent } if !(0.0..=100.0).contains(&percent) => {
                 let (parameter, unit, wanted) = ("percentile", "%", "between 0 and 100");
                 return Err(ContactError::Parameter { parameter, value: percent, unit, wanted });
             }
-            Control::MeanPressure { pascal } => positive("mean pressure", pascal, "Pa")?,
+            Control::MeanPressure { pascal } => positive("mean pressure", pascal, "Pa", MOST)?,
             Control::Load { newton } => {
-                positive("load", newton, "N")?;
-                positive("mean pressure", newton / self.half_space.grid().area_m2(), "Pa")?;
+                positive("load", newton, "N", MOST)?;
+                positive("mean pressure", newton / self.half_space.grid().area_m2(), "Pa", MOST)?;
             }
-            Control::MeanGap { metre } => positive("mean gap", metre, "m")?,
+            Control::MeanGap { metre } => positive("mean gap", metre, "m", MOST)?,
             _ => {}
         }
         if let (Some(mean_pressure_pa), Some(hardness_pa)) = (self.mean_pressure_pa(), self.hardness_pa)

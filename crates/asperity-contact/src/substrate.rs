@@ -20,6 +20,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::problem::positive;
 use crate::{Boundary, ContactError, Control, Elastic};
 use asperity_base::map::Grid;
 
@@ -124,10 +125,11 @@ impl Substrate {
 
     pub(super) fn validate(&self) -> Result<(), ContactError> {
         match self {
-            Self::HalfSpace { modulus_pa } => positive("contact modulus", *modulus_pa, "Pa"),
+            Self::HalfSpace { modulus_pa } => positive("contact modulus", *modulus_pa, "Pa", 1e30),
             Self::Layer(Layer { thickness_m, material, base }) => {
-                positive("thickness of the layer", *thickness_m, "m")?;
+                positive("thickness of the layer", *thickness_m, "m", 1e100)?;
                 material.validate("Young's modulus of the layer", "Poisson's ratio of the layer")?;
+                positive("contact modulus of the layer", material.contact_modulus_pa(), "Pa", 1e30)?;
                 match base {
                     Base::Rigid | Base::Slippery => Ok(()),
                     Base::Elastic(base) => base.validate("Young's modulus of the base", "Poisson's ratio of the base"),
@@ -212,11 +214,6 @@ fn series_of_cosh(y: f64, first: u32) -> f64 {
         }
     }
     sum
-}
-
-fn positive(parameter: &'static str, value: f64, unit: &'static str) -> Result<(), ContactError> {
-    let error = ContactError::Parameter { parameter, value, unit, wanted: "positive" };
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(error) }
 }
 
 #[cfg(test)]

@@ -382,7 +382,7 @@ fn heights_and_layers_without_significant_digits_are_refused() {
     let heights = random::standard_normal(&mut random::stream(7, "huge", 0), 64);
     let heights = Array2::from_shape_vec((8, 8), heights).unwrap() * 1e155;
     let problem = ContactProblem::new(&half_space, &heights, Control::MeanPressure { pascal: 1.0 }, None);
-    assert!(matches!(problem, Err(ContactError::Parameter { parameter: "height", .. })));
+    assert!(matches!(problem, Err(ContactError::Parameter { parameter: "rms height", .. })));
     // The displacement of an incompressible layer falls with the third power of its thickness, below the error of Love's
     // coefficients.
     let layer = |thickness_m: f64, poisson_ratio: f64| {

@@ -5,6 +5,7 @@
 
 mod analysis;
 mod contact_check;
+mod edges;
 mod half_space;
 mod random;
 mod reference;
