@@ -37,6 +37,8 @@ pub(super) fn matern(nu: f64, x: f64) -> f64 {
     if x == 0.0 {
         return 1.0;
     }
+    // Below, asinh(ν/x) could overflow; the value no longer changes.
+    let x = x.max(1e-300);
     let ln = (1.0 - nu) * std::f64::consts::LN_2 - ln_gamma(nu) + nu * x.ln() + ln_bessel_k(nu, x);
     ln.exp().min(1.0)
 }

@@ -46,6 +46,9 @@ pub enum CorrelationModel {
     },
 }
 
+/// Argument x beyond which x^ν K_ν(x)/Γ(ν) is below the smallest number for every order ν up to 100, the largest allowed.
+const VANISHED: f64 = 2000.0;
+
 impl CorrelationModel {
     /// Returns the name as in study files.
     pub fn name(&self) -> &'static str {
@@ -59,23 +62,14 @@ impl CorrelationModel {
 
     /// Returns ρ(r) at the scaled distance r ≥ 0; 1 at r = 0.
     pub fn correlation(&self, r: f64) -> f64 {
-        match *self {
-            Self::SquaredExponential => (-r * r).exp(),
-            Self::Exponential => (-r).exp(),
-            Self::Matern { nu } => {
-                let x = (2.0 * nu).sqrt() * r;
-                if nu == 0.5 {
-                    (-x).exp()
-                } else if nu == 1.5 {
-                    (1.0 + x) * (-x).exp()
-                } else if nu == 2.5 {
-                    (1.0 + x + x * x / 3.0) * (-x).exp()
-                } else {
-                    matern(nu, x)
-                }
-            }
-            Self::SelfAffine { hurst: 0.5 } => (-r).exp(),
-            Self::SelfAffine { hurst } => matern(hurst, r),
+        let Some((nu, corner)) = self.order_and_corner() else { return (-r * r).exp() };
+        let x = corner.sqrt() * r;
+        match nu {
+            _ if x > VANISHED => 0.0,
+            0.5 => (-x).exp(),
+            1.5 => (1.0 + x) * (-x).exp(),
+            2.5 => (1.0 + x + x * x / 3.0) * (-x).exp(),
+            _ => matern(nu, x),
         }
     }
 
@@ -368,6 +362,21 @@ mod tests {
                 assert!((CorrelationModel::Matern { nu }.correlation(r) - value).abs() < 1e-14);
                 assert!((matern(nu, (2.0 * nu).sqrt() * r) - value).abs() < 2e-13, "nu {nu} r {r}");
             }
+        }
+    }
+
+    #[test]
+    fn correlations_vanish_at_any_large_distance() {
+        for model in
+            MODELS.into_iter().chain([1e-320, 1e-9, 1.5, 2.5, 60.0, 100.0].map(|nu| CorrelationModel::Matern { nu }))
+        {
+            let mut last = 1.0;
+            for r in [5e-324, 1e-100, 1e-3, 1.0, 30.0, 900.0, 2000.0, 1e9, 4e64, 1e200, f64::MAX, f64::INFINITY] {
+                let value = model.correlation(r);
+                assert!((0.0..=last + 1e-12).contains(&value), "{model:?} at {r}: {value} after {last}");
+                last = value;
+            }
+            assert_eq!(last, 0.0, "{model:?}");
         }
     }
 
