@@ -122,8 +122,9 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let scale_m = scale_m(&input)?;
 
     let mut warnings = Vec::new();
-    let phase_bytes = nx * ny * Sample::I32.size();
-    let start = header_bytes + intensity_bytes(&input, header_bytes + phase_bytes, &mut warnings)?;
+    let phase_bytes = (nx * ny).saturating_mul(Sample::I32.size());
+    let intensity_bytes = intensity_bytes(&input, header_bytes.saturating_add(phase_bytes), &mut warnings)?;
+    let start = header_bytes.saturating_add(intensity_bytes);
     let in_metre = |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m };
     let heights_m = input.heights("the connected phase", start, (ny, nx), Sample::I32, in_metre)?;
     let surplus = bytes.len() - start - phase_bytes;

@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn derivative_shift_and_value_agree_with_the_exponential() {
         let c: Vec<f64> =
-            (0..CAPACITY).scan(1.0, |f, k| Some(*f / (1..=k).product::<usize>().max(1) as f64)).take(18).collect();
+            (0..CAPACITY).scan(1.0, |f, k| Some(*f / (1..=k as u64).product::<u64>().max(1) as f64)).take(18).collect();
         assert!((value(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-15);
         assert!((split_value(&c, 0.5) - 0.5_f64.exp()).abs() < 1e-15);
         assert!((value_and_slope(&c, 0.5).1 - 0.5_f64.exp()).abs() < 1e-14);

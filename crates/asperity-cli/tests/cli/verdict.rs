@@ -100,6 +100,34 @@ fn more_mass_changes_nothing_if_every_machine_keeps_its_damper() {
 }
 
 #[test]
+fn more_damping_never_makes_vibration_more_probable() {
+    let laws = [
+        "velocity_law = \"stribeck\"\nstribeck = \"4 ± 1\"\n",
+        "velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.03\"\n",
+        "velocity_law = \"exponential\"\nstribeck_velocity = \"0.4 ± 0.1 m/s\"\nhigh_speed_share = 0.6\nkinetic_share = 0.9\n",
+    ];
+    for law in laws {
+        for belt in [0.003, 0.3] {
+            let mut last = [1.0_f64; 2];
+            for damping in ["0", "\"0.01 ± 0.002\"", "\"0.05 ± 0.01\"", "\"0.1 ± 0.02\"", "\"0.3 ± 0.02\"", "3"] {
+                let found = verdict(&format!("dimensionless_belt_velocity = {belt}\n{law}damping_ratio = {damping}\n"));
+                let [low, high] = pair(&found["probability_interval"]);
+                let probability = found["probability"].as_f64().unwrap();
+                let name =
+                    format!("{law}belt {belt}, damping {damping}: {probability} from {low} to {high} after {last:?}");
+                assert!(
+                    (0.0..=1.0).contains(&low) && low <= probability && probability <= high && high <= 1.0,
+                    "{name}"
+                );
+                assert!(low <= last[0] && probability <= last[1], "{name}");
+                last = [probability, high];
+            }
+            assert!(last[0] < 1e-3, "{law} belt {belt}: {last:?} at a damping ratio of 3");
+        }
+    }
+}
+
+#[test]
 fn small_probabilities_have_both_ends_of_their_interval_above_zero() {
     for (damping, wanted) in [("\"0.09 ± 0.005\"", 1.733e-4), ("\"0.105 ± 0.005\"", 4.342e-7)] {
         let found = linear(damping, "");

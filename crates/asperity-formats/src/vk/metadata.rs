@@ -95,7 +95,7 @@ fn strings(input: Input) -> (Option<String>, Option<String>) {
 /// Returns a text in UTF-16 after the number of its units, and the offset of its end.
 fn string(input: Input, start: usize) -> Option<(String, usize)> {
     let units = usize::try_from(input.u32("a string's length", start).ok()?).ok()?;
-    let bytes = input.take("a string", start + 4, 2 * units).ok()?;
+    let bytes = input.take("a string", start + 4, units.saturating_mul(2)).ok()?;
     let text = utf16_text(bytes, ByteOrder::Little);
     let text = text.split('\0').next().unwrap_or_default().trim();
     Some((text.to_owned(), start + 4 + bytes.len()))

@@ -121,7 +121,11 @@ impl Axis {
         let usual = single.iter().sum::<f64>() / single.len() as f64;
         let steps: f64 = gaps().map(|gap| (gap / usual).round().max(1.0)).sum();
         let step = (centres.last()? - centres.first()?) / steps;
-        (step.is_finite() && step > 0.0).then(|| Self { first: low + centres[0], step, lines: steps as usize + 1 })
+        (step.is_finite() && step > 0.0).then(|| Self {
+            first: low + centres[0],
+            step,
+            lines: (steps as usize).saturating_add(1),
+        })
     }
 }
 
