@@ -58,8 +58,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:
