@@ -100,17 +100,19 @@ fn more_mass_changes_nothing_if_every_machine_keeps_its_damper() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn more_damping_never_makes_vibration_more_probable() {
     let laws = [
         "velocity_law = \"stribeck\"\nstribeck = \"4 ± 1\"\n",
         "velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.03\"\n",
-        "velocity_law = \"exponential\"\nstribeck_velocity = \"0.4 ± 0.1 m/s\"\nhigh_speed_share = 0.6\nkinetic_share = 0.9\n",
+        "velocity_law = \"exponential\"\nstribeck_velocity = \"0.4 ± 0.05 m/s\"\nhigh_speed_share = 0.6\n",
     ];
     for law in laws {
         for belt in [0.003, 0.3] {
             let mut last = [1.0_f64; 2];
-            for damping in ["0", "\"0.01 ± 0.002\"", "\"0.05 ± 0.01\"", "\"0.1 ± 0.02\"", "\"0.3 ± 0.02\"", "3"] {
-                let found = verdict(&format!("dimensionless_belt_velocity = {belt}\n{law}damping_ratio = {damping}\n"));
+            for damping in ["\"0.05 ± 0.01\"", "\"0.2 ± 0.02\"", "3"] {
+                let machine = format!("dimensionless_belt_velocity = {belt}\n{law}damping_ratio = {damping}\n");
+                let found = verdict(&format!("{machine}[verdict]\nevaluations = 1000\n"));
                 let [low, high] = pair(&found["probability_interval"]);
                 let probability = found["probability"].as_f64().unwrap();
                 let name =

@@ -101,9 +101,14 @@ enum Ray {
     Left(Axis),
 }
 
+/// Ratio of the sides of a pixel up to which rays are followed in steps of half the shorter one.
+const LONGEST_PIXEL: f64 = 64.0;
+
 fn along(correlation: &Autocorrelation, angle: f64, level: f64) -> Ray {
     let grid = correlation.grid();
-    let step_m = 0.5 * f64::min(grid.dx_m(), grid.dy_m());
+    let pixel_m = 1.0 / f64::max(angle.cos().abs() / grid.dx_m(), angle.sin() / grid.dy_m());
+    // Half of the shorter side of a pixel, unless pixels are so long that most steps would stay in one.
+    let step_m = 0.5 * f64::min(grid.dx_m(), grid.dy_m()).max(pixel_m / LONGEST_PIXEL);
     let (columns, rows) = (angle.cos() * step_m / grid.dx_m(), angle.sin() * step_m / grid.dy_m());
     let (half_x, half_y) = (0.5 * grid.nx() as f64, 0.5 * grid.ny() as f64);
     let (reach_x, reach_y) = correlation.reach();

@@ -38,6 +38,17 @@ fn a_sinusoid_has_its_closed_forms() {
 }
 
 #[test]
+fn rays_end_on_pixels_of_any_ratio() {
+    // White noise is uncorrelated from one pixel to the next, so Sal is 0.8 of the shorter side if the level is 0.2.
+    let white = random::standard_normal(&mut random::stream(9, "ratio", 0), 48 * 32);
+    for (dx, dy) in [(1e-15, 1e3), (1e3, 1e-15), (1e-6, 1e-6), (1e-6, 1e-3), (1e-3, 1e-6)] {
+        let heights = Array2::from_shape_vec((32, 48), white.clone()).unwrap();
+        let sal = parameters(&HeightMap::new(Grid::new(48, 32, dx, dy).unwrap(), heights).unwrap()).unwrap().sal_m;
+        close("Sal", sal.unwrap(), 0.8 * dx.min(dy), 0.1);
+    }
+}
+
+#[test]
 fn the_developed_area_of_a_sinusoid_converges_to_its_elliptic_integral_at_second_order() {
     // (2/π) E(−k²) − 1 at k = 2πA/P.
     for (k, wanted) in [(0.1, 0.0024953319251068695), (0.5, 0.05983938018764845), (1.0, 0.21600672342497984)] {
