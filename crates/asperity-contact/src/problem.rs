@@ -57,7 +57,7 @@ const MOST: f64 = 1e100;
 /// quantities within them, up to the energy, neither overflow nor underflow.
 pub(super) fn positive(parameter: &'static str, value: f64, unit: &'static str, most: f64) -> Result<(), ContactError> {
     let wanted = match most {
-        _ if !(value > 0.0) => "positive",
+        _ if value.is_nan() || value <= 0.0 => "positive",
         1e30 => "between 1e-30 and 1e30",
         1e50 => "between 1e-50 and 1e50",
         _ => "between 1e-100 and 1e100",
@@ -120,7 +120,7 @@ impl<'a> ContactProblem<'a> {
             positive("hardness", hardness_pa, "Pa", MOST)?;
         }
         match self.control {
-            Control::Plane { height_m } if !(height_m.abs() <= MOST) => {
+            Control::Plane { height_m } if !(0.0..=MOST).contains(&height_m.abs()) => {
                 let (parameter, unit, wanted) = ("height of the plane", "m", "between −1e100 m and 1e100 m");
                 return Err(ContactError::Parameter { parameter, value: height_m, unit, wanted });
             }
