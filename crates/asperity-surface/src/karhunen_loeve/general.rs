@@ -5,6 +5,7 @@ use ndarray::Array2;
 use super::lanczos::{Operator, largest_eigenpairs};
 use super::parity::Class;
 use super::profile::class_eigenpairs;
+use super::sort_falling;
 use crate::GeneratorError;
 use crate::spectral::wrapped_eigenvalues_m2;
 use asperity_base::blocks;
@@ -29,7 +30,7 @@ pub(super) struct ClassModes {
     /// Coordinates of the functions of each class in 1/m, as rows.
     functions: Vec<Array2<f64>>,
     /// Class and row of every mode.
-    places: Vec<(usize, usize)>,
+    pub(super) places: Vec<(usize, usize)>,
     points: usize,
 }
 
@@ -149,8 +150,7 @@ impl ClassModes {
         for (class, (values, _)) in found.iter().enumerate() {
             all.extend(values.iter().enumerate().map(|(row, value)| (*value, (class, row))));
         }
-        // The sort is stable: equal eigenvalues stay in the order of their classes.
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_falling(&mut all);
         all.truncate(modes);
         let norm = grid.cell_area_m2().sqrt();
         let functions = found.into_iter().enumerate().map(|(class, (_, vectors))| {

@@ -3,6 +3,7 @@
 use ndarray::{Array2, ArrayView2, Axis, s};
 
 use super::profile::dense_eigenpairs;
+use super::sort_falling;
 use crate::GeneratorError;
 use asperity_base::blocks;
 use asperity_base::random;
@@ -145,8 +146,7 @@ impl Survey {
         for (i, space) in spaces.iter().enumerate() {
             all.extend(space.values.iter().map(|value| (*value, i)));
         }
-        // The sort is stable: equal values stay in the order of their spaces.
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_falling(&mut all);
         let enough = all.len() >= wanted;
         all.truncate(wanted);
         let scale = all[0].0.max(f64::MIN_POSITIVE);

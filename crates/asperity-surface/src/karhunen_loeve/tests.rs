@@ -159,6 +159,36 @@ fn both_general_methods_return_the_dense_eigenvalues_with_their_multiplicity() {
 }
 
 #[test]
+fn rounding_does_not_order_the_modes_of_a_square() {
+    let grid = Grid::new(18, 18, 1.0, 1.0).unwrap();
+    let isotropic = unit(CorrelationModel::Matern { nu: 0.8 }, 5.0, 5.0);
+    let diagonal = Rotated::new(unit(CorrelationModel::Exponential, 9.0, 3.0), std::f64::consts::FRAC_PI_4).unwrap();
+    for covariance in [&isotropic as &dyn StationaryCovariance, &diagonal] {
+        let fft = RealFft2::new(18, 18);
+        let spectrum = wrapped_spectrum(covariance, grid, &fft).eigenvalues_m2;
+        for (kx, ky) in (0..10).flat_map(|kx| (0..18).map(move |ky| (kx, ky))) {
+            let exchanged = if ky < 10 { ky * 18 + kx } else { (18 - ky) * 18 + (18 - kx) % 18 };
+            assert_eq!(spectrum[kx * 18 + ky], spectrum[exchanged], "{kx} {ky}");
+        }
+    }
+    // The two modes of a pair belong to different classes, that of the lower number first.
+    for method in [general::dense_modes, general::iterated_modes] {
+        let found = method(&isotropic, grid, 60).unwrap();
+        let values = &found.eigenvalues_m2;
+        let pairs: Vec<_> = (1..60).filter(|&j| values[j - 1] - values[j] < 1e-12 * values[0]).collect();
+        assert!(pairs.len() > 12, "{pairs:?}");
+        assert!(pairs.iter().all(|&j| found.places[j - 1] < found.places[j]));
+    }
+}
+
+#[test]
+fn values_that_rounding_tells_apart_are_sorted_by_place() {
+    let mut modes = [(1.0, 1), (1.0 + 1e-15, 2), (2.0, 4), (1.0 - 1e-15, 0), (0.5, 3)];
+    sort_falling(&mut modes);
+    assert_eq!(modes.map(|mode| mode.1), [4, 0, 1, 2, 3]);
+}
+
+#[test]
 fn both_general_methods_span_the_same_field() {
     // When the truncation separates distinct eigenvalues, the covariance does not depend on rotations of equal modes.
     let grid = Grid::new(18, 18, 1.0, 1.0).unwrap();

@@ -38,8 +38,9 @@ pub(crate) struct WrappedSpectrum {
 /// least image.
 ///
 /// ρ is even under a change of both signs, so eigenvalues are real. A mirror-symmetric ρ has λ(k_x, k_y) = λ(k_x, −k_y).
-/// Both symmetries are imposed against rounding. Lags of half the domain have two or four images of equal length; their
-/// mean is used.
+/// A ρ that is symmetric under an exchange of x and y, on a square domain, has λ(k_x, k_y) = λ(k_y, k_x). All symmetries
+/// are imposed against rounding, which would otherwise order equal eigenvalues. Lags of half the domain have two or
+/// four images of equal length; their mean is used.
 pub(crate) fn wrapped_eigenvalues_m2(covariance: &dyn StationaryCovariance, domain: Grid, fft: &RealFft2) -> Vec<f64> {
     let (nx, ny) = (domain.nx(), domain.ny());
     let mirrors = covariance.mirror_symmetric();
@@ -65,13 +66,24 @@ pub(crate) fn wrapped_eigenvalues_m2(covariance: &dyn StationaryCovariance, doma
     let mut spectrum = fft.spectrum();
     fft.forward(&wrapped, &mut spectrum, &mut fft.workspace());
     let cell = domain.cell_area_m2();
+    let mirrored = |kx: usize, ky: usize| {
+        let here = spectrum[kx * ny + ky].re;
+        // For the mean and Nyquist columns (k_x, −k_y) is also −k: equal for every covariance.
+        let paired = mirrors || kx == 0 || 2 * kx == nx;
+        if paired { 0.5 * (here + spectrum[kx * ny + (ny - ky) % ny].re) } else { here }
+    };
+    let equal = |a: f64, b: f64| (a - b).abs() <= 1e-12;
+    let exchanged = nx == ny && (0..ny).all(|i| (0..i).all(|j| equal(wrapped[i * nx + j], wrapped[j * nx + i])));
     (0..fft.stored_kx())
         .flat_map(|kx| (0..ny).map(move |ky| (kx, ky)))
         .map(|(kx, ky)| {
-            let here = spectrum[kx * ny + ky].re;
-            // For the mean and Nyquist columns (k_x, −k_y) is also −k: equal for every covariance.
-            let paired = mirrors || kx == 0 || 2 * kx == nx;
-            cell * if paired { 0.5 * (here + spectrum[kx * ny + (ny - ky) % ny].re) } else { here }
+            let here = mirrored(kx, ky);
+            if !exchanged {
+                return cell * here;
+            }
+            // (k_x, k_y) becomes (k_y, k_x), and (k_x, −k_y) becomes (k_y, −k_x), the negative of its exchange.
+            let (ox, oy) = if 2 * ky <= ny { (ky, kx) } else { (ny - ky, (ny - kx) % ny) };
+            cell * 0.5 * (here + mirrored(ox, oy))
         })
         .collect()
 }

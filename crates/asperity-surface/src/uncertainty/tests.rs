@@ -308,19 +308,30 @@ fn a_transposed_map_has_transposed_lengths_and_units_scale() {
 #[test]
 fn a_lay_as_long_as_the_map_has_only_the_blocks_across_it() {
     // Profiles along x, copies of the first with a little noise: the number of blocks is that of one profile.
-    let rough = maps(CorrelationModel::SquaredExponential, &normal(), 50, 1).next().unwrap();
-    let side = rough.grid().nx();
-    let noise = random::standard_normal(&mut random::stream(43, "noise", 0), side * side);
-    let lay = Array2::from_shape_fn((side, side), |(row, column)| {
-        rough.heights_m()[[0, column]] + 0.1 * noise[row * side + column]
-    });
-    let map = HeightMap::new(rough.grid(), lay).unwrap();
-    let e = estimates(&map);
-    assert_eq!(e.correlation_length_y_m, None);
-    let (sq, length) = (e.sq_m.unwrap(), e.correlation_length_x_m.unwrap());
+    let (mut errors, mut lengths, mut held) = (Vec::new(), 0, 0);
+    for rough in maps(CorrelationModel::SquaredExponential, &normal(), 50, 12) {
+        let side = rough.grid().nx();
+        let noise = random::standard_normal(&mut random::stream(43, "noise", 0), side * side);
+        let lay = Array2::from_shape_fn((side, side), |(row, column)| {
+            rough.heights_m()[[0, column]] + 0.1 * noise[row * side + column]
+        });
+        let e = estimates(&HeightMap::new(rough.grid(), lay).unwrap());
+        assert_eq!(e.correlation_length_y_m, None);
+        // So few blocks do not always allow an estimate.
+        if let Some(sq) = e.sq_m {
+            assert!(sq.blocks < 20.0, "{sq:?}");
+            errors.push(sq.standard_error);
+        }
+        if let Some(length) = e.correlation_length_x_m {
+            assert!(length.blocks < 20.0, "{length:?}");
+            lengths += 1;
+            held += usize::from(length.interval.contains(POINTS as f64));
+        }
+    }
+    assert!(errors.len() >= 9 && lengths >= 9 && held + 2 >= lengths, "{errors:?} {lengths} {held}");
     // A profile of 50 lengths has Var⟨z²⟩ = 2 ∫ρ² = 2 √(π/2)/50, so Sq has an error of 11 %, known to a third.
-    assert!(sq.standard_error > 0.06 && sq.standard_error < 0.2, "{sq:?}");
-    assert!(sq.blocks < 20.0 && length.interval.contains(POINTS as f64), "{sq:?} {length:?}");
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    assert!(mean > 0.07 && mean < 0.17, "{errors:?}");
 }
 
 #[test]
