@@ -33,18 +33,25 @@ wild CHECKS="100000" RUNS="1000":
     cargo build --release
     scripts/wild-studies target/wild --checks {{CHECKS}} --runs {{RUNS}}
 
+# Mutation testing of the numerical core: COUNT changed expressions, each with the tests of its crate; some two hours for 400. Installs
+# cargo-mutants.
+mutants COUNT="400":
+    cargo install --quiet --root target/tools --locked cargo-mutants --version 27.1.0
+    PATH="$PWD/target/tools/bin:$PATH" scripts/mutants target/mutants --count {{COUNT}}
+
 # Follows random stick-slip machines for COUNT cycles and checks every step against the laws of motion: some twenty minutes.
 fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
 # Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references, and counts how often
-# intervals of pressure and friction hold: some forty minutes.
+# intervals of each kind hold: about an hour.
 validate:
     cargo run --release -p asperity-validation --bin validate_closed_forms > docs/validation/closed-forms.md
     cargo run --release -p asperity-validation --bin validate_contact -- docs
     cargo run --release -p asperity-validation --bin validate_pressure > docs/validation/pressure.md
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
+    scripts/count-coverage
 
 # The Python package: builds its wheel with PROFILE and installs it into the environment; stubs and results are current; tests,
 # examples, types, style. `dev` builds faster for the next change, and computes more slowly.
@@ -58,8 +65,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/mutants scripts/count-coverage
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/mutants scripts/count-coverage
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:

@@ -195,6 +195,7 @@ mod tests {
     use asperity_base::map::Grid;
     use asperity_base::random;
     use asperity_base::stats::Moments;
+    use asperity_testing::{covered, repetitions};
     use ndarray::array;
 
     fn reading(value: f64, standard_error: f64, area_m2: f64) -> Reading {
@@ -256,8 +257,8 @@ mod tests {
         let (mean, between, within, scans) = (4.0, 0.4, 0.3, 12);
         let mut found = vec![];
         let mut held = 0;
-        let repeats = 400;
-        for repeat in 0..repeats {
+        let repeats = repetitions(400);
+        for repeat in 0..repeats as u64 {
             let noise = random::standard_normal(&mut random::stream(5, "pooling", repeat), 2 * scans);
             let readings: Vec<Reading> = (0..scans)
                 .map(|i| {
@@ -278,7 +279,8 @@ mod tests {
         let theory = |sampling: f64| (between * between + sampling) * (2.0 / (scans as f64 - 1.0)).sqrt();
         assert!(moments.std > 0.9 * theory(0.045) && moments.std < 1.1 * theory(0.09), "{}", moments.std);
         // The coverage of 95 % over 400 runs has a standard error of 1.1 %.
-        assert!((held as f64 / repeats as f64 - 0.95).abs() < 4.0 * 0.011, "{held}");
+        let fraction = covered("statistic of several scans", "Sq of twelve scans that differ", held, repeats);
+        assert!((fraction - 0.95).abs() < 4.0 * 0.011, "{fraction}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
-//! Random maps, records, monitors, and published test functions and values for tests.
+//! Random maps, records, monitors, counts of intervals, and published test functions and values for tests.
 
 mod choices;
+mod coverage;
 mod functions;
 mod maps;
 mod monitors;
@@ -8,6 +9,7 @@ mod published;
 mod records;
 
 pub use choices::Choices;
+pub use coverage::{covered, repetitions};
 pub use functions::{BOREHOLE, ISHIGAMI, SOBOL_G, SOBOL_G_PARAMETERS, TestFunction};
 pub use maps::{filtered_noise, paraboloid, self_affine};
 pub use monitors::{AlwaysCancelled, CancelAfter};

@@ -273,6 +273,7 @@ mod tests {
     use asperity_base::monitor::Silent;
     use asperity_base::random;
     use asperity_process::ProcessModel;
+    use asperity_testing::covered;
 
     const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
 
@@ -316,18 +317,21 @@ mod tests {
     fn intervals_of_crossings_cover_quantiles_of_normal_thresholds() {
         let replicates = 1000;
         for (paths, least) in [(400, 0.93), (100, 0.90)] {
-            let mut covered = [0; 3];
+            let mut held = [0; 3];
             for replicate in 0..replicates {
                 let share = thresholds(paths, replicate);
                 let found = Search { points: Vec::new(), top: 0.4, share: &share }.crossings(&LEVELS).unwrap();
-                for (count, crossing) in covered.iter_mut().zip(found) {
+                for (count, crossing) in held.iter_mut().zip(found) {
                     let wanted = 0.2 + 0.02 * standard_normal_quantile(1.0 - crossing.share);
                     let [low, high] = crossing.interval.unwrap();
                     *count += usize::from(low <= wanted && wanted <= high);
                 }
             }
-            println!("{paths} paths: {covered:?} of {replicates}");
-            assert!(covered.iter().all(|count| *count as f64 >= least * replicates as f64), "{covered:?}");
+            for (level, held) in LEVELS.into_iter().zip(held) {
+                let case = format!("normal thresholds of {paths} trajectories, {:.0} %", 100.0 * level);
+                let fraction = covered("damping ratio at a share of vibration", &case, held, replicates as usize);
+                assert!(fraction >= least, "{case}: {fraction}");
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-use asperity_testing::ISHIGAMI;
+use asperity_testing::{ISHIGAMI, covered, repetitions};
 
 use super::*;
 use crate::UncertainInput;
@@ -137,25 +137,24 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert_eq!(one, three);
 }
 
-/// Returns the fraction of intervals that contain the exact value, over [`SEEDS`] seeds.
+/// Returns the fraction of intervals that contain the exact value, over many seeds.
 fn coverage(
+    [kind, case]: [&str; 2],
     inputs: &UncertainInputs,
     method: SamplingMethod,
     response: impl Fn(&[f64]) -> f64 + Sync,
     estimates: impl Fn(Drivers) -> Vec<SampleEstimate>,
     exact: &[f64],
 ) -> f64 {
-    let mut covered = 0;
-    for seed in 0..SEEDS {
+    let (mut held, seeds) = (0, repetitions(400));
+    for seed in 0..seeds as u64 {
         let drivers = PickFreeze { method, points: 64, seed }.drivers(inputs, &response).unwrap();
-        covered += estimates(drivers).iter().zip(exact).filter(|(e, exact)| e.interval.contains(**exact)).count();
+        held += estimates(drivers).iter().zip(exact).filter(|(e, exact)| e.interval.contains(**exact)).count();
     }
-    covered as f64 / (SEEDS as usize * exact.len()) as f64
+    covered(kind, &format!("{case}, {method:?}"), held, seeds * exact.len())
 }
 
-/// Number of seeds of a coverage.
-const SEEDS: u64 = 400;
-/// 95 % less three standard errors over the seeds.
+/// 95 % less three standard errors over 400 seeds.
 const COVERAGE: f64 = 0.95 - 0.033;
 
 #[test]
@@ -167,9 +166,16 @@ fn intervals_of_the_indices_cover() {
     let event = |z: &[f64]| f64::from(u8::from(margin(&inputs.values(z)) < 0.0));
     let exact = event_indices();
     for method in [SamplingMethod::MonteCarlo, SamplingMethod::Sobol] {
-        let found = coverage(&inputs, method, |z| margin(&inputs.values(z)), both, &[0.8, 0.2, 0.8, 0.2]);
+        let found = coverage(
+            ["driver of the margin", "linear margin"],
+            &inputs,
+            method,
+            |z| margin(&inputs.values(z)),
+            both,
+            &[0.8, 0.2, 0.8, 0.2],
+        );
         assert!(found > COVERAGE, "{method:?}, margin: {found}");
-        let found = coverage(&inputs, method, event, both, &exact);
+        let found = coverage(["driver of vibration", "linear margin"], &inputs, method, event, both, &exact);
         assert!(found > COVERAGE, "{method:?}, event: {found}");
     }
 }
@@ -197,6 +203,7 @@ fn intervals_of_shapley_effects_cover() {
     let variance = 1.0 + s * s + 2.0 * rho * s;
     let own = (1.0 - 0.5 * rho * rho + rho * s + 0.5 * s * s * rho * rho) / variance;
     let found = coverage(
+        ["Shapley effect", "correlated sum"],
         &inputs,
         SamplingMethod::Sobol,
         |z| inputs.values(z).iter().sum(),

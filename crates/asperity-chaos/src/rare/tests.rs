@@ -1,6 +1,7 @@
 use super::*;
 use asperity_base::distribution::standard_normal_cdf;
 use asperity_base::monitor::Silent;
+use asperity_testing::{covered, repetitions};
 use rayon::prelude::*;
 
 type LimitFunction = dyn Fn(&[f64]) -> f64 + Sync + Send;
@@ -103,7 +104,9 @@ fn estimate(found: SmallProbability) -> RareProbability {
 /// the mean number of evaluations.
 fn summary(case: &Case, found: &[RareProbability]) -> [f64; 3] {
     let mean = |f: &dyn Fn(&RareProbability) -> f64| found.iter().map(f).sum::<f64>() / found.len() as f64;
-    let covered = mean(&|found| f64::from(u8::from(found.interval.contains(case.probability))));
+    let held = found.iter().filter(|found| found.interval.contains(case.probability)).count();
+    let problem = format!("{}, P = {:.1e}", case.name, case.probability);
+    let covered = covered("small probability of vibration", &problem, held, found.len());
     let error = mean(&|found| (found.probability / case.probability - 1.0).powi(2)).sqrt();
     let (ratio, evaluations) =
         (mean(&|found| found.probability / case.probability), mean(&|found| found.evaluations as f64));
@@ -128,7 +131,7 @@ fn few_evaluations_estimate_small_probabilities() {
 #[ignore = "slow"]
 fn intervals_cover_the_probability() {
     for case in [linear(2, 4.753), parabola(2, 3.0, 0.1), resistance_and_load(4.0)] {
-        let [covered, error, _] = summary(&case, &estimates(&case, 1000));
+        let [covered, error, _] = summary(&case, &estimates(&case, repetitions(1000) as u64));
         assert!(covered >= 0.93 && error < 0.1, "{}: {covered}", case.name);
     }
 }
@@ -137,7 +140,7 @@ fn intervals_cover_the_probability() {
 #[ignore = "slow"]
 fn intervals_cover_the_probability_of_several_regions_and_more_variables() {
     for case in [linear(1, 3.0), linear(2, 2.0), linear(10, 3.0), four_branches(2, 0.0)] {
-        let [covered, error, _] = summary(&case, &estimates(&case, 100));
+        let [covered, error, _] = summary(&case, &estimates(&case, repetitions(100) as u64));
         // 93 % less two standard errors of 100 intervals.
         assert!(covered >= 0.88 && error < 0.1, "{}: {covered}", case.name);
     }

@@ -82,6 +82,7 @@ mod tests {
     use crate::monitor::Silent;
     use crate::random::{standard_normal, stream};
     use crate::stats::{Moments, student_quantile};
+    use asperity_testing::{covered, repetitions};
 
     const REPLICATES: usize = 8;
 
@@ -100,8 +101,9 @@ mod tests {
         // Then P = Φ(c/√(1 + .15² + .1²)).
         for (probability, score, narrower) in [(0.01, -2.326_347_9, 3.0), (0.05, -1.644_853_6, 2.0)] {
             let limit = score * (1.0_f64 + 0.15 * 0.15 + 0.1 * 0.1).sqrt();
-            let (mut covered, mut half_widths, mut decided) = (0, [0.0; 2], 0);
-            for seed in 0..100 {
+            let repetitions = repetitions(100);
+            let (mut held, mut half_widths, mut decided) = (0, [0.0; 2], 0);
+            for seed in 0..repetitions as u64 {
                 let normal = |which: u64| standard_normal(&mut stream(seed, "test", which), 8192);
                 let [margins, noise, other] = [0, 1, 2].map(normal);
                 let draws: Vec<f64> = normal(3).into_iter().map(standard_normal_cdf).collect();
@@ -112,15 +114,17 @@ mod tests {
                     Ok(vibrates(index))
                 };
                 let [found, half_width] = mean_and_half_width(&terms(&margins, &draws, &counted, &Silent).unwrap());
-                covered += usize::from((found - probability).abs() <= half_width);
+                held += usize::from((found - probability).abs() <= half_width);
                 decided += count.into_inner();
                 let all: Vec<f64> = (0..512).map(|index| f64::from(u8::from(vibrates(index)))).collect();
                 half_widths[0] += half_width;
                 half_widths[1] += mean_and_half_width(&all)[1];
             }
-            assert!((90..100).contains(&covered), "{covered} of 100 at {probability}");
+            let case = format!("normal margins with fluctuation, P = {probability}");
+            let fraction = covered("probability of vibration, few ensembles", &case, held, repetitions);
+            assert!((0.9..1.0).contains(&fraction), "{fraction} at {probability}");
             assert!(half_widths[1] > narrower * half_widths[0], "{half_widths:?} at {probability}");
-            assert!(decided <= 100 * decisions(8192) && decided < 100 * 400, "{decided}");
+            assert!(decided <= repetitions * decisions(8192) && decided < repetitions * 400, "{decided}");
         }
     }
 

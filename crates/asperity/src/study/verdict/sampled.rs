@@ -148,6 +148,7 @@ mod tests {
     use super::*;
     use crate::distribution::standard_normal_cdf;
     use crate::random::{standard_normal, stream};
+    use asperity_testing::covered;
 
     /// Returns the interval at which sampling stops, and the number of samples.
     fn stopped(probability: f64, half_width: f64, replicate: u64) -> (Interval, usize) {
@@ -178,8 +179,10 @@ mod tests {
             (0.9, 0.01),
         ] {
             let replicates: Vec<_> = (0..1000).map(|replicate| stopped(probability, half_width, replicate)).collect();
-            let covered = replicates.iter().filter(|(i, _)| i.low <= probability && probability <= i.high).count();
-            assert!(covered >= 930, "{covered} of 1000 at {probability} ± {half_width}");
+            let held = replicates.iter().filter(|(i, _)| i.low <= probability && probability <= i.high).count();
+            let case = format!("sampled until ± {half_width}, P = {probability}");
+            let fraction = covered("probability of vibration", &case, held, replicates.len());
+            assert!(fraction >= 0.93, "{case}: {fraction}");
             for (interval, all) in replicates {
                 // The interval of as many independent samples with the true fraction.
                 let ideal = 2.0 * 1.96 * (probability * (1.0 - probability) / all as f64).sqrt();
