@@ -138,7 +138,8 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
                 free_v[i] += own * v[i];
                 between_v[i] += one * v[i];
                 between[i] += one;
-                idle[i] += if (p[i] <= 0.0) & (v[i] >= bound) { 1.0 } else { 0.0 };
+                // Beyond the end of the list v is the largest number.
+                idle[i] += if (p[i] <= 0.0) & (v[i] >= bound) & (v[i] < f64::MAX) { 1.0 } else { 0.0 };
                 let own = if below { v[i] } else { f64::INFINITY };
                 least[i] = if own < least[i] { own } else { least[i] };
             }
@@ -460,3 +461,6 @@ impl<'a> Kernel<&'a [f32]> for Largest {
         largest.into_iter().fold(0.0, f32::max)
     }
 }
+
+#[cfg(test)]
+mod tests;
