@@ -173,4 +173,13 @@ mod tests {
         let other = redraw.last(3, &[9.0, -9.0, 0.0], &fresh);
         assert!(redraw.last(3, &z, &fresh).iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-14));
     }
+
+    #[test]
+    fn independent_variables_are_appended_unchanged() {
+        let copula = Copula::new(vec![vec![1.0, 0.6], vec![0.6, 1.0]]).unwrap().with_independent(2);
+        let found = copula.dependent(&[0.5, -1.0, 0.25, 2.0]);
+        let wanted = [0.5, 0.6 * 0.5 - 0.8, 0.25, 2.0];
+        assert!(found.iter().zip(wanted).all(|(f, w)| (f - w).abs() < 1e-15) && found.len() == 4, "{found:?}");
+        assert!(copula.is_dependent());
+    }
 }

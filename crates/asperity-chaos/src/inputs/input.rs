@@ -201,19 +201,23 @@ mod tests {
 
     #[test]
     fn a_truncated_value_is_the_conditional_quantile() {
-        // P(x ≤ v | 0 < x < 1.3) = Φ(g) for the value v at g.
+        // P(x ≤ v | low < x < high) = Φ(g) for the value v at g.
         let free = Marginal::normal(0.6, 0.19).unwrap();
-        let bounded = UncertainInput::new("input", free.clone(), false).unwrap();
-        let bounded = bounded.truncated(0.0, 1.3).unwrap();
-        let (below, above) = (free.cdf(0.0), free.survival(1.3));
-        assert!((bounded.truncated_mass() - below - above).abs() < 1e-18 && below > 5e-4);
-        for g in [-8.0, -3.0, 0.0, 2.0, 5.0] {
-            let value = bounded.value(g);
-            let lower = (free.cdf(value) - below) / (1.0 - below - above);
-            let upper = (free.survival(value) - above) / (1.0 - below - above);
-            assert!((lower - standard_normal_cdf(g)).abs() < 1e-15 && (upper - standard_normal_cdf(-g)).abs() < 1e-15);
+        for (low, high) in [(0.0, 1.3), (-0.1, 1.2)] {
+            let bounded = UncertainInput::new("input", free.clone(), false).unwrap();
+            let bounded = bounded.truncated(low, high).unwrap();
+            let (below, above) = (free.cdf(low), free.survival(high));
+            assert!((bounded.truncated_mass() - below - above).abs() < 1e-18 && below + above > 5e-4);
+            for g in [-8.0, -3.0, 0.0, 2.0, 5.0] {
+                let value = bounded.value(g);
+                let lower = (free.cdf(value) - below) / (1.0 - below - above);
+                let upper = (free.survival(value) - above) / (1.0 - below - above);
+                assert!(
+                    (lower - standard_normal_cdf(g)).abs() < 1e-15 && (upper - standard_normal_cdf(-g)).abs() < 1e-15
+                );
+            }
+            assert_eq!(bounded.quantile(0.3), bounded.value(standard_normal_quantile(0.3)));
         }
-        assert_eq!(bounded.quantile(0.3), bounded.value(standard_normal_quantile(0.3)));
     }
 
     #[test]

@@ -138,3 +138,18 @@ fn widened(estimate: SampleEstimate, error: f64) -> SampleEstimate {
     let Interval { low, high } = estimate.interval;
     SampleEstimate { interval: Interval { low: (low - error).max(0.0), high: (high + error).min(1.0) }, ..estimate }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_grows_by_what_the_terms_leave_out_within_zero_and_one() {
+        for (before, error, after) in [([0.2, 0.4], 0.1, [0.1, 0.5]), ([0.02, 0.97], 0.05, [0.0, 1.0])] {
+            let interval = Interval { low: before[0], high: before[1] };
+            let found = widened(SampleEstimate { value: 0.3, standard_error: 0.05, interval }, error);
+            assert!((found.interval.low - after[0]).abs() < 1e-15 && (found.interval.high - after[1]).abs() < 1e-15);
+            assert_eq!((found.value, found.standard_error), (0.3, 0.05));
+        }
+    }
+}

@@ -110,6 +110,18 @@ fn common_noise_moves_the_mean_and_own_noise_the_variance() {
 }
 
 #[test]
+fn squares_without_products_need_fewer_points_than_all_terms_of_degree_two() {
+    // 13 terms of 40 points; with the products there are 28.
+    let parameters = (0..6).map(|k| Parameter::normal(&format!("x{k}"), 1.0, 0.5).unwrap()).collect();
+    let propagation = Propagation::new(parameters, 40, 3).unwrap();
+    let values = evaluated(&propagation, |x| x.iter().map(|x| x * x).sum());
+    let found = propagation.respond(&Observed::exact(&values), &resamples()).unwrap();
+    assert!(found.leave_one_out < 1e-18, "{}", found.leave_one_out);
+    // x² has the mean 1.25 and the variance 4 · 0.25 + 2 · 0.0625.
+    assert!((found.mean.value - 7.5).abs() < 1e-9 && (found.std.value - 6.75_f64.sqrt()).abs() < 1e-9);
+}
+
+#[test]
 fn intervals_under_common_noise_cover_the_true_indices() {
     let parameters = vec![Parameter::normal("x", 0.0, 1.0).unwrap(), Parameter::normal("y", 0.0, 0.5).unwrap()];
     let propagation = Propagation::new(parameters, 24, 2).unwrap();

@@ -111,3 +111,30 @@ fn monomials(variables: usize, points: usize) -> Vec<Monomial> {
 fn product(monomial: Monomial, z: &[f64]) -> f64 {
     monomial.into_iter().flatten().map(|i| z[i]).product()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::random::{standard_normal, stream};
+
+    #[test]
+    fn values_are_those_of_the_points_and_descents_those_of_differences() {
+        let rough = |z: &[f64]| 1.0 + z[0] - 0.5 * z[1] * z[0] + 0.3 * z[1] * z[1] + (2.0 * z[0]).sin();
+        let points: Vec<Vec<f64>> =
+            standard_normal(&mut stream(1, "interpolant", 0), 60).chunks(2).map(<[_]>::to_vec).collect();
+        let values: Vec<f64> = points.iter().map(|z| rough(z)).collect();
+        let found = Interpolant::new(&points, &values).unwrap();
+        assert!(found.values(&points).iter().zip(&values).all(|(f, v)| (f - v).abs() < 1e-9));
+        let places = vec![vec![0.3, -0.2], vec![-1.1, 0.7], vec![0.05, 1.4]];
+        for (place, descent) in places.iter().zip(found.descents(&places)) {
+            let moved = |k: usize, by: f64| {
+                let mut z = place.clone();
+                z[k] += by;
+                found.values(&[z])[0]
+            };
+            let slopes = [0, 1].map(|k| (moved(k, 1e-5) - moved(k, -1e-5)) / 2e-5);
+            let length = slopes[0].hypot(slopes[1]);
+            assert!((0..2).all(|k| (descent[k] + slopes[k] / length).abs() < 1e-6), "{descent:?} {slopes:?}");
+        }
+    }
+}
