@@ -270,3 +270,74 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn uniform(draws: &mut Stream) -> f64 {
     standard_normal_cdf(standard_normal(draws, 1)[0])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::random::stream;
+    use asperity_base::stats::Moments;
+
+    /// Returns `count` points about (`along`, 0, 0) with the standard deviations 0.5, 1 and 2, and their direction.
+    fn cluster(along: f64, count: usize, seed: u64) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+        let normal = standard_normal(&mut stream(seed, "cluster", 0), 3 * count);
+        let points = normal.chunks(3).map(|z| vec![along + 0.5 * z[0], z[1], 2.0 * z[2]]).collect();
+        (points, vec![vec![along.signum(), 0.0, 0.0]; count])
+    }
+
+    fn directed<'a>(points: &'a [Vec<f64>], directions: &'a [Vec<f64>]) -> Vec<Directed<'a>> {
+        points.iter().zip(directions).map(|(z, d)| (z.as_slice(), d.as_slice())).collect()
+    }
+
+    #[test]
+    fn a_half_space_begins_before_the_low_quantile_of_its_group() {
+        let (points, directions) = cluster(3.0, 250, 1);
+        let Part::HalfSpace { direction, begin, probability } = half_space(&directed(&points, &directions)) else {
+            panic!("another part")
+        };
+        let mut along: Vec<f64> = points.iter().map(|z| z[0]).collect();
+        along.sort_by(f64::total_cmp);
+        let wanted = along[2] - 0.15 * (along.iter().sum::<f64>() / 250.0 - along[2]);
+        assert_eq!(direction, [1.0, 0.0, 0.0]);
+        assert!((begin - wanted).abs() < 1e-12 && (probability - standard_normal_cdf(-begin)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_normal_part_has_the_widened_and_shrunk_covariance_of_its_group() {
+        let (points, directions) = cluster(3.0, 400, 2);
+        let mean: Vec<f64> = (0..3).map(|k| points.iter().map(|z| z[k]).sum::<f64>() / 400.0).collect();
+        let covariance =
+            |i: usize, j: usize| points.iter().map(|z| (z[i] - mean[i]) * (z[j] - mean[j])).sum::<f64>() / 400.0;
+        let spread = (0..3).map(|i| covariance(i, i)).sum::<f64>() / 3.0;
+        let part = normal(&directed(&points, &directions), 0.4, 1.8);
+        let Part::Normal { mean: found, factor, log_determinant } = part else { panic!("another part") };
+        assert!(found.iter().zip(&mean).all(|(a, b)| (a - b).abs() < 1e-12));
+        for i in 0..3 {
+            for j in 0..=i {
+                let diagonal = if i == j { (0.4 + 1e-6) * spread } else { 0.0 };
+                let wanted = 1.8 * (0.6 * covariance(i, j) + diagonal);
+                assert!((dot(&factor[i][..=j], &factor[j]) - wanted).abs() < 1e-12, "{i} {j}");
+            }
+        }
+        let determinant: f64 = (0..3).map(|i| factor[i][i].powi(2)).product();
+        assert!((log_determinant - determinant.ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn groups_have_weights_after_their_samples_and_the_density_is_that_of_the_draws() {
+        let (mut points, mut directions) = cluster(3.0, 800, 3);
+        let (others, opposite) = cluster(-3.0, 200, 4);
+        points.extend(others);
+        directions.extend(opposite);
+        let found = Proposal::with(&directed(&points, &directions), 2, 0.4);
+        let weights: Vec<f64> = found.parts.iter().map(|part| part.0).collect();
+        assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12 && weights.len() == 6);
+        // The half-space of a group has its weight times a constant: 0.7 of the share of the samples and 0.3 of a half.
+        let ratio = (weights[0] / weights[3]).max(weights[3] / weights[0]);
+        assert!((ratio - (0.7 * 0.8 + 0.15) / (0.7 * 0.2 + 0.15)).abs() < 0.1, "{weights:?}");
+        // The mean of φ/h over points of h that lie in a set is the probability of the set.
+        let inverse = |z: &Vec<f64>| if z[0] > 2.0 { 1.0 / found.ratio(z) } else { 0.0 };
+        let inverse: Vec<f64> = found.draw(40_000, &mut stream(5, "draws", 0)).iter().map(inverse).collect();
+        let inverse = Moments::new(&inverse);
+        assert!((inverse.mean - standard_normal_cdf(-2.0)).abs() < 4.0 * inverse.standard_error(), "{inverse:?}");
+    }
+}

@@ -147,6 +147,25 @@ fn intervals_cover_the_probability_of_several_regions_and_more_variables() {
 }
 
 #[test]
+fn the_stated_evaluations_are_those_of_the_limit_state() {
+    // A probability of 2e-4, which is found, and one of 1e-23, of which few evaluations give a bound.
+    for (beta, most) in [(3.5, 5000), (10.0, 2000)] {
+        let count = std::sync::atomic::AtomicUsize::new(0);
+        let g = |z: &[f64]| {
+            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            Ok::<f64, ()>(beta - z[0].tanh() * 0.5 - z[0] - 0.2 * (5.0 * z[1]).sin().powi(2))
+        };
+        let settings = Settings { most_evaluations: most, ..Settings::new(1) };
+        let stated = match small_probability(2, &g, &settings, &Silent).unwrap() {
+            SmallProbability::Estimate(found) => found.evaluations,
+            SmallProbability::Bound(found) => found.evaluations,
+        };
+        let count = count.into_inner();
+        assert!(stated == count && count <= most, "{stated} stated, {count} made, {most} allowed");
+    }
+}
+
+#[test]
 fn margins_of_a_machine_have_narrow_intervals() {
     // M = ζ − b/2 with b ~ N(0.1, 0.02) and ζ ~ N(mean, 0.005) is normal.
     for mean in [0.09, 0.105] {
