@@ -418,6 +418,66 @@ mod tests {
     }
 
     #[test]
+    fn limits_bias_and_errors_are_those_of_their_place() {
+        let band = Band {
+            values: vec![0.0, 1.0, 3.0],
+            cdf: vec![0.3, 0.6, 0.98],
+            bias: vec![0.0, 0.1, -0.05],
+            standard_errors: vec![0.02, 0.04, 0.03],
+            pointwise_factor: 2.0,
+            simultaneous_factor: 3.0,
+        };
+        let close = |found: [f64; 2], wanted: [f64; 2]| (0..2).all(|k| (found[k] - wanted[k]).abs() < 1e-14);
+        assert!(close(band.pointwise(0), [0.26, 0.34]) && close(band.simultaneous(0), [0.24, 0.36]));
+        // Without the bias; a probability ends at one.
+        assert!(close(band.pointwise(1), [0.42, 0.58]) && close(band.pointwise(2), [0.97, 1.0]));
+        for (value, bias, error) in [(-1.0, 0.0, 0.02), (0.5, 0.05, 0.03), (1.5, 0.0625, 0.0375), (9.0, -0.05, 0.03)] {
+            assert!(
+                (band.bias_at(value) - bias).abs() < 1e-14 && (band.standard_error_at(value) - error).abs() < 1e-14
+            );
+        }
+        let other = band.clone().with_estimate(vec![0.4, 0.6, 0.9]);
+        assert!(other.bias.iter().zip([0.1, 0.0, -0.08]).all(|(found, wanted)| (found - wanted).abs() < 1e-14));
+        assert_eq!((Band::default().bias_at(1.0), Band::default().standard_error_at(1.0)), (0.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn few_samples_on_one_side_widen_the_first_value_to_wilsons_interval() {
+        let band = Band { standard_errors: vec![1e-6, 2e-6], pointwise_factor: NORMAL_95, ..Band::default() };
+        for above in [2, 998] {
+            let wilson = wilson_interval(above, 1000);
+            let wanted = 0.5 * (wilson.high - wilson.low) / NORMAL_95;
+            let found = band.clone().widened([above, 1000]).standard_errors;
+            assert!((found[0] - wanted).abs() < 1e-12 && found[1] == 2e-6, "{found:?}");
+        }
+        assert_eq!(band.clone().widened([500, 1000]), band);
+        // A larger error remains.
+        let large = Band { standard_errors: vec![0.1], ..band };
+        assert_eq!(large.clone().widened([2, 1000]), large);
+    }
+
+    #[test]
+    fn added_samples_of_either_kind_enlarge_the_error_of_a_small_share() {
+        // Agresti and Coull: (2 + 2)/(100 + 4).
+        let band = Band::from_independent(&[0.0, 1.0], &[0.98, 1.0], 100, 1);
+        let p = 4.0 / 104.0;
+        assert!((band.standard_errors[0] - (p * (1.0_f64 - p) / 100.0).sqrt()).abs() < 1e-14);
+        let p = 2.0 / 104.0;
+        assert!((band.standard_errors[1] - (p * (1.0_f64 - p) / 100.0).sqrt()).abs() < 1e-14);
+    }
+
+    #[test]
+    fn critical_values_of_few_groups_are_students_or_larger() {
+        // One value of five groups: the 95 % point of Student's |t| with four degrees of freedom, 2.776.
+        let one = critical_value_of_groups(1, 4, 1);
+        assert!((one / 2.776 - 1.0).abs() < 0.1, "{one}");
+        // Of ten independent values the largest is below x with probability F(x)¹⁰: the two-sided 0.9949 point, 5.57.
+        let ten = critical_value_of_groups(10, 4, 1);
+        assert!((ten / 5.57 - 1.0).abs() < 0.1, "{ten}");
+        assert_eq!(critical_value_of_groups(3, 0, 1), f64::INFINITY);
+    }
+
+    #[test]
     fn sums_and_means_of_vectors_have_their_covariances() {
         let mut vectors = Moments::new(2);
         for v in [[1.0, 0.0], [3.0, 2.0], [5.0, 1.0]] {
