@@ -252,6 +252,33 @@ mod tests {
     }
 
     #[test]
+    fn few_samples_without_or_with_contact_have_wilsons_interval() {
+        for in_contact in [3, 500, 997] {
+            let share = in_contact as f64 / 1000.0;
+            let pressures: Vec<f64> = (0..1000).map(|i| f64::from(u8::from(i < in_contact))).collect();
+            let band = Band::from_independent(&[0.0], &[1.0 - share], 1000, 1);
+            let [low, high] = band.pointwise(0);
+            let found = MultilevelEstimate {
+                distribution: DiscreteDistribution::empirical(&pressures).unwrap(),
+                mean: share,
+                mean_se: 0.01,
+                band,
+                above: [in_contact, 1000],
+                coefficients: None,
+                leave_one_out_error: None,
+            };
+            let found = PressureEstimate::from_multilevel(found, 2.0);
+            let wanted = if in_contact == 500 {
+                Interval { low: 1.0 - high, high: 1.0 - low }
+            } else {
+                wilson_interval(in_contact, 1000)
+            };
+            assert_eq!(found.contact_probability_interval, Some(wanted));
+            assert!((found.contact_probability - share).abs() < 1e-15);
+        }
+    }
+
+    #[test]
     fn a_quantile_within_a_point_mass_is_its_value() {
         let pressures: Vec<f64> = (0..1000).map(|i| f64::from((i - 800).max(0))).collect();
         let distribution = DiscreteDistribution::empirical(&pressures).unwrap();

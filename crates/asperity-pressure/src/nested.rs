@@ -425,3 +425,31 @@ fn push(columns: &mut [Vec<CellObservation>], observations: Vec<Option<CellObser
     columns.iter_mut().zip(row).for_each(|(column, observation)| column.push(observation));
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kappa_is_the_ratio_of_the_spreads_in_and_out_of_contact() {
+        let observation = |pressure_pa: f64, gap_m: f64| CellObservation {
+            pressure_pa,
+            gap_m,
+            plastic_displacement_m: 0.0,
+            beside: [0.0; 3],
+            separation_m: 0.0,
+            contact_fraction: 0.5,
+            mean_pressure_pa: 1.0,
+            mean_gap_m: 1.0,
+            stiffness_pa_per_m: None,
+            iterations: 1,
+        };
+        let contact = [observation(1e6, 0.0), observation(3e6, 0.0)];
+        let both = [contact[0], observation(0.0, 2e-6), contact[1], observation(0.0, 6e-6)];
+        assert!((kappa_pa_per_m(&both) / 0.5e12 - 1.0).abs() < 1e-12);
+        // One unit where a spread is zero.
+        assert_eq!(kappa_pa_per_m(&contact), 1.0);
+        assert_eq!(kappa_pa_per_m(&both[..2]), 1.0);
+        assert_eq!(kappa_pa_per_m(&both[1..2]), 1.0);
+    }
+}

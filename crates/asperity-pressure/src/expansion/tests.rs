@@ -166,3 +166,18 @@ fn xi_samples_of_zeros_are_a_reason_and_samples_that_repeat_are_not() {
     let repeated = run(&few).unwrap();
     assert!((repeated.mean_pa - 5.0).abs() < 4.0 * repeated.mean_se_pa && repeated.band.is_some());
 }
+
+#[test]
+fn the_probability_of_contact_is_that_of_the_samples() {
+    // p = ξ − c where it is positive: 100 strata of a Latin hypercube, 30 of them in contact.
+    let fine = xi_samples("fine", 100, 1);
+    let pressures: Vec<f64> = fine.iter().map(|xi| (standard_normal_cdf(xi[0]) - 0.7).max(0.0)).collect();
+    assert_eq!(pressures.iter().filter(|p| **p > 0.0).count(), 30);
+    let basis = Basis::hermite(1, 1).unwrap();
+    let found =
+        estimate(Response::Pressure, &fine, independent(&pressures, 500), basis, &xi_samples("fresh", 500, 1), 1);
+    let found = found.unwrap();
+    assert!((found.contact_probability - 0.3).abs() < 1e-15 && found.contact_probability_bias.is_none());
+    assert!((found.contact_probability_se - (0.3_f64 * 0.7 / 100.0).sqrt()).abs() < 1e-15);
+    assert_eq!(found.contact_probability_interval, Some(asperity_base::stats::wilson_interval(30, 100)));
+}

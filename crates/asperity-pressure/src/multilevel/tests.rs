@@ -152,3 +152,53 @@ fn equal_values_and_duplicate_samples_are_accepted() {
     let few = LevelSamples { xi: vec![Vec::new(); 4], values: vec![vec![1.0; 4]], covariates: Vec::new() };
     assert_eq!(estimate(&few, &settings(1, 0.0)).unwrap_err(), MethodError::TooFewSamples { samples: 4, wanted: 10 });
 }
+
+#[test]
+fn thresholds_and_nodes_have_equal_numbers_of_draws_between_them() {
+    let uniform = |count: usize, stage| -> Vec<f64> {
+        let normal = standard_normal(&mut stream(1, stage, 0), count);
+        normal
+            .into_iter()
+            .map(|z| (1.25 * asperity_base::distribution::standard_normal_cdf(z) - 0.25).max(0.0))
+            .collect()
+    };
+    let (fine, drawn) = (uniform(3000, "fine"), uniform(60_000, "drawn"));
+    let settings = Settings { largest: 2.0, ..settings(1, 0.0) };
+    let found = thresholds(&fine, &drawn, &settings);
+    assert!(found[0] == 0.0 && found.is_sorted_by(|a, b| a < b) && found.len() > 900 && found.len() <= THRESHOLDS + 2);
+    // Within the bounds, at most a five-hundredth of the draws lies between two thresholds. No draw is at the upper bound.
+    let inside: Vec<f64> = drawn.iter().copied().filter(|q| *q > 0.0).collect();
+    let below = |t: f64| inside.iter().filter(|q| **q <= t).count();
+    let most = found.windows(2).map(|pair| below(pair[1]) - below(pair[0])).max().unwrap();
+    assert!(most <= inside.len() / 490, "{most}");
+    assert_eq!(found.last(), fine.iter().chain(&drawn).max_by(|a, b| a.total_cmp(b)));
+    let nodes = nodes(&found, &drawn, &fine, &settings);
+    assert!(nodes[0] == 0.0 && nodes.len() > NODES - 4 && nodes.len() <= NODES, "{}", nodes.len());
+    for pair in nodes.windows(2) {
+        let share = (below(pair[1]) - below(pair[0])) as f64 / inside.len() as f64;
+        assert!((share * (NODES - 1) as f64 - 1.0).abs() < 0.2, "{share}");
+    }
+    // Enough fine samples on both sides.
+    assert!(nodes[1..].iter().all(|t| fine.iter().filter(|q| *q > t).count() >= RARE));
+    // With a share of the values at an upper bound, that bound is a threshold but no node.
+    let capped = Settings { largest: 0.9, ..settings };
+    let cap = |values: &[f64]| values.iter().map(|q| q.min(0.9)).collect::<Vec<f64>>();
+    let (fine, drawn) = (cap(&fine), cap(&drawn));
+    let found = thresholds(&fine, &drawn, &capped);
+    assert_eq!(found.last(), Some(&0.9));
+    assert!(super::nodes(&found, &drawn, &fine, &capped).iter().all(|t| *t < 0.9));
+}
+
+#[test]
+fn folds_share_the_samples_and_golden_points_fill_the_interval() {
+    for count in [0, 1, 7, 50, 101] {
+        let sizes: Vec<usize> = (0..FOLDS).map(|fold| fold_size(fold, count)).collect();
+        let wanted: Vec<usize> = (0..FOLDS).map(|fold| (0..count).filter(|i| i % FOLDS == fold).count()).collect();
+        assert_eq!(sizes, wanted);
+    }
+    let mut points: Vec<f64> = (0..100).map(golden).collect();
+    points.sort_by(f64::total_cmp);
+    // No gap of a golden sequence is wider than about φ²/n.
+    assert!(points.windows(2).all(|pair| pair[1] - pair[0] < 0.027) && points[0] < 0.027 && points[99] > 0.973);
+    assert_eq!([0.0, 0.49, 0.99, 1.0].map(|fraction| pick(&[1.0, 2.0, 3.0], fraction)), [1.0, 2.0, 3.0, 3.0]);
+}

@@ -23,6 +23,8 @@ const SLOPE_TOLERANCE: f64 = 0.1;
 const SLOPE_WARNING: f64 = 0.15;
 /// Excess kurtosis of heights above which a few extremes contain much of the slopes.
 const HEAVY_TAILS: f64 = 3.0;
+/// Number of independent patches below which a covariance has a warning: ten lengths along each side.
+const FEW_PATCHES: f64 = 100.0;
 /// Corner of the slope correction over the end of the band.
 const CORNER: f64 = 0.25;
 
@@ -143,6 +145,7 @@ pub(super) fn select(
         let few = fits.warnings.iter().filter(|warning| matches!(warning, FitWarning::FewLengths { .. }));
         few.map(|warning| format!("covariance fit: {warning}")).collect()
     });
+    let unfitted = fits.is_err();
     let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
     let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
@@ -170,6 +173,16 @@ pub(super) fn select(
     if is_free {
         let missing: Vec<String> = of_any.into_iter().filter(|warning| !chosen.warnings.contains(warning)).collect();
         chosen.warnings.extend(missing);
+    }
+    // Without a fit, the length of the map is known from the scan's own correlation alone.
+    if let (true, SurfaceCovariance::Empirical(own)) = (unfitted, &chosen.covariance) {
+        let patches = own.report().standard_error.powi(-2);
+        if patches < FEW_PATCHES {
+            let patches = sentence::digits(patches);
+            chosen
+                .warnings
+                .push(format!("covariance of the scan: it rests on only {patches} independent patches of the map"));
+        }
     }
     chosen.warnings.extend(noise_warning(measured));
     Ok(chosen)
