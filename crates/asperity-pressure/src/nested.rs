@@ -431,6 +431,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn further_samples_follow_variance_over_work_and_are_nested() {
+        let counts = allocate(&[1.0, 0.5, 0.9], &[1.0, 0.1, 0.1], 100);
+        let ratio = (counts[1] + 100) as f64 / (counts[0] + 100) as f64;
+        assert!((ratio / (0.9_f64 / 0.5).sqrt() - 1.0).abs() < 0.02, "{counts:?}");
+        // Just enough that both together add little.
+        let added = 0.5 / (counts[0] + 100) as f64 + 0.9 / (counts[1] + 100) as f64;
+        assert!(added <= ADDED_VARIANCE / 100.0 && added * SCALE_STEP >= 0.99 * ADDED_VARIANCE / 100.0, "{counts:?}");
+        // A coarser model has at least as many samples as a finer one.
+        let counts = allocate(&[1.0, 0.25, 0.01], &[1.0, 1e-4, 1e-4], 100);
+        assert!(counts[1] >= counts[0] && counts[0] > 0, "{counts:?}");
+        // Expensive models have none.
+        assert_eq!(allocate(&[1.0, 0.5], &[1.0, 1000.0], 100), [0]);
+    }
+
+    #[test]
     fn kappa_is_the_ratio_of_the_spreads_in_and_out_of_contact() {
         let observation = |pressure_pa: f64, gap_m: f64| CellObservation {
             pressure_pa,

@@ -283,6 +283,7 @@ mod tests {
     use super::*;
     use crate::testing::Shape;
     use asperity_base::map::Grid;
+    use ndarray::Array2;
 
     #[test]
     fn the_summit_of_a_lifted_sphere_has_the_pressure_of_hertz() {
@@ -301,6 +302,38 @@ mod tests {
         let apart = problem.observe(&[-1.5], &mut half_space.workspace()).unwrap();
         assert_eq!(apart.pressure_pa, 0.0);
         assert!((apart.gap_m - 1.5e-7).abs() < 1e-20);
+    }
+
+    #[test]
+    fn neighbours_of_a_cell_wrap_around_periodic_maps_only() {
+        // Every height differs, so every neighbour has its own pressure or gap.
+        let heights_m = Array2::from_shape_fn((4, 6), |(row, column)| 1e-7 * ((7 * row + 3 * column) as f64).sin());
+        let grid = Grid::new(6, 4, 1e-6, 1e-6).unwrap();
+        let at = |boundary: Boundary, cell: (usize, usize), neighbours: &[(usize, usize)]| {
+            let half_space = HalfSpace::new(grid, 1e10, boundary).unwrap();
+            let control = Control::MeanPressure { pascal: 3e7 };
+            let problem = asperity_contact::ContactProblem::new(&half_space, &heights_m, control, Some(1e8)).unwrap();
+            let solution = Solver::default().solve(&problem).unwrap();
+            let mean = |value: &dyn Fn((usize, usize)) -> f64| {
+                neighbours.iter().map(|cell| value(*cell)).sum::<f64>() / neighbours.len() as f64
+            };
+            let wanted = [
+                mean(&|cell| solution.pressure_pa()[cell]),
+                mean(&|cell| solution.gap_at_m(cell)),
+                mean(&|cell| solution.plastic_displacement_at_m(cell)),
+            ];
+            let found = CellObservation::from_solution(&solution, cell).beside;
+            assert!((0..3).all(|k| (found[k] - wanted[k]).abs() <= 1e-12 * wanted[k].abs()), "{found:?} {wanted:?}");
+            wanted
+        };
+        let periodic = Boundary::Periodic { mean_compliance_m_per_pa: 0.0 };
+        let around = at(periodic, (0, 0), &[(0, 5), (3, 0), (0, 1), (1, 0)]);
+        assert!(around.iter().any(|mean| *mean > 0.0));
+        at(periodic, (3, 5), &[(3, 4), (2, 5), (3, 0), (0, 5)]);
+        at(periodic, (2, 3), &[(2, 2), (1, 3), (2, 4), (3, 3)]);
+        at(Boundary::Free, (0, 0), &[(0, 1), (1, 0)]);
+        at(Boundary::Free, (3, 2), &[(3, 1), (2, 2), (3, 3)]);
+        at(Boundary::Free, (2, 3), &[(2, 2), (1, 3), (2, 4), (3, 3)]);
     }
 
     #[test]
