@@ -226,6 +226,16 @@ mod tests {
     use crate::Oscillator;
 
     #[test]
+    fn an_inverse_cubic_is_exact_where_the_time_is_a_cubic_of_the_state() {
+        // t(W) falls from W = 0.5 to −0.4 and is 0.3 at W = 0.
+        let time = |w: f64| 0.3 - 0.7 * w - 0.2 * w * w - 0.3 * w.powi(3);
+        let slope = |w: f64| 1.0 / (-0.7 - 0.4 * w - 0.9 * w * w);
+        let passed = |w: f64| Passed { t: time(w), w, a: slope(w), e: 0.0 };
+        assert!((passed(0.5).inverse_cubic(&passed(-0.4)) - 0.3).abs() < 1e-15);
+        assert!((passed(-0.2).inverse_cubic(&passed(0.1)) - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
     fn the_turning_and_the_bounds_of_coefficients_find_the_same_arrivals() {
         let rng = &mut asperity_base::random::stream(8, "test", 0);
         let mut series = Series::new();

@@ -515,6 +515,28 @@ mod tests {
     }
 
     #[test]
+    fn the_sliding_distance_is_the_way_of_the_belt_less_that_of_the_mass() {
+        let mut slips = 0;
+        for (oscillator, std) in machines().into_iter().take(4) {
+            for ended in followed(&oscillator, &process(std), 60.0, 0..8) {
+                let (_, All(events)) = ended.unwrap();
+                for pair in events.windows(2) {
+                    let [before, after] = [pair[0].0, pair[1].0];
+                    let way = after.sliding_distance - before.sliding_distance;
+                    let belt = oscillator.belt_velocity() * (after.tau - before.tau);
+                    let wanted = match before.kind {
+                        EventKind::Detach => belt - (after.displacement - before.displacement),
+                        _ => 0.0,
+                    };
+                    assert!((way - wanted).abs() < 1e-9 * oscillator.static_friction(), "{before:?} {after:?}");
+                    slips += usize::from(before.kind == EventKind::Detach);
+                }
+            }
+        }
+        assert!(slips > 100, "{slips}");
+    }
+
+    #[test]
     #[ignore = "slow"]
     fn a_trajectory_has_the_same_bits_in_any_batch() {
         for (oscillator, std) in machines() {
