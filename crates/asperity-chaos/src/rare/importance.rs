@@ -122,3 +122,44 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
     let squares: f64 = x.iter().map(|x| (x - centre_x).powi(2)).sum();
     if squares > 0.0 { (products / squares).clamp(0.0, 1.0) } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_base::random::{standard_normal, stream};
+
+    #[test]
+    fn a_control_variate_corrects_the_mean_by_its_own_error() {
+        let points: Vec<Vec<f64>> =
+            standard_normal(&mut stream(1, "points", 0), 80).chunks(2).map(<[_]>::to_vec).collect();
+        let values: Vec<f64> = points.iter().map(|z| z[0]).collect();
+        let proposal = Proposal::fit(&points, &vec![vec![1.0, 0.0]; 40]);
+        let interpolant = Interpolant::new(&points, &values).unwrap();
+        let controls: Vec<f64> = (0..100).map(|i| f64::from(u8::from(i % 4 == 0))).collect();
+        let weights: Vec<f64> = (0..100).map(|i| if i % 20 == 0 { 0.5 } else { controls[i] }).collect();
+        // The regression of w on k has the slope (mean(wk) − mean(w) mean(k))/(mean(k²) − mean(k)²).
+        let coefficient: f64 = (0.225 - 0.225 * 0.25) / (0.25 - 0.0625);
+        for (mean, wanted) in [(0.26, 0.225 + coefficient * 0.01), (0.25, 0.225), (0.2, 0.225 - coefficient * 0.05)] {
+            let draws = Draws {
+                proposal: &proposal,
+                control: Control { interpolant: &interpolant, mean, error: 1e-8 },
+                random: stream(1, "draws", 0),
+                points: Vec::new(),
+                values: Vec::new(),
+                weights: weights.clone(),
+                controls: controls.clone(),
+            };
+            let [probability, variation] = draws.estimate();
+            assert!((probability - wanted).abs() < 1e-12, "{probability} {wanted}");
+            // The largest deviation of what is left of w counts twice.
+            let rest: Vec<f64> = weights.iter().zip(&controls).map(|(w, k)| w - coefficient * k).collect();
+            let centre = rest.iter().sum::<f64>() / 100.0;
+            let squares: Vec<f64> = rest.iter().map(|r| (r - centre).powi(2)).collect();
+            let largest = squares.iter().copied().fold(0.0, f64::max);
+            let variance = (squares.iter().sum::<f64>() + largest) / 99.0 / 100.0 + coefficient * coefficient * 1e-8;
+            let expected = (variance / (wanted * wanted) + UNSEEN / 100.0).sqrt();
+            assert!((variation / expected - 1.0).abs() < 1e-12, "{variation} {expected}");
+            assert!(draws.interval().low < probability && probability < draws.interval().high && !draws.predicted());
+        }
+    }
+}

@@ -131,3 +131,15 @@ fn the_limit_of_terms_is_kept() {
         }
     }
 }
+
+#[test]
+fn a_model_has_fewer_terms_than_samples() {
+    let design = normal_design(5, 12, 40);
+    let candidates = Candidates::new(design.view()).unwrap();
+    assert_eq!(SparseRegression::default().term_limit(&candidates), 11);
+    assert_eq!(SparseRegression { max_terms: Some(4), ..SparseRegression::default() }.term_limit(&candidates), 4);
+    // All candidates where there are more samples.
+    let design = normal_design(5, 60, 40);
+    let candidates = Candidates::new(design.view()).unwrap();
+    assert_eq!(SparseRegression::default().term_limit(&candidates), 40);
+}
