@@ -145,7 +145,7 @@ pub(super) fn select(
         let few = fits.warnings.iter().filter(|warning| matches!(warning, FitWarning::FewLengths { .. }));
         few.map(|warning| format!("covariance fit: {warning}")).collect()
     });
-    let unfitted = fits.is_err();
+    let is_said = !of_any.is_empty();
     let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
     let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
@@ -174,8 +174,8 @@ pub(super) fn select(
         let missing: Vec<String> = of_any.into_iter().filter(|warning| !chosen.warnings.contains(warning)).collect();
         chosen.warnings.extend(missing);
     }
-    // Without a fit, the length of the map is known from the scan's own correlation alone.
-    if let (true, SurfaceCovariance::Empirical(own)) = (unfitted, &chosen.covariance) {
+    // Fits that follow the scan badly know its length as little as no fit does.
+    if let (false, SurfaceCovariance::Empirical(own)) = (is_said, &chosen.covariance) {
         let patches = own.report().standard_error.powi(-2);
         if patches < FEW_PATCHES {
             let patches = sentence::digits(patches);
