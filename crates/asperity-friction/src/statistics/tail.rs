@@ -321,7 +321,7 @@ mod tests {
                 let records: Vec<&[f64]> = values.chunks(250).collect();
                 let tail = Tail::of(&records, 1, 1e-3, &[]).unwrap();
                 // For independent values every value above the threshold is a cluster, except neighbours.
-                assert!(tail.clusters >= 40 && tail.clusters <= 50 && tail.fraction == 0.05, "{tail:?}");
+                assert!(tail.clusters >= 40 && tail.clusters as f64 <= 1000.0 * tail.fraction, "{tail:?}");
                 held += usize::from(tail.shape_interval.contains(shape));
                 // A value exceeded once in ten metres is exceeded by one of 10,000 values.
                 let truth = growth(shape, 10_000.0);
