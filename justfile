@@ -39,6 +39,11 @@ mutants COUNT="400":
     cargo install --quiet --root target/tools --locked cargo-mutants --version 27.1.0
     PATH="$PWD/target/tools/bin:$PATH" scripts/mutants target/mutants --count {{COUNT}}
 
+# The quick unit tests of the crates below the study on the processors TARGETS: 32-bit x86, WebAssembly and emulated 64-bit ARM, which need
+# Debian's gcc-multilib, Node.js, and gcc-aarch64-linux-gnu with qemu-user.
+portable *TARGETS="wasm":
+    scripts/test-portable {{TARGETS}}
+
 # Follows random stick-slip machines for COUNT cycles and checks every step against the laws of motion: some twenty minutes.
 fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
