@@ -202,17 +202,18 @@ fn standard_errors_of_normal_surfaces_equal_bartletts() {
 fn standard_errors_equal_the_spread_over_maps() {
     let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
     let uncertainty = Uncertainty { resamples: 100, ..Uncertainty::default() };
-    let all: Vec<Estimates> = maps(CorrelationModel::SquaredExponential, &marginal, 30, 80)
+    let all: Vec<Estimates> = maps(CorrelationModel::SquaredExponential, &marginal, 30, 240)
         .map(|map| uncertainty.of(&map, &values(&map)).unwrap())
         .collect();
     for (k, (name, _)) in all[0].named().into_iter().enumerate() {
         let of: Vec<Estimate> = all.iter().filter_map(|e| e.named()[k].1).collect();
-        assert!(of.len() >= 78, "{name} of {}", of.len());
+        assert!(of.len() >= 234, "{name} of {}", of.len());
         let spread = Moments::new(&of.iter().map(|e| e.surface).collect::<Vec<_>>()).sample_std();
         let told = Moments::new(&of.iter().map(|e| e.standard_error).collect::<Vec<_>>()).mean;
-        // The spread of 80 values has an error of 8 %. The error of Sal is that of one direction; that of the shortest
-        // is smaller.
-        assert!((told / spread - 1.0).abs() < 0.3, "{name}: {told} for {spread}");
+        // The spread of 240 values has an error of 5 %. The error of Sal is that of one direction; that of the shortest is smaller by a
+        // fifth.
+        let wanted = if name == "Sal_m" { 1.2 } else { 1.0 };
+        assert!((told / spread - wanted).abs() < 0.2, "{name}: {told} for {spread}");
     }
 }
 
