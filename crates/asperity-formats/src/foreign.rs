@@ -36,11 +36,7 @@ const FETCH: &str = "fetch the file of heights itself";
 use Signature::{At, Start, Test, Words};
 
 const FOREIGN: &[Foreign] = &[
-    Foreign(
-        "a Bruker Nanoscope file",
-        Start(&[b"\\*File list", b"\\*EC File list", b"\\*Force file list", b"?*File list"]),
-        TO_GWY,
-    ),
+    Foreign("a Bruker Nanoscope file of force curves", Start(&[b"\\*Force file list"]), "a force curve is no height map"),
     Foreign("a Bruker OPDx file", Start(&[b"VCA DATA"]), TO_GWY),
     Foreign("a Wyko ASCII file", Start(&[b"Wyko ASCII Data File"]), "save the measurement as OPD"),
     Foreign("a Zygo ASCII file", Start(&[b"Zygo ASCII Data File"]), "save the measurement as DAT, DATX or XYZ"),
@@ -54,15 +50,12 @@ const FOREIGN: &[Foreign] = &[
     Foreign("an Asylum Research (Igor) IBW file", Test(is_igor_wave), TO_GWY),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),
-    Foreign("a Nanosurf NID file", Start(&[b"[DataSet]"]), TO_GWY),
     Foreign("an NT-MDT file (MDT)", Start(&[b"\x01\xb0\x93\xff"]), TO_GWY),
-    Foreign("a WSxM file", Start(&[b"WSxM file copyright"]), TO_GWY),
     Foreign("a Nanonis SXM file", Start(&[b":NANONIS_VERSION:"]), TO_GWY),
     Foreign("an RHK SM3 or SM4 file", At(2, RHK_MAGIC), TO_GWY),
     Foreign("a Leica LIF file", Test(is_leica), AS_TEXT),
     Foreign("a Nikon ND2 file", Start(&[b"\xda\xce\xbe\x0a"]), AS_TEXT),
     Foreign("an ISO 28600 file", Start(&[b"ISO/TC 201 SPM data transfer format"]), TO_GWY),
-    Foreign("a Gwyddion simple field (GSF)", Start(&[b"Gwyddion Simple Field"]), TO_GWY),
     Foreign("a Gwyddion XYZ field", Start(&[b"Gwyddion XYZ Field"]), TO_GWY),
     Foreign("a Zeiss CZI file", Start(&[b"ZISRAWFILE"]), AS_TEXT),
     Foreign(

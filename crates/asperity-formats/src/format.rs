@@ -34,6 +34,14 @@ pub enum Format {
     Tmd,
     /// Keyence VK4, VK6, VK7.
     Vk,
+    /// Nanoscope of Digital Instruments, Veeco and Bruker.
+    Nanoscope,
+    /// Nanosurf NID.
+    Nid,
+    /// WSxM.
+    Wsxm,
+    /// Gwyddion simple field.
+    Gsf,
     /// NetCDF classic.
     NetCdf,
     /// NumPy array file.
@@ -81,6 +89,10 @@ impl Format {
             Self::Bcr => ("BCR", Some("nm")),
             Self::Tmd => ("TMD", Some("mm")),
             Self::Vk => ("VK4/VK6", Some("pm")),
+            Self::Nanoscope => ("Nanoscope", None),
+            Self::Nid => ("NID", None),
+            Self::Wsxm => ("WSxM", None),
+            Self::Gsf => ("GSF", None),
             Self::NetCdf => ("NetCDF", None),
             Self::Npy => ("NPY", None),
             Self::Npz => ("NPZ", None),

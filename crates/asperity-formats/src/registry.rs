@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 22] = [
+const CODECS: [&Codec; 26] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -21,6 +21,10 @@ const CODECS: [&Codec; 22] = [
     &crate::bcr::CODEC,
     &crate::tmd::CODEC,
     &crate::vk::CODEC,
+    &crate::nanoscope::CODEC,
+    &crate::nid::CODEC,
+    &crate::wsxm::CODEC,
+    &crate::gsf::CODEC,
     &crate::netcdf::CODEC,
     &crate::npy::CODEC,
     &crate::tiff::CODEC,

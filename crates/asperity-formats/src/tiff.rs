@@ -13,6 +13,7 @@
 mod decode;
 mod description;
 mod directory;
+mod jpk;
 mod read;
 
 use crate::Format;

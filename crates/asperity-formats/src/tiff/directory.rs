@@ -132,8 +132,9 @@ impl Directory<'_> {
         let (input, at) = (self.input, entry.values);
         let size = match entry.kind {
             1 | 7 => 1,
-            3 => 2,
-            4 | 13 => 4,
+            // A negative number becomes too large.
+            3 | 8 => 2,
+            4 | 9 | 13 => 4,
             16 | 18 => 8,
             kind => return Err(self.wrong(tag, format!("type {kind}"), "a type of whole numbers (1, 3, 4 or 16)")),
         };

@@ -1,17 +1,19 @@
 //! Reader of TIFF.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use ndarray::{Array2, Axis};
 
 use super::description::{Units, units};
 use super::directory::{Directory, File, Tag, sample};
-use super::{decode, tag};
+use super::{decode, jpk, tag};
 use crate::foreign::TO_GWY;
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::{some_of, unique};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
+/// Value of the Orientation tag of rows from the bottom up.
+const BOTTOM_LEFT: u64 = 4;
 /// Maximum number of pages of one file.
 const MAX_PAGES: usize = 4096;
 /// Number of pages that are checked for fields of vendors.
@@ -43,6 +45,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
     let mut seen = Vec::new();
     let mut next = file.first()?;
+    let first = file.directory(next)?;
+    let is_jpk = jpk::is_jpk(&first);
     while next != 0 {
         if seen.contains(&next) || seen.len() == MAX_PAGES {
             let at = seen.last().map_or(0, |&offset| usize::try_from(offset).unwrap_or(usize::MAX));
@@ -57,8 +61,12 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
             return Err(vendor);
         }
         let name = Some(tag::PAGE_NAME).filter(|&name| page.length(name) <= MAX_NAME_BYTES);
-        let name = name.map_or(Ok(None), |name| page.text(name))?.unwrap_or_else(|| format!("page {}", seen.len()));
+        let name = name.map_or(Ok(None), |name| page.text(name))?;
+        let name = if is_jpk { jpk::name(&page)? } else { name };
+        let name = name.unwrap_or_else(|| format!("page {}", seen.len()));
+        let other_unit = if is_jpk { jpk::units(&first, &page)?.err() } else { None };
         match numbers(&page)? {
+            Ok(_) if other_unit.is_some() => others.push(format!("{name} has the unit `{}`", shown(&other_unit.unwrap_or_default()))),
             Ok(sample) => {
                 maps.push((next, sample));
                 names.push(name);
@@ -81,7 +89,10 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         Some(description) => Some(description),
         None => file.directory(file.first()?)?.text(tag::IMAGE_DESCRIPTION)?,
     };
-    let units = description.map_or_else(Units::default, |description| units(&description));
+    let units = match is_jpk {
+        true => jpk::units(&first, &page)?.unwrap_or_default(),
+        false => description.map_or_else(Units::default, |description| units(&description)),
+    };
     let mut scan = map(&page, sample, order, &units, options)?;
     scan.metadata.extend(units.metadata);
     scan.warnings.extend(units.warnings);
@@ -93,7 +104,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 
 /// Returns the error for a page of a vendor that stores heights, or their scale, in private fields.
 ///
-/// JPK numbers its fields from 32768 on. Park's fields start at 50432 (its magic number) and hold the heights beside
+/// Park's fields start at 50432 (its magic number) and hold the heights beside
 /// a picture. Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
 fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     // Descriptions of instruments take a few kilobytes.
@@ -101,8 +112,6 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     let has = |tag: u16| page.length(Tag(tag, "")) > 0;
     let name = if (50432..=50435).any(has) {
         Some("a Park Systems TIFF file")
-    } else if (32768..=32775).chain(32832..=32837).chain(32848..=32850).any(has) {
-        Some("a JPK image file")
     } else {
         let text = |tag: Tag| {
             let tag = Some(tag).filter(|&tag| page.length(tag) <= MAX_DESCRIPTION);
@@ -171,7 +180,7 @@ fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, option
     }
     let values = page.input.matrix(tag::IMAGE_WIDTH.1, page.offset, (ny, nx), values)?;
     let pitch_m = pitch(page, units, &mut scan.warnings)?;
-    let turned = page.integer(tag::ORIENTATION)?.unwrap_or(1);
+    let turned = page.integer(tag::ORIENTATION)?.unwrap_or(if units.is_bottom_up { BOTTOM_LEFT } else { 1 });
     (scan.heights_m, scan.pitch_m) = match turned {
         1..=8 => (upright(values, turned), pitch_m.map(|(x, y)| if turned > 4 { (y, x) } else { (x, y) })),
         _ => return Err(page.wrong(tag::ORIENTATION, turned, "1 to 8")),
