@@ -47,7 +47,7 @@ const FOREIGN: &[Foreign] = &[
         Words(&[b"output image data", b"xy calibration"]),
         "save the measurement as VK4, VK6 or VK7, or keep only the rows of heights and state pixel size and unit",
     ),
-    Foreign("an Asylum Research (Igor) IBW file", Test(is_igor_wave), TO_GWY),
+    Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),
     Foreign("an NT-MDT file (MDT)", Start(&[b"\x01\xb0\x93\xff"]), TO_GWY),
@@ -169,16 +169,14 @@ fn is_mountains(bytes: &[u8]) -> bool {
 
 /// Returns whether bytes are an Igor binary wave: version 2 or 5 in either byte order, and 16-bit numbers in the
 /// headers that sum to zero (Igor technical note 003).
-fn is_igor_wave(bytes: &[u8], _: u64) -> bool {
-    let sums_up = |length: usize, number: fn([u8; 2]) -> u16| {
-        let pairs = bytes.get(..length).map(|head| head.chunks_exact(2).map(|pair| number([pair[0], pair[1]])));
+fn is_old_igor_wave(bytes: &[u8], _: u64) -> bool {
+    let sums_up = |number: fn([u8; 2]) -> u16| {
+        let pairs = bytes.get(..126).map(|head| head.chunks_exact(2).map(|pair| number([pair[0], pair[1]])));
         pairs.is_some_and(|pairs| pairs.fold(0_u16, u16::wrapping_add) == 0)
     };
     match bytes.get(..2) {
-        Some([2, 0]) => sums_up(126, u16::from_le_bytes),
-        Some([0, 2]) => sums_up(126, u16::from_be_bytes),
-        Some([5, 0]) => sums_up(384, u16::from_le_bytes),
-        Some([0, 5]) => sums_up(384, u16::from_be_bytes),
+        Some([2, 0]) => sums_up(u16::from_le_bytes),
+        Some([0, 2]) => sums_up(u16::from_be_bytes),
         _ => false,
     }
 }

@@ -36,6 +36,8 @@ pub enum Format {
     Vk,
     /// Nanoscope of Digital Instruments, Veeco and Bruker.
     Nanoscope,
+    /// Igor binary wave, as of Asylum Research.
+    Ibw,
     /// Nanosurf NID.
     Nid,
     /// WSxM.
@@ -90,6 +92,7 @@ impl Format {
             Self::Tmd => ("TMD", Some("mm")),
             Self::Vk => ("VK4/VK6", Some("pm")),
             Self::Nanoscope => ("Nanoscope", None),
+            Self::Ibw => ("IBW", None),
             Self::Nid => ("NID", None),
             Self::Wsxm => ("WSxM", None),
             Self::Gsf => ("GSF", None),

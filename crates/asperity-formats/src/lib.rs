@@ -28,6 +28,7 @@ mod frt;
 mod gsf;
 mod gwy;
 mod hdf5;
+mod ibw;
 mod input;
 mod large;
 mod metropro;

@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 26] = [
+const CODECS: [&Codec; 27] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -22,6 +22,7 @@ const CODECS: [&Codec; 26] = [
     &crate::tmd::CODEC,
     &crate::vk::CODEC,
     &crate::nanoscope::CODEC,
+    &crate::ibw::CODEC,
     &crate::nid::CODEC,
     &crate::wsxm::CODEC,
     &crate::gsf::CODEC,
