@@ -37,7 +37,6 @@ use Signature::{At, Start, Test, Words};
 
 const FOREIGN: &[Foreign] = &[
     Foreign("a Bruker Nanoscope file of force curves", Start(&[b"\\*Force file list"]), "a force curve is no height map"),
-    Foreign("a Bruker OPDx file", Start(&[b"VCA DATA"]), TO_GWY),
     Foreign("a Wyko ASCII file", Start(&[b"Wyko ASCII Data File"]), "save the measurement as OPD"),
     Foreign("a Zygo ASCII file", Start(&[b"Zygo ASCII Data File"]), "save the measurement as DAT, DATX or XYZ"),
     Foreign("an Olympus OIR file", Start(&[b"OLYMPUSRAWFORMAT"]), TO_GWY),

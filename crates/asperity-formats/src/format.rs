@@ -14,6 +14,8 @@ pub enum Format {
     Gwy,
     /// Wyko (Veeco, Bruker) OPD.
     Opd,
+    /// Bruker OPDx of Vision64 and Dektak.
+    Opdx,
     /// Zygo MetroPro DAT.
     MetroPro,
     /// Zygo DATX: HDF5.
@@ -81,6 +83,7 @@ impl Format {
             Self::Sdf => ("SDF", Some("m")),
             Self::Gwy => ("GWY", None),
             Self::Opd => ("OPD", Some("nm")),
+            Self::Opdx => ("OPDx", None),
             Self::MetroPro => ("MetroPro DAT", Some("m")),
             Self::Datx => ("DATX", Some("m")),
             Self::Plu => ("PLU", Some("um")),

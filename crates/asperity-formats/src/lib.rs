@@ -39,6 +39,7 @@ mod nms;
 mod npy;
 mod npz;
 mod opd;
+mod opdx;
 mod plu;
 mod plux;
 mod registry;
