@@ -18,6 +18,8 @@ pub enum Format {
     Opdx,
     /// Zygo MetroPro DAT.
     MetroPro,
+    /// Zygo ASCII.
+    ZygoAscii,
     /// Zygo DATX: HDF5.
     Datx,
     /// Sensofar PLU.
@@ -85,6 +87,7 @@ impl Format {
             Self::Opd => ("OPD", Some("nm")),
             Self::Opdx => ("OPDx", None),
             Self::MetroPro => ("MetroPro DAT", Some("m")),
+            Self::ZygoAscii => ("Zygo ASCII", Some("m")),
             Self::Datx => ("DATX", Some("m")),
             Self::Plu => ("PLU", Some("um")),
             Self::Plux => ("PLUX", Some("um")),

@@ -60,6 +60,7 @@ mod wsxm;
 mod x3p;
 mod xml;
 mod xyz;
+mod zygo_ascii;
 
 pub use codec::{Description, Tested};
 pub use error::{FormatError, Location};

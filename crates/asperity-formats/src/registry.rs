@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 28] = [
+const CODECS: [&Codec; 29] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -15,6 +15,7 @@ const CODECS: [&Codec; 28] = [
     &crate::opd::CODEC,
     &crate::opdx::CODEC,
     &crate::metropro::CODEC,
+    &crate::zygo_ascii::CODEC,
     &crate::datx::CODEC,
     &crate::al3d::CODEC,
     &crate::nms::CODEC,
