@@ -14,6 +14,8 @@ pub enum Format {
     Gwy,
     /// Wyko (Veeco, Bruker) OPD.
     Opd,
+    /// Wyko ASCII.
+    WykoAscii,
     /// Bruker OPDx of Vision64 and Dektak.
     Opdx,
     /// Zygo MetroPro DAT.
@@ -85,6 +87,7 @@ impl Format {
             Self::Sdf => ("SDF", Some("m")),
             Self::Gwy => ("GWY", None),
             Self::Opd => ("OPD", Some("nm")),
+            Self::WykoAscii => ("Wyko ASCII", Some("nm")),
             Self::Opdx => ("OPDx", None),
             Self::MetroPro => ("MetroPro DAT", Some("m")),
             Self::ZygoAscii => ("Zygo ASCII", Some("m")),

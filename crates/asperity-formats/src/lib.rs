@@ -57,6 +57,7 @@ mod unit;
 mod vk;
 mod vtk;
 mod wsxm;
+mod wyko_ascii;
 mod x3p;
 mod xml;
 mod xyz;

@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 29] = [
+const CODECS: [&Codec; 30] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -14,6 +14,7 @@ const CODECS: [&Codec; 29] = [
     &crate::gwy::CODEC,
     &crate::opd::CODEC,
     &crate::opdx::CODEC,
+    &crate::wyko_ascii::CODEC,
     &crate::metropro::CODEC,
     &crate::zygo_ascii::CODEC,
     &crate::datx::CODEC,
