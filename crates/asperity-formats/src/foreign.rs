@@ -36,7 +36,11 @@ const FETCH: &str = "fetch the file of heights itself";
 use Signature::{At, Start, Test, Words};
 
 const FOREIGN: &[Foreign] = &[
-    Foreign("a Bruker Nanoscope file of force curves", Start(&[b"\\*Force file list"]), "a force curve is no height map"),
+    Foreign(
+        "a Bruker Nanoscope file of force curves",
+        Start(&[b"\\*Force file list"]),
+        "a force curve is no height map",
+    ),
     Foreign("an Olympus OIR file", Start(&[b"OLYMPUSRAWFORMAT"]), TO_GWY),
     Foreign("a Keyence ZON file", Start(&[b"KPK0", b"KPK1"]), TO_GWY),
     Foreign(

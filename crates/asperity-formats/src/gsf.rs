@@ -41,14 +41,21 @@ const ALIGNMENT: usize = 4;
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Gsf, bytes);
     let start = &bytes[..bytes.len().min(MAX_TEXT_BYTES)];
-    let end = start.iter().position(|&byte| byte == 0).ok_or_else(|| input.missing("the end of the header", 0, "a byte 0"))?;
+    let end = start
+        .iter()
+        .position(|&byte| byte == 0)
+        .ok_or_else(|| input.missing("the end of the header", 0, "a byte 0"))?;
     let text = utf8_or_latin1(&start[..end]);
     let header = sections(&text, "=", |_| None).swap_remove(0);
     let (ny, nx) = header.shape(&input, "YRes", "XRes")?;
     let unit = |key| header.field(key).filter(|unit| !unit.is_empty());
     let z = unit("ZUnits").unwrap_or("m");
     let other = per_metre(z).is_none().then(|| z.to_owned());
-    ChosenMap::new(Format::Gsf, [(header.field("Title").unwrap_or("field").to_owned(), other)], &ReadOptions::default())?;
+    ChosenMap::new(
+        Format::Gsf,
+        [(header.field("Title").unwrap_or("field").to_owned(), other)],
+        &ReadOptions::default(),
+    )?;
     let units = per_metre(z).unwrap_or(1.0);
     let heights_at = (end / ALIGNMENT + 1) * ALIGNMENT;
     let heights_m = input.heights("the heights", heights_at, (ny, nx), Sample::F32, |v| v / units)?;
@@ -62,7 +69,8 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         }
         (Some(_), None) => {
             let unit = unit("XYUnits").unwrap_or_default();
-            scan.warnings.push(format!("the lateral unit is `{unit}`, which is not a unit of length; no pixel size was read"));
+            scan.warnings
+                .push(format!("the lateral unit is `{unit}`, which is not a unit of length; no pixel size was read"));
         }
         (None, _) => scan.warnings.push("the field has no XReal or YReal; no pixel size was read".into()),
     }

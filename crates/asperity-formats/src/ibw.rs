@@ -76,7 +76,8 @@ fn order(bytes: &[u8]) -> Option<ByteOrder> {
 /// Complex numbers and texts, other than two or three dimensions, no layer of lengths, and data beyond the end of the file.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Ibw, bytes);
-    let input = input.with_order(order(bytes).ok_or_else(|| input.wrong("version", 0, "another one", "5 and a check sum"))?);
+    let input =
+        input.with_order(order(bytes).ok_or_else(|| input.wrong("version", 0, "another one", "5 and a check sum"))?);
     let kind = input.i16("type", TYPE)?;
     let sample = match kind & !UNSIGNED {
         0x02 => Some(Sample::F32),
@@ -85,7 +86,9 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         _ => None,
     };
     let sample = sample.ok_or_else(|| input.wrong("type", TYPE, kind, "real numbers (2, 4, 8, 16, 32)"))?;
-    let dimension = |n: usize| Ok::<_, FormatError>(("dimensions", DIMENSIONS + 4 * n, input.i32("dimensions", DIMENSIONS + 4 * n)?));
+    let dimension = |n: usize| {
+        Ok::<_, FormatError>(("dimensions", DIMENSIONS + 4 * n, input.i32("dimensions", DIMENSIONS + 4 * n)?))
+    };
     let ((.., rows), (.., layers), (.., fourth)) = (dimension(1)?, dimension(2)?, dimension(3)?);
     if rows == 0 || fourth > 1 {
         return Err(input.unsupported("the wave has not two or three dimensions", "a matrix or layers"));
@@ -147,12 +150,17 @@ struct Parts {
 impl Parts {
     fn of(input: &Input) -> Result<Self> {
         let size = |field, at| Ok::<_, FormatError>(usize::try_from(input.i32(field, at)?).unwrap_or(0));
-        let sizes = |field, at: usize, count: usize| (0..count).try_fold(0, |sum, n| Ok::<_, FormatError>(sum + size(field, at + 4 * n)?));
+        let sizes = |field, at: usize, count: usize| {
+            (0..count).try_fold(0, |sum, n| Ok::<_, FormatError>(sum + size(field, at + 4 * n)?))
+        };
         let numbers = size("size of the wave", SIZE_OF_WAVE)?.saturating_sub(WAVE_HEADER_BYTES);
         let note = HEADERS_BYTES + numbers + size("size of the formula", SIZE_OF_FORMULA)?;
         let note_bytes = size("size of the note", SIZE_OF_NOTE)?;
         // Units of the numbers and of four dimensions, then labels of two dimensions before those of the layers.
-        let labels = note + note_bytes + sizes("sizes of units", SIZES_OF_UNITS, 5)? + sizes("sizes of labels", SIZES_OF_LABELS, 2)?;
+        let labels = note
+            + note_bytes
+            + sizes("sizes of units", SIZES_OF_UNITS, 5)?
+            + sizes("sizes of labels", SIZES_OF_LABELS, 2)?;
         Ok(Self { note, note_bytes, labels, labels_bytes: size("size of the labels", SIZES_OF_LABELS + 8)? })
     }
 

@@ -87,7 +87,10 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let height_unit = set.section.field("Dim2Unit").map(str::to_owned);
     let mut scan = Scan { height_unit, ..Scan::new(heights_m, pitch_m) };
     let mut room = TextLimit::default();
-    section(&input, &sections, "DataSet-Info").into_iter().chain([set.section]).for_each(|part| part.add_to(&mut scan, &mut room));
+    section(&input, &sections, "DataSet-Info")
+        .into_iter()
+        .chain([set.section])
+        .for_each(|part| part.add_to(&mut scan, &mut room));
     Ok(chosen.add_to(scan))
 }
 

@@ -73,7 +73,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         Some(Item::Text(text)) => Some(text.as_str()),
         _ => None,
     };
-    let mut names: Vec<&str> = items.keys().filter_map(|path| path.strip_prefix(DATA)?.strip_suffix("/Matrix")).collect();
+    let mut names: Vec<&str> =
+        items.keys().filter_map(|path| path.strip_prefix(DATA)?.strip_suffix("/Matrix")).collect();
     // The main map comes first.
     names.sort_by_key(|name| Some(*name) != text(PRIMARY));
     let maps = names.iter().map(|name| {

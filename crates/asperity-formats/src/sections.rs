@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
+use crate::Scan;
 use crate::error::Result;
 use crate::input::{Input, TextLimit};
-use crate::Scan;
 
 /// Section of a header.
 pub(crate) struct Section<'a> {

@@ -125,7 +125,16 @@ impl ChosenMap {
 /// Returns whether the name of a map of lengths tells of another quantity than the height, as the amplitude of a cantilever does.
 fn is_other_quantity(name: &str) -> bool {
     const OTHERS: [&str; 11] = [
-        "amplitude", "phase", "deflection", "error", "deformation", "friction", "lateral", "indentation", "intensity", "separation",
+        "amplitude",
+        "phase",
+        "deflection",
+        "error",
+        "deformation",
+        "friction",
+        "lateral",
+        "indentation",
+        "intensity",
+        "separation",
         "user",
     ];
     let name = name.to_lowercase();

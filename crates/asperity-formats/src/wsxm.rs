@@ -64,7 +64,11 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     };
     let (amplitude, unit) = length(&input, general, "Z Amplitude")?;
     let name = general.field("Acquisition channel").unwrap_or("image").to_owned();
-    ChosenMap::new(Format::Wsxm, [(name, per_metre(unit).is_none().then(|| unit.to_owned()))], &ReadOptions::default())?;
+    ChosenMap::new(
+        Format::Wsxm,
+        [(name, per_metre(unit).is_none().then(|| unit.to_owned()))],
+        &ReadOptions::default(),
+    )?;
     let mut heights = input.samples("the image", start, ny * nx, sample)?;
     heights.reverse();
     let units = per_metre(unit).unwrap_or(f64::NAN);

@@ -10,6 +10,10 @@ use std::collections::BTreeMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
+use crate::text::{
+    Separator,
+    rows::{self, Layout},
+};
 use crate::{Format, FormatError, ReadOptions, Scan, large};
 
 pub(crate) const CODEC: Codec = Codec {
@@ -33,8 +37,6 @@ pub(crate) const CODEC: Codec = Codec {
 const MAGIC: &[u8] = b"Wyko ASCII Data File Format";
 /// Names of the blocks that hold heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"];
-/// Text of a missing height.
-const BAD: &str = "Bad";
 
 /// Reads the first array of heights.
 ///
@@ -43,14 +45,14 @@ const BAD: &str = "Bad";
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::WykoAscii, bytes);
     let mut fields = BTreeMap::new();
-    let mut at = 0;
+    let (mut at, mut lines) = (0, 0);
     let mut room = TextLimit::default();
     loop {
         let rest = &bytes[at..bytes.len().min(MAX_TEXT_BYTES)];
         let end = rest.iter().position(|&byte| byte == b'\n');
         let end = end.ok_or_else(|| input.missing("the heights", at, "a block RAW_DATA, Raw, OPD or SAMPLE_DATA"))?;
         let line = utf8_or_latin1(&rest[..end]);
-        at += end + 1;
+        (at, lines) = (at + end + 1, lines + 1);
         let mut cells = line.split('\t').map(str::trim);
         let name = cells.next().unwrap_or_default();
         if HEIGHTS.contains(&name) {
@@ -72,28 +74,18 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let first = bytes[..at].split(|&byte| byte == b'\n').next().unwrap_or_default();
     let is_nanometre = utf8_or_latin1(first).split_ascii_whitespace().rev().nth(1) == Some("1");
     if number("Mult")?.is_some_and(|mult| mult != 1.0) {
-        return Err(input.unsupported("Mult, whose meaning in this format is unknown, is not 1", "the measurement as OPD"));
+        return Err(
+            input.unsupported("Mult, whose meaning in this format is unknown, is not 1", "the measurement as OPD")
+        );
     }
     let scale_nm = if is_nanometre { 1.0 } else { required("Wavelength")? };
 
-    // A number takes two bytes at least.
-    if ny * nx > bytes.len().div_ceil(2) {
-        return Err(input.truncated("the heights", at, 2 * ny * nx));
-    }
-    let text = std::str::from_utf8(&bytes[at..]);
-    let text = text.map_err(|error| input.wrong("a height", at + error.valid_up_to(), "other bytes", "ASCII"))?;
-    let mut columns = Vec::with_capacity(ny * nx);
-    for line in text.lines().take(nx) {
-        let start = columns.len();
-        for number in line.split_ascii_whitespace() {
-            let height = if number == BAD { Ok(f64::NAN) } else { number.parse() };
-            columns.push(height.map_err(|_| input.wrong("a height", at, number, "a number or Bad"))?);
-        }
-        if columns.len() - start != ny {
-            return Err(input.wrong("numbers of a line", at, columns.len() - start, &ny.to_string()));
-        }
-    }
-    if columns.len() < ny * nx {
+    // Other arrays may follow.
+    let mut ends = bytes[at..].iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(place, _)| at + place + 1);
+    let end = ends.nth(nx - 1).unwrap_or(bytes.len());
+    let layout = Layout::new(Format::WykoAscii, Separator::Space, b"", b'\n').with_columns(ny);
+    let columns = rows::read(&bytes[at..end], &layout, lines)?.values;
+    if columns.len() != ny * nx {
         return Err(input.wrong("number of lines", at, columns.len() / ny, &nx.to_string()));
     }
     let mut heights = large::transposed(&columns, (nx, ny));

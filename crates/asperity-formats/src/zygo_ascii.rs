@@ -7,7 +7,11 @@ use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::{Input, utf8_or_latin1};
 use crate::metropro::{COUNTS_PER_FRINGE, INVALID};
-use crate::{Format, ReadOptions, Scan};
+use crate::text::{
+    Separator,
+    rows::{self, Layout},
+};
+use crate::{Format, ReadOptions, Scan, large};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -59,7 +63,9 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let whole = |name, line, place| Ok::<_, crate::FormatError>(field(name, line, place)?.clamp(0.0, 1e18) as u64);
     let (columns, rows) = (whole("phase width", 4, 2)?, whole("phase height", 4, 3)?);
     if columns == 0 || rows == 0 {
-        return Err(input.unsupported("the file holds intensities or nothing, but no connected phase", "connected phase"));
+        return Err(
+            input.unsupported("the file holds intensities or nothing, but no connected phase", "connected phase")
+        );
     }
     let (ny, nx) = input.shape(("phase height", 0, rows), ("phase width", 0, columns))?;
     let counts = COUNTS_PER_FRINGE.get(whole("phase_res", 11, 0)? as usize);
@@ -67,22 +73,17 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let waves = factor("intf_scale_factor", 8, 1)? * factor("obliquity_factor", 8, 4)?;
     let scale_m = factor("wavelength", 8, 2)? * waves / counts;
 
-    let text = std::str::from_utf8(&bytes[end..]);
-    let text = text.map_err(|error| input.wrong("a number", end + error.valid_up_to(), "other bytes", "ASCII"))?;
     // Intensities, then phases.
-    let phases = text.split('#').nth(2).ok_or_else(|| input.missing("phases", bytes.len(), "numbers after `#`"))?;
-    // A number takes two bytes at least.
-    if (ny * nx) as u64 > (bytes.len() as u64).div_ceil(2) {
-        return Err(input.truncated("the phases", bytes.len(), 2 * ny * nx));
-    }
-    let height = |phase: &str| {
-        let phase: f64 = phase.parse().map_err(|_| input.wrong("a phase", end, phase, "a number"))?;
-        Ok::<_, crate::FormatError>(if phase >= INVALID { f64::NAN } else { phase * scale_m })
-    };
-    let heights = phases.split_ascii_whitespace().take(ny * nx).map(height).collect::<Result<Vec<_>>>()?;
-    if heights.len() < ny * nx {
+    let phases = bytes[end..].split(|&byte| byte == b'#').nth(2);
+    let phases = phases.ok_or_else(|| input.missing("phases", bytes.len(), "numbers after `#`"))?;
+    let before = phases.as_ptr() as usize - bytes.as_ptr() as usize;
+    let lines_before = bytes[..before].iter().filter(|&&byte| byte == b'\n').count();
+    let layout = Layout::new(Format::ZygoAscii, Separator::Space, b"", b'\n');
+    let mut heights = rows::read(phases, &layout, lines_before)?.values;
+    if heights.len() != ny * nx {
         return Err(input.wrong("number of phases", end, heights.len(), &format!("{nx} × {ny}")));
     }
+    large::map(&mut heights, |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m });
     let heights_m = input.matrix("phase width", 0, (ny, nx), heights)?;
     let lateral = field("camera_res", 8, 6)?;
     let mut scan = Scan::new(heights_m, Some((lateral, lateral)).filter(|_| lateral != 0.0));

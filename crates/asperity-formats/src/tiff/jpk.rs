@@ -63,7 +63,8 @@ pub(super) fn units(first: &Directory, page: &Directory) -> Result<Result<Units,
         }
         let number = |tag: Tag| page.real(tag)?.ok_or_else(|| page.input.missing(tag.1, page.offset, "a number"));
         let line_m = Some((number(offset)? / per_metre, number(multiplier)? / per_metre));
-        let pitch = |size, count| Ok::<_, crate::FormatError>(first.real(size)?.zip(first.real(count)?).map(|(m, n)| m / n));
+        let pitch =
+            |size, count| Ok::<_, crate::FormatError>(first.real(size)?.zip(first.real(count)?).map(|(m, n)| m / n));
         let pitch_m = pitch(WIDTH, COLUMNS)?.zip(pitch(HEIGHT, ROWS)?);
         let metadata = [("slot".to_owned(), default.unwrap_or_default()), ("vunit".to_owned(), unit)].into();
         return Ok(Ok(Units { line_m, pitch_m, metadata, is_bottom_up: true, ..Units::default() }));

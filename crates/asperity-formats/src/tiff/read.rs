@@ -66,7 +66,9 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let name = name.unwrap_or_else(|| format!("page {}", seen.len()));
         let other_unit = if is_jpk { jpk::units(&first, &page)?.err() } else { None };
         match numbers(&page)? {
-            Ok(_) if other_unit.is_some() => others.push(format!("{name} has the unit `{}`", shown(&other_unit.unwrap_or_default()))),
+            Ok(_) if other_unit.is_some() => {
+                others.push(format!("{name} has the unit `{}`", shown(&other_unit.unwrap_or_default())))
+            }
             Ok(sample) => {
                 maps.push((next, sample));
                 names.push(name);
