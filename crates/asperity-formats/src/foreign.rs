@@ -15,8 +15,6 @@ enum Signature {
     Start(&'static [&'static [u8]]),
     /// A byte string at an offset.
     At(usize, &'static [u8]),
-    /// Text without control characters at its start, with all of these words in its first [`HEAD_BYTES`].
-    Words(&'static [&'static [u8]]),
     /// Test of the content, given the size of the file in bytes.
     Test(fn(&[u8], u64) -> bool),
 }
@@ -33,7 +31,7 @@ const UNPACK: &str = "unpack it and give the file of heights";
 const AS_TEXT: &str = "export the height map as text";
 const FETCH: &str = "fetch the file of heights itself";
 
-use Signature::{At, Start, Test, Words};
+use Signature::{At, Start, Test};
 
 const FOREIGN: &[Foreign] = &[
     Foreign(
@@ -43,11 +41,6 @@ const FOREIGN: &[Foreign] = &[
     ),
     Foreign("an Olympus OIR file", Start(&[b"OLYMPUSRAWFORMAT"]), TO_GWY),
     Foreign("a Keyence ZON file", Start(&[b"KPK0", b"KPK1"]), TO_GWY),
-    Foreign(
-        "a Keyence CSV file",
-        Words(&[b"output image data", b"xy calibration"]),
-        "save the measurement as VK4, VK6 or VK7, or keep only the rows of heights and state pixel size and unit",
-    ),
     Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),

@@ -40,6 +40,8 @@ pub enum Format {
     Tmd,
     /// Keyence VK4, VK6, VK7.
     Vk,
+    /// Keyence CSV.
+    KeyenceCsv,
     /// Nanoscope of Digital Instruments, Veeco and Bruker.
     Nanoscope,
     /// Igor binary wave, as of Asylum Research.
@@ -100,6 +102,7 @@ impl Format {
             Self::Bcr => ("BCR", Some("nm")),
             Self::Tmd => ("TMD", Some("mm")),
             Self::Vk => ("VK4/VK6", Some("pm")),
+            Self::KeyenceCsv => ("Keyence CSV", None),
             Self::Nanoscope => ("Nanoscope", None),
             Self::Ibw => ("IBW", None),
             Self::Nid => ("NID", None),

@@ -30,6 +30,7 @@ mod gwy;
 mod hdf5;
 mod ibw;
 mod input;
+mod keyence_csv;
 mod large;
 mod metropro;
 mod nanoscope;
