@@ -112,11 +112,9 @@ pub(crate) const OLE_MAGIC: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
 ///
 /// [`in_archive`] examines zip archives that no reader recognises.
 pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
-    let head = &bytes[..bytes.len().min(HEAD_BYTES)];
     let is_known = |foreign: &&Foreign| match foreign.1 {
         Start(signatures) => signatures.iter().any(|signature| bytes.starts_with(signature)),
         At(offset, signature) => bytes.get(offset..).is_some_and(|rest| rest.starts_with(signature)),
-        Words(words) => crate::text::is_text(bytes) && words.iter().all(|word| holds(head, word)),
         Test(is_match) => is_match(bytes, size),
     };
     FOREIGN.iter().find(is_known).map(|&Foreign(name, _, advice)| FormatError::NotRead { name, advice })

@@ -52,8 +52,8 @@ enum Item {
     Number(f64),
     Text(String),
     Quantity(f64, String),
-    /// Offset of the first number, rows and columns.
-    Matrix(usize, u32, u32),
+    /// Offset of the first number, rows and columns, and where the item ends.
+    Matrix(usize, u32, u32, usize),
 }
 
 /// Reads a height map.
@@ -83,13 +83,13 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     });
     let chosen = ChosenMap::new(Format::Opdx, maps, options)?;
     let folder = format!("{DATA}{}", names[chosen.map]);
-    let Some(Item::Matrix(start, rows, columns)) = items.get(&format!("{folder}/Matrix")) else {
+    let Some(Item::Matrix(start, rows, columns, end)) = items.get(&format!("{folder}/Matrix")) else {
         return Err(input.missing(&folder, ITEMS, "a matrix"));
     };
     let (ny, nx) = input.shape(("rows", start - 8, *rows), ("columns", start - 4, *columns))?;
     let (scale, unit) = quantity(&format!("{folder}/DataScale")).unwrap_or((f64::NAN, ""));
     let units = per_metre(unit).unwrap_or(f64::NAN);
-    let heights_m = input.heights("the matrix", *start, (ny, nx), Sample::F32, |z| z * scale / units)?;
+    let heights_m = input.up_to(*end).heights("the matrix", *start, (ny, nx), Sample::F32, |z| z * scale / units)?;
     let pitch = |dimension: usize, points: usize| {
         let (extent, unit) = quantity(&format!("{folder}/Dimension{dimension}Extent"))?;
         Some(extent / (points.max(2) - 1) as f64 / per_metre(unit)?)
@@ -228,6 +228,6 @@ impl Tree<'_> {
         let (rows, columns) = (self.u32()?, self.u32()?);
         let start = self.at;
         self.at = end;
-        Ok(Item::Matrix(start, rows, columns))
+        Ok(Item::Matrix(start, rows, columns, end))
     }
 }

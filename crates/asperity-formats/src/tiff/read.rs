@@ -45,8 +45,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
     let mut seen = Vec::new();
     let mut next = file.first()?;
-    let first = file.directory(next)?;
-    let is_jpk = jpk::is_jpk(&first);
+    let first = if next == 0 { None } else { Some(file.directory(next)?) };
+    let first = first.filter(jpk::is_jpk);
     while next != 0 {
         if seen.contains(&next) || seen.len() == MAX_PAGES {
             let at = seen.last().map_or(0, |&offset| usize::try_from(offset).unwrap_or(usize::MAX));
@@ -56,15 +56,19 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         seen.push(next);
         let page = file.directory(next)?;
         if seen.len() <= VENDOR_PAGES
+            && first.is_none()
             && let Some(vendor) = vendor(&page)?
         {
             return Err(vendor);
         }
         let name = Some(tag::PAGE_NAME).filter(|&name| page.length(name) <= MAX_NAME_BYTES);
         let name = name.map_or(Ok(None), |name| page.text(name))?;
-        let name = if is_jpk { jpk::name(&page)? } else { name };
+        let name = if first.is_some() { jpk::name(&page)? } else { name };
         let name = name.unwrap_or_else(|| format!("page {}", seen.len()));
-        let other_unit = if is_jpk { jpk::units(&first, &page)?.err() } else { None };
+        let other_unit = match &first {
+            Some(first) => jpk::units(first, &page)?.err(),
+            None => None,
+        };
         match numbers(&page)? {
             Ok(_) if other_unit.is_some() => {
                 others.push(format!("{name} has the unit `{}`", shown(&other_unit.unwrap_or_default())))
@@ -91,9 +95,9 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         Some(description) => Some(description),
         None => file.directory(file.first()?)?.text(tag::IMAGE_DESCRIPTION)?,
     };
-    let units = match is_jpk {
-        true => jpk::units(&first, &page)?.unwrap_or_default(),
-        false => description.map_or_else(Units::default, |description| units(&description)),
+    let units = match &first {
+        Some(first) => jpk::units(first, &page)?.unwrap_or_default(),
+        None => description.map_or_else(Units::default, |description| units(&description)),
     };
     let mut scan = map(&page, sample, order, &units, options)?;
     scan.metadata.extend(units.metadata);
@@ -106,7 +110,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 
 /// Returns the error for a page of a vendor that stores heights, or their scale, in private fields.
 ///
-/// Park's fields start at 50432 (its magic number) and hold the heights beside
+/// JPK numbers its fields from 32768 on. Park's fields start at 50432 (its magic number) and hold the heights beside
 /// a picture. Olympus (LEXT, OLS) describes its pages in XML or in lines of text, or names itself.
 fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     // Descriptions of instruments take a few kilobytes.
@@ -114,6 +118,8 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     let has = |tag: u16| page.length(Tag(tag, "")) > 0;
     let name = if (50432..=50435).any(has) {
         Some("a Park Systems TIFF file")
+    } else if (32768..=32775).chain(32832..=32837).chain(32848..=32850).any(has) {
+        Some("a JPK file without the size of its grid")
     } else {
         let text = |tag: Tag| {
             let tag = Some(tag).filter(|&tag| page.length(tag) <= MAX_DESCRIPTION);

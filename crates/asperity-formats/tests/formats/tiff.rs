@@ -193,6 +193,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     let deflated = |values: &[f64]| zlib(&values.iter().flat_map(|z| z.to_le_bytes()).collect::<Vec<_>>());
     let predicted = Page::new(64, 3, deflated(&HEIGHTS)).with(259, Value::Short(8)).with(317, Value::Short(3));
     vec![
+        Fixture::open_ended("JPK", jpk(CLASSIC)),
         Fixture::whole(
             "TIFF of ImageJ",
             tiff(CLASSIC, &[resolved.clone().with(270, Value::Text(IMAGE_J)).with(296, Value::Short(1))]),
@@ -495,9 +496,9 @@ fn files_of_vendors_are_refused_by_name() {
         (50432, Value::Long(0x0e03_1301), "a Park Systems TIFF file"),
         (50435, Value::Long(1), "a Park Systems TIFF file"),
         // JPK: version of the file, width of the grid, name of the channel.
-        (32768, Value::Long(1), "a JPK image file"),
-        (32834, Value::Double(1e-5), "a JPK image file"),
-        (32848, Value::Text("height"), "a JPK image file"),
+        (32768, Value::Long(1), "a JPK file without the size of its grid"),
+        (32834, Value::Double(1e-5), "a JPK file without the size of its grid"),
+        (32848, Value::Text("height"), "a JPK file without the size of its grid"),
         (270, Value::Text(LEXT), "an Olympus LEXT file"),
         (270, Value::Text(OLS), "an Olympus LEXT file"),
         (271, Value::Text("OLYMPUS"), "an Olympus LEXT file"),
@@ -519,5 +520,46 @@ fn files_of_vendors_are_refused_by_name() {
     // Fields of others in the same range: ImageID, ImageDepth.
     for tag in [32781, 32997] {
         assert!(read_bytes(&tiff(CLASSIC, &[floats().with(tag, Value::Long(1))])).is_ok(), "{tag}");
+    }
+}
+
+/// A JPK image: a picture with the size of the grid, a height in two slots, a height scanned backwards, and a phase.
+fn jpk(kind: Kind) -> Vec<u8> {
+    let integers = |numbers: [i64; 6]| numbers.iter().flat_map(|n| kind.number(*n as u64, 4)).collect();
+    let slot = |page: Page, slot: u16, name: &'static str, unit: &'static str, multiplier: f64, offset: f64| {
+        let first = 0x8090 + 48 * slot;
+        let page = page.with(first, Value::Text(name)).with(first + 0x12, Value::Text(unit));
+        let page = page.with(first + 0x13, Value::Text("LinearScaling")).with(first + 0x14, Value::Double(multiplier));
+        page.with(first + 0x15, Value::Double(offset))
+    };
+    let page = |name: &'static str, unit: &'static str, retrace: u64| {
+        let page = Page::new(32, 2, integers([0, 1, 2, 3, 4, -5])).with(0x8050, Value::Text("channel"));
+        let page =
+            page.with(0x8051, Value::Short(retrace)).with(0x8052, Value::Text(name)).with(0x8080, Value::Short(2));
+        let page = page.with(0x8081, Value::Text("calibrated"));
+        slot(slot(page, 0, "raw", unit, 7.0, 7.0), 1, "calibrated", unit, -10.0, 100.0)
+    };
+    let grid = [(0x8040, 0.5), (0x8041, 0.5), (0x8042, 3e-6), (0x8043, 4e-6)];
+    let mut first = Page::new(8, 1, vec![0; 6]).with(262, Value::Short(3)).with(0x8000, Value::Text("6.0.41"));
+    for (tag, value) in grid {
+        first = first.with(tag, Value::Double(value));
+    }
+    let first = first.with(0x8046, Value::Long(3)).with(0x8047, Value::Long(2));
+    tiff(kind, &[first, page("Phase", "deg", 0), page("Height", "nm", 1), page("Height", "nm", 0)])
+}
+
+#[test]
+fn heights_of_jpk_are_those_of_the_default_slot_from_the_bottom_up() {
+    for kind in KINDS {
+        let scan = read_bytes(&jpk(kind)).unwrap();
+        assert_eq!(
+            (scan.channels.as_slice(), scan.channel),
+            (["Height (retrace)", "Height"].map(str::to_owned).as_slice(), 0)
+        );
+        assert_heights(&scan, &[70e-9, 60e-9, 150e-9, 100e-9, 90e-9, 80e-9]);
+        let pitch = scan.pitch_m.unwrap();
+        assert!((pitch.0 - 1e-6).abs() < 1e-18 && (pitch.1 - 2e-6).abs() < 1e-18, "{pitch:?}");
+        assert_eq!((scan.metadata["slot"].as_str(), scan.height_unit.as_deref()), ("calibrated", Some("nm")));
+        assert!(scan.warnings[0].contains("Phase has the unit `deg`"), "{:?}", scan.warnings);
     }
 }
