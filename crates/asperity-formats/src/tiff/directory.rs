@@ -180,6 +180,13 @@ impl Directory<'_> {
         Ok(Some(text).filter(|text| !text.is_empty()))
     }
 
+    /// Returns the offset and the size in bytes of the values of a field.
+    pub(super) fn place(&self, tag: Tag) -> Option<(usize, usize)> {
+        let entry = self.entry(tag)?;
+        let length = entry.count.saturating_mul(size(entry.kind)? as u64);
+        Some((entry.values, usize::try_from(length).unwrap_or(usize::MAX)))
+    }
+
     /// Returns the size of a text field in bytes.
     pub(super) fn length(&self, tag: Tag) -> u64 {
         self.entry(tag).map_or(0, |entry| entry.count)

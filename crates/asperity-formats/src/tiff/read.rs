@@ -5,7 +5,7 @@ use ndarray::{Array2, Axis};
 
 use super::description::{Units, units};
 use super::directory::{Directory, File, Tag, sample};
-use super::{decode, jpk, tag};
+use super::{decode, jpk, park, tag};
 use crate::foreign::TO_GWY;
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
@@ -46,6 +46,9 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut seen = Vec::new();
     let mut next = file.first()?;
     let first = if next == 0 { None } else { Some(file.directory(next)?) };
+    if let Some(park) = first.as_ref().filter(|first| park::is_park(first)) {
+        return park::read(park, options);
+    }
     let first = first.filter(jpk::is_jpk);
     while next != 0 {
         if seen.contains(&next) || seen.len() == MAX_PAGES {
@@ -117,7 +120,7 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     const MAX_DESCRIPTION: u64 = 1 << 16;
     let has = |tag: u16| page.length(Tag(tag, "")) > 0;
     let name = if (50432..=50435).any(has) {
-        Some("a Park Systems TIFF file")
+        Some("a Park Systems TIFF file without heights")
     } else if (32768..=32775).chain(32832..=32837).chain(32848..=32850).any(has) {
         Some("a JPK file without the size of its grid")
     } else {
