@@ -44,7 +44,6 @@ const FOREIGN: &[Foreign] = &[
     Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),
-    Foreign("an NT-MDT file (MDT)", Start(&[b"\x01\xb0\x93\xff"]), TO_GWY),
     Foreign("a Nanonis SXM file", Start(&[b":NANONIS_VERSION:"]), TO_GWY),
     Foreign("an RHK SM3 or SM4 file", At(2, RHK_MAGIC), TO_GWY),
     Foreign("a Leica LIF file", Test(is_leica), AS_TEXT),

@@ -48,6 +48,8 @@ pub enum Format {
     Ibw,
     /// Nanosurf NID.
     Nid,
+    /// NT-MDT MDT.
+    Mdt,
     /// WSxM.
     Wsxm,
     /// Gwyddion simple field.
@@ -106,6 +108,7 @@ impl Format {
             Self::Nanoscope => ("Nanoscope", None),
             Self::Ibw => ("IBW", None),
             Self::Nid => ("NID", None),
+            Self::Mdt => ("MDT", None),
             Self::Wsxm => ("WSxM", None),
             Self::Gsf => ("GSF", None),
             Self::NetCdf => ("NetCDF", None),

@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 31] = [
+const CODECS: [&Codec; 32] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -28,6 +28,7 @@ const CODECS: [&Codec; 31] = [
     &crate::nanoscope::CODEC,
     &crate::ibw::CODEC,
     &crate::nid::CODEC,
+    &crate::mdt::CODEC,
     &crate::wsxm::CODEC,
     &crate::gsf::CODEC,
     &crate::netcdf::CODEC,

@@ -74,6 +74,7 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::nanoscope::fixtures(),
         crate::ibw::fixtures(),
         crate::nid::fixtures(),
+        crate::mdt::fixtures(),
         crate::wsxm::fixtures(),
         crate::gsf::fixtures(),
         crate::ascii::fixtures(),

@@ -58,7 +58,6 @@ fn files_of_known_formats_are_refused_by_name_with_advice() {
         (b"KPK0\x00\x00".to_vec(), "a Keyence ZON file", "GWY"),
         (igor_wave(false), "an Igor wave of version 2, a curve", "NPY or text"),
         (igor_wave(true), "an Igor wave of version 2, a curve", "NPY or text"),
-        (b"\x01\xb0\x93\xff\x00".to_vec(), "an NT-MDT file (MDT)", "GWY"),
         (b":NANONIS_VERSION:\n2\n".to_vec(), "a Nanonis SXM file", "GWY"),
         (ole("ScopedContents"), "a Mountains file (MNT)", "SUR"),
         (ole("WordDocument"), "an OLE compound file", "as text"),

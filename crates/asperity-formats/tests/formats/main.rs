@@ -19,6 +19,7 @@ mod hostile;
 mod ibw;
 #[path = "../memory/mod.rs"]
 mod memory;
+mod mdt;
 mod metropro;
 mod nanoscope;
 mod netcdf;
