@@ -14,6 +14,7 @@ mod decode;
 mod description;
 mod directory;
 mod jpk;
+mod lext;
 mod park;
 mod read;
 

@@ -5,7 +5,7 @@ use ndarray::{Array2, Axis};
 
 use super::description::{Units, units};
 use super::directory::{Directory, File, Tag, sample};
-use super::{decode, jpk, park, tag};
+use super::{decode, jpk, lext, park, tag};
 use crate::foreign::TO_GWY;
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
@@ -42,6 +42,12 @@ const TEXTS: [Tag; 9] = [
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let file = File::open(Input::new(Format::Tiff, bytes))?;
     let order = if bytes.starts_with(b"MM") { ByteOrder::Big } else { ByteOrder::Little };
+    if let Some((page, units)) = lext::heights(&file)? {
+        let refused = |reason| file.input.unsupported(format!("the page of heights {reason}"), "a grey page");
+        let mut scan = map(&page, numbers(&page)?.map_err(refused)?, order, &units, options)?;
+        scan.metadata.extend(units.metadata);
+        return Ok(scan);
+    }
     let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
     let mut seen = Vec::new();
     let mut next = file.first()?;
@@ -133,7 +139,7 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
             || description.contains("System Name") && description.contains("OLS")
             || text(tag::MAKE)?.starts_with("OLYMPUS")
             || text(tag::MODEL)?.contains("LEXT");
-        is_olympus.then_some("an Olympus LEXT file")
+        is_olympus.then_some("an Olympus LEXT file without a page of heights, or of an OLS3000")
     };
     Ok(name.map(|name| FormatError::NotRead { name, advice: TO_GWY }))
 }

@@ -17,9 +17,9 @@ mod gz;
 mod height_unit;
 mod hostile;
 mod ibw;
+mod mdt;
 #[path = "../memory/mod.rs"]
 mod memory;
-mod mdt;
 mod metropro;
 mod nanoscope;
 mod netcdf;

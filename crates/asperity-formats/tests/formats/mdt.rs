@@ -48,10 +48,16 @@ fn heights_are_offset_and_steps_in_the_unit_of_z_from_the_bottom_up() {
         let scan = read_bytes(&mdt(&[frame(4, 1, 1.0, 0), of_type(106, &[0; 9]), frame(0, -1, 0.5, points)])).unwrap();
         assert_eq!((scan.format, scan.pitch_m), (Some(Format::Mdt), Some((1e-6, 2e-6))));
         assert_heights(&scan, &[11.5e-9, 12e-9, 7.5e-9, 10e-9, 10.5e-9, 11e-9]);
-        assert_eq!((scan.channels.as_slice(), scan.height_unit.as_deref()), (["Height".to_owned()].as_slice(), Some("nm")));
+        assert_eq!(
+            (scan.channels.as_slice(), scan.height_unit.as_deref()),
+            (["Height".to_owned()].as_slice(), Some("nm"))
+        );
         assert_eq!(scan.metadata["date"], "2026-11-24T01:02:03");
         let warnings = scan.warnings.concat();
-        assert!(warnings.contains("1 frames other than scans") && warnings.contains("`Current` (code 1)"), "{warnings}");
+        assert!(
+            warnings.contains("1 frames other than scans") && warnings.contains("`Current` (code 1)"),
+            "{warnings}"
+        );
     }
 }
 
