@@ -40,6 +40,8 @@ pub enum Format {
     Tmd,
     /// Keyence VK4, VK6, VK7.
     Vk,
+    /// Keyence ZON.
+    Zon,
     /// Keyence CSV.
     KeyenceCsv,
     /// Nanoscope of Digital Instruments, Veeco and Bruker.
@@ -104,6 +106,7 @@ impl Format {
             Self::Bcr => ("BCR", Some("nm")),
             Self::Tmd => ("TMD", Some("mm")),
             Self::Vk => ("VK4/VK6", Some("pm")),
+            Self::Zon => ("ZON", Some("m")),
             Self::KeyenceCsv => ("Keyence CSV", None),
             Self::Nanoscope => ("Nanoscope", None),
             Self::Ibw => ("IBW", None),

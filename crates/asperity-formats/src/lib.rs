@@ -64,6 +64,7 @@ mod wyko_ascii;
 mod x3p;
 mod xml;
 mod xyz;
+mod zon;
 mod zygo_ascii;
 
 pub use codec::{Description, Tested};

@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 32] = [
+const CODECS: [&Codec; 33] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -24,6 +24,7 @@ const CODECS: [&Codec; 32] = [
     &crate::bcr::CODEC,
     &crate::tmd::CODEC,
     &crate::vk::CODEC,
+    &crate::zon::CODEC,
     &crate::keyence_csv::CODEC,
     &crate::nanoscope::CODEC,
     &crate::ibw::CODEC,

@@ -76,6 +76,7 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::nid::fixtures(),
         crate::mdt::fixtures(),
         crate::wsxm::fixtures(),
+        crate::zon::fixtures(),
         crate::gsf::fixtures(),
         crate::ascii::fixtures(),
         crate::plu::fixtures(),

@@ -55,7 +55,7 @@ fn files_of_known_formats_are_refused_by_name_with_advice() {
     let cases: Vec<(Vec<u8>, &str, &str)> = vec![
         (b"OLYMPUSRAWFORMAT\x0c\x00\x00\x00".to_vec(), "an Olympus OIR file", "GWY"),
         (zip(&[("fileinfo.xml", b"<a/>"), ("image.oir", b"OLYMPUSRAWFORMAT")]), "an Olympus POIR file", "GWY"),
-        (b"KPK0\x00\x00".to_vec(), "a Keyence ZON file", "GWY"),
+        (b"KPK1\x00\x00".to_vec(), "a Keyence ZON file packed with Zstandard", "GWY"),
         (igor_wave(false), "an Igor wave of version 2, a curve", "NPY or text"),
         (igor_wave(true), "an Igor wave of version 2, a curve", "NPY or text"),
         (b":NANONIS_VERSION:\n2\n".to_vec(), "a Nanonis SXM file", "GWY"),

@@ -45,6 +45,7 @@ mod vtk;
 mod wsxm;
 mod x3p;
 mod xyz;
+mod zon;
 
 use asperity_formats::Scan;
 
