@@ -24,11 +24,11 @@ use crate::codec::{Codec, Description, Tested};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Tiff,
-        extensions: &["tif", "tiff", "jpk"],
-        vendor: "Adobe; JPK; Park Systems",
+        extensions: &["tif", "tiff", "jpk", "lext"],
+        vendor: "Adobe; JPK, Park Systems, Olympus",
         known_by: "`II*`, `MM*`, BigTIFF",
         reads: "grey pages of float32, float64 and integers of 8, 16 and 32 bits; strips and tiles; uncompressed, LZW, \
-                Deflate, PackBits; no colours; heights of JPK and of Park Systems",
+                Deflate, PackBits; no colours; heights of JPK, Park Systems and LEXT",
         writes: "",
         stores_pitch: true,
         missing_points: "NaN, ±inf, the value of GDAL_NODATA",
