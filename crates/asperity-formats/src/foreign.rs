@@ -15,8 +15,6 @@ enum Signature {
     Start(&'static [&'static [u8]]),
     /// A byte string at an offset.
     At(usize, &'static [u8]),
-    /// Text without control characters at its start, with all of these words in its first [`HEAD_BYTES`].
-    Words(&'static [&'static [u8]]),
     /// Test of the content, given the size of the file in bytes.
     Test(fn(&[u8], u64) -> bool),
 }
@@ -33,36 +31,24 @@ const UNPACK: &str = "unpack it and give the file of heights";
 const AS_TEXT: &str = "export the height map as text";
 const FETCH: &str = "fetch the file of heights itself";
 
-use Signature::{At, Start, Test, Words};
+use Signature::{At, Start, Test};
 
 const FOREIGN: &[Foreign] = &[
     Foreign(
-        "a Bruker Nanoscope file",
-        Start(&[b"\\*File list", b"\\*EC File list", b"\\*Force file list", b"?*File list"]),
-        TO_GWY,
+        "a Bruker Nanoscope file of force curves",
+        Start(&[b"\\*Force file list"]),
+        "a force curve is no height map",
     ),
-    Foreign("a Bruker OPDx file", Start(&[b"VCA DATA"]), TO_GWY),
-    Foreign("a Wyko ASCII file", Start(&[b"Wyko ASCII Data File"]), "save the measurement as OPD"),
-    Foreign("a Zygo ASCII file", Start(&[b"Zygo ASCII Data File"]), "save the measurement as DAT, DATX or XYZ"),
     Foreign("an Olympus OIR file", Start(&[b"OLYMPUSRAWFORMAT"]), TO_GWY),
-    Foreign("a Keyence ZON file", Start(&[b"KPK0", b"KPK1"]), TO_GWY),
-    Foreign(
-        "a Keyence CSV file",
-        Words(&[b"output image data", b"xy calibration"]),
-        "save the measurement as VK4, VK6 or VK7, or keep only the rows of heights and state pixel size and unit",
-    ),
-    Foreign("an Asylum Research (Igor) IBW file", Test(is_igor_wave), TO_GWY),
+    Foreign("a Keyence ZON file packed with Zstandard", Start(&[b"KPK1"]), TO_GWY),
+    Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),
-    Foreign("a Nanosurf NID file", Start(&[b"[DataSet]"]), TO_GWY),
-    Foreign("an NT-MDT file (MDT)", Start(&[b"\x01\xb0\x93\xff"]), TO_GWY),
-    Foreign("a WSxM file", Start(&[b"WSxM file copyright"]), TO_GWY),
     Foreign("a Nanonis SXM file", Start(&[b":NANONIS_VERSION:"]), TO_GWY),
     Foreign("an RHK SM3 or SM4 file", At(2, RHK_MAGIC), TO_GWY),
     Foreign("a Leica LIF file", Test(is_leica), AS_TEXT),
     Foreign("a Nikon ND2 file", Start(&[b"\xda\xce\xbe\x0a"]), AS_TEXT),
     Foreign("an ISO 28600 file", Start(&[b"ISO/TC 201 SPM data transfer format"]), TO_GWY),
-    Foreign("a Gwyddion simple field (GSF)", Start(&[b"Gwyddion Simple Field"]), TO_GWY),
     Foreign("a Gwyddion XYZ field", Start(&[b"Gwyddion XYZ Field"]), TO_GWY),
     Foreign("a Zeiss CZI file", Start(&[b"ZISRAWFILE"]), AS_TEXT),
     Foreign(
@@ -125,11 +111,9 @@ pub(crate) const OLE_MAGIC: &[u8] = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1";
 ///
 /// [`in_archive`] examines zip archives that no reader recognises.
 pub(crate) fn recognise(bytes: &[u8], size: u64) -> Option<FormatError> {
-    let head = &bytes[..bytes.len().min(HEAD_BYTES)];
     let is_known = |foreign: &&Foreign| match foreign.1 {
         Start(signatures) => signatures.iter().any(|signature| bytes.starts_with(signature)),
         At(offset, signature) => bytes.get(offset..).is_some_and(|rest| rest.starts_with(signature)),
-        Words(words) => crate::text::is_text(bytes) && words.iter().all(|word| holds(head, word)),
         Test(is_match) => is_match(bytes, size),
     };
     FOREIGN.iter().find(is_known).map(|&Foreign(name, _, advice)| FormatError::NotRead { name, advice })
@@ -176,16 +160,14 @@ fn is_mountains(bytes: &[u8]) -> bool {
 
 /// Returns whether bytes are an Igor binary wave: version 2 or 5 in either byte order, and 16-bit numbers in the
 /// headers that sum to zero (Igor technical note 003).
-fn is_igor_wave(bytes: &[u8], _: u64) -> bool {
-    let sums_up = |length: usize, number: fn([u8; 2]) -> u16| {
-        let pairs = bytes.get(..length).map(|head| head.chunks_exact(2).map(|pair| number([pair[0], pair[1]])));
+fn is_old_igor_wave(bytes: &[u8], _: u64) -> bool {
+    let sums_up = |number: fn([u8; 2]) -> u16| {
+        let pairs = bytes.get(..126).map(|head| head.chunks_exact(2).map(|pair| number([pair[0], pair[1]])));
         pairs.is_some_and(|pairs| pairs.fold(0_u16, u16::wrapping_add) == 0)
     };
     match bytes.get(..2) {
-        Some([2, 0]) => sums_up(126, u16::from_le_bytes),
-        Some([0, 2]) => sums_up(126, u16::from_be_bytes),
-        Some([5, 0]) => sums_up(384, u16::from_le_bytes),
-        Some([0, 5]) => sums_up(384, u16::from_be_bytes),
+        Some([2, 0]) => sums_up(u16::from_le_bytes),
+        Some([0, 2]) => sums_up(u16::from_be_bytes),
         _ => false,
     }
 }

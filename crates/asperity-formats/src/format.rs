@@ -14,8 +14,14 @@ pub enum Format {
     Gwy,
     /// Wyko (Veeco, Bruker) OPD.
     Opd,
+    /// Wyko ASCII.
+    WykoAscii,
+    /// Bruker OPDx of Vision64 and Dektak.
+    Opdx,
     /// Zygo MetroPro DAT.
     MetroPro,
+    /// Zygo ASCII.
+    ZygoAscii,
     /// Zygo DATX: HDF5.
     Datx,
     /// Sensofar PLU.
@@ -34,6 +40,22 @@ pub enum Format {
     Tmd,
     /// Keyence VK4, VK6, VK7.
     Vk,
+    /// Keyence ZON.
+    Zon,
+    /// Keyence CSV.
+    KeyenceCsv,
+    /// Nanoscope of Digital Instruments, Veeco and Bruker.
+    Nanoscope,
+    /// Igor binary wave, as of Asylum Research.
+    Ibw,
+    /// Nanosurf NID.
+    Nid,
+    /// NT-MDT MDT.
+    Mdt,
+    /// WSxM.
+    Wsxm,
+    /// Gwyddion simple field.
+    Gsf,
     /// NetCDF classic.
     NetCdf,
     /// NumPy array file.
@@ -71,7 +93,10 @@ impl Format {
             Self::Sdf => ("SDF", Some("m")),
             Self::Gwy => ("GWY", None),
             Self::Opd => ("OPD", Some("nm")),
+            Self::WykoAscii => ("Wyko ASCII", Some("nm")),
+            Self::Opdx => ("OPDx", None),
             Self::MetroPro => ("MetroPro DAT", Some("m")),
+            Self::ZygoAscii => ("Zygo ASCII", Some("m")),
             Self::Datx => ("DATX", Some("m")),
             Self::Plu => ("PLU", Some("um")),
             Self::Plux => ("PLUX", Some("um")),
@@ -81,6 +106,14 @@ impl Format {
             Self::Bcr => ("BCR", Some("nm")),
             Self::Tmd => ("TMD", Some("mm")),
             Self::Vk => ("VK4/VK6", Some("pm")),
+            Self::Zon => ("ZON", Some("m")),
+            Self::KeyenceCsv => ("Keyence CSV", None),
+            Self::Nanoscope => ("Nanoscope", None),
+            Self::Ibw => ("IBW", None),
+            Self::Nid => ("NID", None),
+            Self::Mdt => ("MDT", None),
+            Self::Wsxm => ("WSxM", None),
+            Self::Gsf => ("GSF", None),
             Self::NetCdf => ("NetCDF", None),
             Self::Npy => ("NPY", None),
             Self::Npz => ("NPZ", None),

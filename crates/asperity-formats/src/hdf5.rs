@@ -4,7 +4,7 @@
 //! symbol tables, link messages and dense links; attributes in the header and in a fractal heap; numbers, texts,
 //! compounds, arrays and variable-length values in the global heap; data that are compact, contiguous, one chunk, or
 //! chunks under a version 1 B-tree, with deflate, shuffle and Fletcher-32. Soft and external links are skipped. Other
-//! features are refused by name: chunk indices of HDF5 1.10 and later, other filters, shared messages beyond
+//! features are refused by name: chunk indices of HDF5 1.10 and later (with the command that rewrites the file), other filters, shared messages beyond
 //! committed datatypes.
 //!
 //! Structures refer to each other by address, so a small file can describe a very large or an endless structure.

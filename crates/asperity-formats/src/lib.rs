@@ -1,7 +1,8 @@
 //! Reads and writes files of measured surfaces.
 //!
-//! The crate reads X3P, SUR, SDF, GWY, OPD, MetroPro, DATX, PLU, PLUX, AL3D, NMS, FRT, BCR, TMD, VK4, NetCDF, NPY, NPZ, TIFF,
-//! XYZ and text. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
+//! The crate reads files of optical profilers (X3P, SUR, SDF, OPD, OPDx, Wyko ASCII, MetroPro, Zygo ASCII, DATX, PLU, PLUX, AL3D, NMS,
+//! FRT, TMD, LEXT, VK4, ZON, Keyence CSV) and probe microscopes (Nanoscope, JPK, Park Systems, IBW, NID, MDT, WSxM, GSF, GWY, BCR), and NetCDF, NPY, NPZ,
+//! TIFF, XYZ and text. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
 //!
 //! Input is not trusted: a declared size never exceeds what the bytes can hold, unpacking has limits, arithmetic on sizes
 //! is checked, and no input makes a reader panic. The content decides the format; the extension matters only for
@@ -25,16 +26,23 @@ mod file;
 mod foreign;
 mod format;
 mod frt;
+mod gsf;
 mod gwy;
 mod hdf5;
+mod ibw;
 mod input;
+mod keyence_csv;
 mod large;
+mod mdt;
 mod metropro;
+mod nanoscope;
 mod netcdf;
+mod nid;
 mod nms;
 mod npy;
 mod npz;
 mod opd;
+mod opdx;
 mod plu;
 mod plux;
 mod registry;
@@ -42,6 +50,7 @@ mod replace;
 mod sample;
 mod scan;
 mod sdf;
+mod sections;
 mod selection;
 mod sur;
 mod text;
@@ -50,9 +59,13 @@ mod tmd;
 mod unit;
 mod vk;
 mod vtk;
+mod wsxm;
+mod wyko_ascii;
 mod x3p;
 mod xml;
 mod xyz;
+mod zon;
+mod zygo_ascii;
 
 pub use codec::{Description, Tested};
 pub use error::{FormatError, Location};

@@ -45,9 +45,9 @@ pub(crate) const CODEC: Codec = Codec {
 const HEADERS: [(u32, u16, u32); 3] = [(0x881b_036f, 1, 834), (0x881b_0370, 2, 834), (0x881b_0371, 3, 4096)];
 
 /// Lowest phase that marks a missing point.
-const INVALID: f64 = 2_147_483_640.0;
+pub(crate) const INVALID: f64 = 2_147_483_640.0;
 /// Counts per fringe by the code `phase_res`.
-const COUNTS_PER_FRINGE: [f64; 3] = [4096.0, 32768.0, 131_072.0];
+pub(crate) const COUNTS_PER_FRINGE: [f64; 3] = [4096.0, 32768.0, 131_072.0];
 /// Relative difference of the sides of a camera pixel above which pixels are not square.
 const SQUARE_TOLERANCE: f32 = 1e-3;
 

@@ -5,7 +5,7 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 22] = [
+const CODECS: [&Codec; 33] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
@@ -13,7 +13,10 @@ const CODECS: [&Codec; 22] = [
     &crate::sdf::CODEC,
     &crate::gwy::CODEC,
     &crate::opd::CODEC,
+    &crate::opdx::CODEC,
+    &crate::wyko_ascii::CODEC,
     &crate::metropro::CODEC,
+    &crate::zygo_ascii::CODEC,
     &crate::datx::CODEC,
     &crate::al3d::CODEC,
     &crate::nms::CODEC,
@@ -21,6 +24,14 @@ const CODECS: [&Codec; 22] = [
     &crate::bcr::CODEC,
     &crate::tmd::CODEC,
     &crate::vk::CODEC,
+    &crate::zon::CODEC,
+    &crate::keyence_csv::CODEC,
+    &crate::nanoscope::CODEC,
+    &crate::ibw::CODEC,
+    &crate::nid::CODEC,
+    &crate::mdt::CODEC,
+    &crate::wsxm::CODEC,
+    &crate::gsf::CODEC,
     &crate::netcdf::CODEC,
     &crate::npy::CODEC,
     &crate::tiff::CODEC,

@@ -13,6 +13,9 @@
 mod decode;
 mod description;
 mod directory;
+mod jpk;
+mod lext;
+mod park;
 mod read;
 
 use crate::Format;
@@ -21,15 +24,15 @@ use crate::codec::{Codec, Description, Tested};
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
         format: Format::Tiff,
-        extensions: &["tif", "tiff"],
-        vendor: "Adobe",
+        extensions: &["tif", "tiff", "jpk", "lext"],
+        vendor: "Adobe; JPK, Park Systems, Olympus",
         known_by: "`II*`, `MM*`, BigTIFF",
         reads: "grey pages of float32, float64 and integers of 8, 16 and 32 bits; strips and tiles; uncompressed, LZW, \
-                Deflate, PackBits; no colours",
+                Deflate, PackBits; no colours; heights of JPK, Park Systems and LEXT",
         writes: "",
         stores_pitch: true,
         missing_points: "NaN, ±inf, the value of GDAL_NODATA",
-        orientation: "the first stored line is row 0, or as the Orientation tag says",
+        orientation: "the first stored line is row 0, or as the Orientation tag says; of JPK and Park Systems the last one",
         tested: Tested::OtherPrograms,
     },
     detect: directory::detect,

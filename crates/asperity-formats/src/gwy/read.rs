@@ -1,13 +1,13 @@
 //! Reader of Gwyddion files.
 
-use crate::error::{Result, shown};
+use crate::error::Result;
 use std::collections::{BTreeMap, HashMap};
 
 use super::object::{Component, Object};
 use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
 use crate::input::{Input, TextLimit};
 use crate::sample::Sample;
-use crate::selection::{some_of, unique};
+use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
@@ -41,31 +41,18 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     root.expect(CONTAINER)?;
     let (images, file_name) = images(&input, &root)?;
 
-    let (mut maps, mut titles, mut others) = (Vec::new(), Vec::new(), Vec::new());
+    let mut maps = Vec::new();
     for (number, parts) in &images {
         let Some(data) = parts.data else { continue };
         let field = object(&input, &format!("/{number}/data"), data)?;
         let title = parts.title.map(|at| title(&input, at)).filter(|title| !title.is_empty());
         let title = title.unwrap_or_else(|| format!("/{number}/data"));
         let units = Units::new(&input, &field)?;
-        if units.per_metre_z().is_some() {
-            maps.push((field, parts, units));
-            titles.push(title);
-        } else {
-            let unit = if units.z.is_empty() { "no unit".into() } else { shown(&units.z) };
-            others.push(format!("`{title}` ({unit})"));
-        }
+        let other_unit = units.per_metre_z().is_none().then(|| units.z.clone());
+        maps.push((field, parts, units, (title, other_unit)));
     }
-    if maps.is_empty() {
-        let found = match others.as_slice() {
-            [] => "the file holds no image".to_owned(),
-            _ => format!("no image of the file holds lengths: {}", some_of(&others)),
-        };
-        return Err(input.unsupported(found, "an image (/0/data, …) whose z unit is a unit of length"));
-    }
-    let names = unique(titles);
-    let place = options.choose(Format::Gwy, &names)?;
-    let (field, parts, units) = &maps[place];
+    let chosen = ChosenMap::new(Format::Gwy, maps.iter().map(|(.., description)| description.clone()), options)?;
+    let (field, parts, units, _) = &maps[chosen.map];
     let mut scan = image(&input, field, units)?;
     if let Some(mask) = parts.mask {
         apply_mask(&input, &object(&input, "mask", mask)?, &mut scan)?;
@@ -73,14 +60,11 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if let Some(meta) = parts.meta {
         add_texts(&input, &object(&input, "meta", meta)?, &mut scan)?;
     }
-    scan.metadata.insert("title".into(), names[place].clone());
+    scan.metadata.insert("title".into(), chosen.name().to_owned());
     if let Some(file_name) = file_name {
         scan.metadata.insert("filename".into(), file_name);
     }
-    if options.channel.is_none() && !others.is_empty() {
-        scan.warnings.push(format!("images without lengths were left out: {}", some_of(&others)));
-    }
-    Ok(scan.with_channels(names, place))
+    Ok(chosen.add_to(scan))
 }
 
 /// Returns the images by number, and the name of the saved file.

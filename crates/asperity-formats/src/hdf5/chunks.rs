@@ -97,7 +97,7 @@ fn newer_index(message: &mut Piece, flags: u8) -> Result<Index> {
     };
     Err(message.unsupported(
         format!("chunks under {name}"),
-        "chunks under a version 1 B-tree, as HDF5 writes them for readers of its version 1.8",
+        "chunks under a version 1 B-tree; or contiguous data, which `h5repack -l CONTI OLD NEW` of the HDF5 tools writes",
     ))
 }
 

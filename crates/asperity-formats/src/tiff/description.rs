@@ -16,6 +16,8 @@ pub(super) struct Units {
     pub(super) per_metre: Option<(f64, f64)>,
     /// Straight line from stored numbers to metre: offset and slope.
     pub(super) line_m: Option<(f64, f64)>,
+    /// Whether rows are stored from the bottom up if the file does not say it.
+    pub(super) is_bottom_up: bool,
     /// Fields of a description in lines, or the whole description.
     pub(super) metadata: BTreeMap<String, String>,
     pub(super) warnings: Vec<String>,

@@ -132,8 +132,9 @@ impl Directory<'_> {
         let (input, at) = (self.input, entry.values);
         let size = match entry.kind {
             1 | 7 => 1,
-            3 => 2,
-            4 | 13 => 4,
+            // A negative number becomes too large.
+            3 | 8 => 2,
+            4 | 9 | 13 => 4,
             16 | 18 => 8,
             kind => return Err(self.wrong(tag, format!("type {kind}"), "a type of whole numbers (1, 3, 4 or 16)")),
         };
@@ -177,6 +178,13 @@ impl Directory<'_> {
         let bytes = bytes.split(|&byte| byte == 0).next().unwrap_or_default();
         let text = utf8_or_latin1(bytes.trim_ascii()).trim().to_owned();
         Ok(Some(text).filter(|text| !text.is_empty()))
+    }
+
+    /// Returns the offset and the size in bytes of the values of a field.
+    pub(super) fn place(&self, tag: Tag) -> Option<(usize, usize)> {
+        let entry = self.entry(tag)?;
+        let length = entry.count.saturating_mul(size(entry.kind)? as u64);
+        Some((entry.values, usize::try_from(length).unwrap_or(usize::MAX)))
     }
 
     /// Returns the size of a text field in bytes.

@@ -1,17 +1,19 @@
 //! Reader of TIFF.
 
-use crate::error::Result;
+use crate::error::{Result, shown};
 use ndarray::{Array2, Axis};
 
 use super::description::{Units, units};
 use super::directory::{Directory, File, Tag, sample};
-use super::{decode, tag};
+use super::{decode, jpk, lext, park, tag};
 use crate::foreign::TO_GWY;
 use crate::input::Input;
 use crate::sample::{ByteOrder, Sample};
 use crate::selection::{some_of, unique};
 use crate::{Format, FormatError, ReadOptions, Scan};
 
+/// Value of the Orientation tag of rows from the bottom up.
+const BOTTOM_LEFT: u64 = 4;
 /// Maximum number of pages of one file.
 const MAX_PAGES: usize = 4096;
 /// Number of pages that are checked for fields of vendors.
@@ -40,9 +42,20 @@ const TEXTS: [Tag; 9] = [
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let file = File::open(Input::new(Format::Tiff, bytes))?;
     let order = if bytes.starts_with(b"MM") { ByteOrder::Big } else { ByteOrder::Little };
+    if let Some((page, units)) = lext::heights(&file)? {
+        let refused = |reason| file.input.unsupported(format!("the page of heights {reason}"), "a grey page");
+        let mut scan = map(&page, numbers(&page)?.map_err(refused)?, order, &units, options)?;
+        scan.metadata.extend(units.metadata);
+        return Ok(scan);
+    }
     let (mut maps, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
     let mut seen = Vec::new();
     let mut next = file.first()?;
+    let first = if next == 0 { None } else { Some(file.directory(next)?) };
+    if let Some(park) = first.as_ref().filter(|first| park::is_park(first)) {
+        return park::read(park, options);
+    }
+    let first = first.filter(jpk::is_jpk);
     while next != 0 {
         if seen.contains(&next) || seen.len() == MAX_PAGES {
             let at = seen.last().map_or(0, |&offset| usize::try_from(offset).unwrap_or(usize::MAX));
@@ -52,13 +65,23 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         seen.push(next);
         let page = file.directory(next)?;
         if seen.len() <= VENDOR_PAGES
+            && first.is_none()
             && let Some(vendor) = vendor(&page)?
         {
             return Err(vendor);
         }
         let name = Some(tag::PAGE_NAME).filter(|&name| page.length(name) <= MAX_NAME_BYTES);
-        let name = name.map_or(Ok(None), |name| page.text(name))?.unwrap_or_else(|| format!("page {}", seen.len()));
+        let name = name.map_or(Ok(None), |name| page.text(name))?;
+        let name = if first.is_some() { jpk::name(&page)? } else { name };
+        let name = name.unwrap_or_else(|| format!("page {}", seen.len()));
+        let other_unit = match &first {
+            Some(first) => jpk::units(first, &page)?.err(),
+            None => None,
+        };
         match numbers(&page)? {
+            Ok(_) if other_unit.is_some() => {
+                others.push(format!("{name} has the unit `{}`", shown(&other_unit.unwrap_or_default())))
+            }
             Ok(sample) => {
                 maps.push((next, sample));
                 names.push(name);
@@ -81,7 +104,10 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         Some(description) => Some(description),
         None => file.directory(file.first()?)?.text(tag::IMAGE_DESCRIPTION)?,
     };
-    let units = description.map_or_else(Units::default, |description| units(&description));
+    let units = match &first {
+        Some(first) => jpk::units(first, &page)?.unwrap_or_default(),
+        None => description.map_or_else(Units::default, |description| units(&description)),
+    };
     let mut scan = map(&page, sample, order, &units, options)?;
     scan.metadata.extend(units.metadata);
     scan.warnings.extend(units.warnings);
@@ -100,9 +126,9 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
     const MAX_DESCRIPTION: u64 = 1 << 16;
     let has = |tag: u16| page.length(Tag(tag, "")) > 0;
     let name = if (50432..=50435).any(has) {
-        Some("a Park Systems TIFF file")
+        Some("a Park Systems TIFF file without heights")
     } else if (32768..=32775).chain(32832..=32837).chain(32848..=32850).any(has) {
-        Some("a JPK image file")
+        Some("a JPK file without the size of its grid")
     } else {
         let text = |tag: Tag| {
             let tag = Some(tag).filter(|&tag| page.length(tag) <= MAX_DESCRIPTION);
@@ -113,7 +139,7 @@ fn vendor(page: &Directory) -> Result<Option<FormatError>> {
             || description.contains("System Name") && description.contains("OLS")
             || text(tag::MAKE)?.starts_with("OLYMPUS")
             || text(tag::MODEL)?.contains("LEXT");
-        is_olympus.then_some("an Olympus LEXT file")
+        is_olympus.then_some("an Olympus LEXT file without a page of heights, or of an OLS3000")
     };
     Ok(name.map(|name| FormatError::NotRead { name, advice: TO_GWY }))
 }
@@ -171,7 +197,7 @@ fn map(page: &Directory, sample: Sample, order: ByteOrder, units: &Units, option
     }
     let values = page.input.matrix(tag::IMAGE_WIDTH.1, page.offset, (ny, nx), values)?;
     let pitch_m = pitch(page, units, &mut scan.warnings)?;
-    let turned = page.integer(tag::ORIENTATION)?.unwrap_or(1);
+    let turned = page.integer(tag::ORIENTATION)?.unwrap_or(if units.is_bottom_up { BOTTOM_LEFT } else { 1 });
     (scan.heights_m, scan.pitch_m) = match turned {
         1..=8 => (upright(values, turned), pitch_m.map(|(x, y)| if turned > 4 { (y, x) } else { (x, y) })),
         _ => return Err(page.wrong(tag::ORIENTATION, turned, "1 to 8")),

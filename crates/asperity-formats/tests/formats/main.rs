@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod al3d;
+mod ascii;
 mod bcr;
 mod datx;
 mod files;
@@ -10,18 +11,24 @@ mod fixture;
 mod fixtures;
 mod foreign;
 mod frt;
+mod gsf;
 mod gwy;
 mod gz;
 mod height_unit;
 mod hostile;
+mod ibw;
+mod mdt;
 #[path = "../memory/mod.rs"]
 mod memory;
 mod metropro;
+mod nanoscope;
 mod netcdf;
+mod nid;
 mod nms;
 mod npy;
 mod npz;
 mod opd;
+mod opdx;
 mod plu;
 mod plux;
 mod reference;
@@ -35,8 +42,10 @@ mod tiff;
 mod tmd;
 mod vk;
 mod vtk;
+mod wsxm;
 mod x3p;
 mod xyz;
+mod zon;
 
 use asperity_formats::Scan;
 

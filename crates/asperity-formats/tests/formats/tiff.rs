@@ -52,6 +52,7 @@ enum Value {
     /// A quotient.
     Rational(u64, u64),
     Double(f64),
+    Bytes(Vec<u8>),
 }
 
 /// A page: its fields but for those of strips or tiles, and these.
@@ -87,6 +88,7 @@ impl Page {
                 Value::Text(text) => (*tag, 2, text.len() as u64 + 1, [text.as_bytes(), &[0]].concat()),
                 Value::Rational(over, under) => (*tag, 5, 1, [kind.number(*over, 4), kind.number(*under, 4)].concat()),
                 Value::Double(value) => (*tag, 12, 1, kind.number(value.to_bits(), 8)),
+                Value::Bytes(bytes) => (*tag, 7, bytes.len() as u64, bytes.clone()),
             })
             .collect();
         let (mut offsets, mut sizes) = (Vec::new(), Vec::new());
@@ -193,6 +195,9 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     let deflated = |values: &[f64]| zlib(&values.iter().flat_map(|z| z.to_le_bytes()).collect::<Vec<_>>());
     let predicted = Page::new(64, 3, deflated(&HEIGHTS)).with(259, Value::Short(8)).with(317, Value::Short(3));
     vec![
+        Fixture::open_ended("JPK", jpk(CLASSIC)),
+        Fixture::open_ended("LEXT", lext(CLASSIC, "HEIGHT")),
+        Fixture::open_ended("Park Systems", park(0x0100_0001, 0, vec![1; 12], "um")),
         Fixture::whole(
             "TIFF of ImageJ",
             tiff(CLASSIC, &[resolved.clone().with(270, Value::Text(IMAGE_J)).with(296, Value::Short(1))]),
@@ -492,15 +497,15 @@ fn files_of_vendors_are_refused_by_name() {
     const OLS: &str = "[System Info]\r\nSystem Name =         OLS3000\r\n";
     let cases = [
         // Park: magic number and version.
-        (50432, Value::Long(0x0e03_1301), "a Park Systems TIFF file"),
-        (50435, Value::Long(1), "a Park Systems TIFF file"),
+        (50432, Value::Long(0x0e03_1301), "a Park Systems TIFF file without heights"),
+        (50435, Value::Long(1), "a Park Systems TIFF file without heights"),
         // JPK: version of the file, width of the grid, name of the channel.
-        (32768, Value::Long(1), "a JPK image file"),
-        (32834, Value::Double(1e-5), "a JPK image file"),
-        (32848, Value::Text("height"), "a JPK image file"),
-        (270, Value::Text(LEXT), "an Olympus LEXT file"),
-        (270, Value::Text(OLS), "an Olympus LEXT file"),
-        (271, Value::Text("OLYMPUS"), "an Olympus LEXT file"),
+        (32768, Value::Long(1), "a JPK file without the size of its grid"),
+        (32834, Value::Double(1e-5), "a JPK file without the size of its grid"),
+        (32848, Value::Text("height"), "a JPK file without the size of its grid"),
+        (270, Value::Text(LEXT), "an Olympus LEXT file without a page of heights, or of an OLS3000"),
+        (270, Value::Text(OLS), "an Olympus LEXT file without a page of heights, or of an OLS3000"),
+        (271, Value::Text("OLYMPUS"), "an Olympus LEXT file without a page of heights, or of an OLS3000"),
     ];
     for (tag, value, name) in cases {
         for kind in KINDS {
@@ -520,4 +525,126 @@ fn files_of_vendors_are_refused_by_name() {
     for tag in [32781, 32997] {
         assert!(read_bytes(&tiff(CLASSIC, &[floats().with(tag, Value::Long(1))])).is_ok(), "{tag}");
     }
+}
+
+/// A JPK image: a picture with the size of the grid, a height in two slots, a height scanned backwards, and a phase.
+fn jpk(kind: Kind) -> Vec<u8> {
+    let integers = |numbers: [i64; 6]| numbers.iter().flat_map(|n| kind.number(*n as u64, 4)).collect();
+    let slot = |page: Page, slot: u16, name: &'static str, unit: &'static str, multiplier: f64, offset: f64| {
+        let first = 0x8090 + 48 * slot;
+        let page = page.with(first, Value::Text(name)).with(first + 0x12, Value::Text(unit));
+        let page = page.with(first + 0x13, Value::Text("LinearScaling")).with(first + 0x14, Value::Double(multiplier));
+        page.with(first + 0x15, Value::Double(offset))
+    };
+    let page = |name: &'static str, unit: &'static str, retrace: u64| {
+        let page = Page::new(32, 2, integers([0, 1, 2, 3, 4, -5])).with(0x8050, Value::Text("channel"));
+        let page =
+            page.with(0x8051, Value::Short(retrace)).with(0x8052, Value::Text(name)).with(0x8080, Value::Short(2));
+        let page = page.with(0x8081, Value::Text("calibrated"));
+        slot(slot(page, 0, "raw", unit, 7.0, 7.0), 1, "calibrated", unit, -10.0, 100.0)
+    };
+    let grid = [(0x8040, 0.5), (0x8041, 0.5), (0x8042, 3e-6), (0x8043, 4e-6)];
+    let mut first = Page::new(8, 1, vec![0; 6]).with(262, Value::Short(3)).with(0x8000, Value::Text("6.0.41"));
+    for (tag, value) in grid {
+        first = first.with(tag, Value::Double(value));
+    }
+    let first = first.with(0x8046, Value::Long(3)).with(0x8047, Value::Long(2));
+    tiff(kind, &[first, page("Phase", "deg", 0), page("Height", "nm", 1), page("Height", "nm", 0)])
+}
+
+#[test]
+fn heights_of_jpk_are_those_of_the_default_slot_from_the_bottom_up() {
+    for kind in KINDS {
+        let scan = read_bytes(&jpk(kind)).unwrap();
+        assert_eq!(
+            (scan.channels.as_slice(), scan.channel),
+            (["Height (retrace)", "Height"].map(str::to_owned).as_slice(), 0)
+        );
+        assert_heights(&scan, &[70e-9, 60e-9, 150e-9, 100e-9, 90e-9, 80e-9]);
+        let pitch = scan.pitch_m.unwrap();
+        assert!((pitch.0 - 1e-6).abs() < 1e-18 && (pitch.1 - 2e-6).abs() < 1e-18, "{pitch:?}");
+        assert_eq!((scan.metadata["slot"].as_str(), scan.height_unit.as_deref()), ("calibrated", Some("nm")));
+        assert!(scan.warnings[0].contains("Phase has the unit `deg`"), "{:?}", scan.warnings);
+    }
+}
+
+/// A LEXT file: a picture whose Exif directory is its own, a page of intensities, and one of heights.
+fn lext(kind: Kind, height: &'static str) -> Vec<u8> {
+    const DESCRIPTION: &str = "<?xml version=\"1.0\"?><TiffTagDescData><HeightInfo><HeightDataPerPixelX>250000</HeightDataPerPixelX>\
+        <HeightDataPerPixelY>500000</HeightDataPerPixelY><HeightDataPerPixelZ>1000</HeightDataPerPixelZ></HeightInfo></TiffTagDescData>";
+    const SETTINGS: &str = "<?xml version=\"1.0\"?><ExifTagDescData><ImageCommonSettingsInfo><MakerCalibrationValueX>2000000\
+        </MakerCalibrationValueX><MakerCalibrationValueY>1000000</MakerCalibrationValueY><MakerCalibrationValueZ>500000\
+        </MakerCalibrationValueZ></ImageCommonSettingsInfo></ExifTagDescData>";
+    let first = Page::new(8, 1, vec![0; 18]).with(262, Value::Short(2)).with(277, Value::Short(3));
+    let first = first.with(270, Value::Text(DESCRIPTION)).with(34665, Value::Long(if kind.big { 16 } else { 8 }));
+    let first = first.with(41995, Value::Text(SETTINGS));
+    let numbers = |numbers: [u64; 6]| Page::new(16, 1, numbers.iter().flat_map(|n| kind.number(*n, 2)).collect());
+    let intensity = numbers([9; 6]).with(270, Value::Text("INTENSITY"));
+    tiff(kind, &[first, intensity, numbers([0, 1, 2, 3, 4, 65535]).with(270, Value::Text(height))])
+}
+
+#[test]
+fn heights_of_lext_are_calibrated_picometres() {
+    for kind in KINDS {
+        let scan = read_bytes(&lext(kind, "HEIGHT")).unwrap();
+        // 1000 pm, of which the calibration leaves half.
+        assert_heights(&scan, &[0.0, 0.5e-9, 1e-9, 1.5e-9, 2e-9, 32767.5e-9]);
+        let pitch = scan.pitch_m.unwrap();
+        assert!((pitch.0 / 0.5e-6 - 1.0).abs() < 1e-12 && (pitch.1 / 0.5e-6 - 1.0).abs() < 1e-12, "{pitch:?}");
+        assert_eq!(scan.metadata["HeightInfo/HeightDataPerPixelZ"], "1000");
+        let error = read_bytes(&lext(kind, "DEPTH")).unwrap_err().to_string();
+        assert!(error.contains("an Olympus LEXT file without a page of heights"), "{error}");
+    }
+}
+
+/// A Park Systems file: a picture with a header and numbers of `kind` in private fields.
+fn park(version: u64, kind: u32, numbers: Vec<u8>, unit: &str) -> Vec<u8> {
+    let text = |text: &str, letters: usize| {
+        let mut bytes: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        bytes.resize(2 * letters, 0);
+        bytes
+    };
+    let mut header = vec![0; 284 + 200];
+    for (at, value) in [
+        (4, text("Topography", 32)),
+        (68, text("NC", 8)),
+        (100, 3_u32.to_le_bytes().to_vec()),
+        (104, 2_u32.to_le_bytes().to_vec()),
+        (140, 3.0_f64.to_le_bytes().to_vec()),
+        (148, 4.0_f64.to_le_bytes().to_vec()),
+        (220, 2e-3_f64.to_le_bytes().to_vec()),
+        (228, 2.0_f64.to_le_bytes().to_vec()),
+        (236, 3.0_f64.to_le_bytes().to_vec()),
+        (244, text(unit, 8)),
+        (348, kind.to_le_bytes().to_vec()),
+    ] {
+        header[at..at + value.len()].copy_from_slice(&value);
+    }
+    let page = Page::new(8, 1, vec![0; 18]).with(262, Value::Short(2)).with(277, Value::Short(3));
+    let page = page.with(50432, Value::Long(0x0e03_1301)).with(50433, Value::Long(version));
+    tiff(CLASSIC, &[page.with(50434, Value::Bytes(numbers)).with(50435, Value::Bytes(header))])
+}
+
+#[test]
+fn heights_of_park_systems_are_scaled_numbers_of_a_private_field_from_the_bottom_up() {
+    let numbers = [1, 2, 3, 4, 5, -6];
+    let shorts: Vec<u8> = numbers.iter().flat_map(|n: &i32| (*n as i16).to_le_bytes()).collect();
+    let longs: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+    let floats: Vec<u8> = numbers.iter().flat_map(|n| (*n as f32).to_le_bytes()).collect();
+    let cases =
+        [(0x0100_0001, 9, shorts.clone()), (0x0100_0002, 0, shorts), (0x0100_0002, 1, longs), (0x0100_0002, 2, floats)];
+    for (version, kind, numbers) in cases.clone() {
+        for (unit, metre) in [("um", 1e-6), ("", 1e-6), ("nm", 1e-9)] {
+            let scan = read_bytes(&park(version, kind, numbers.clone(), unit)).unwrap();
+            // (2n + 3) · 0.002.
+            assert_heights(&scan, &[22.0, 26.0, -18.0, 10.0, 14.0, 18.0].map(|z| z * 1e-3 * metre));
+            assert_eq!(
+                (scan.pitch_m, scan.channels.as_slice()),
+                (Some((1e-6, 2e-6)), ["Topography".to_owned()].as_slice())
+            );
+        }
+    }
+    let (version, _, numbers) = cases[3].clone();
+    assert!(read_bytes(&park(version, 2, numbers.clone(), "V")).unwrap_err().to_string().contains("`Topography` (V)"));
+    assert!(read_bytes(&park(version, 3, numbers, "um")).unwrap_err().to_string().contains("type of numbers"));
 }
