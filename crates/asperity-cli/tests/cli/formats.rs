@@ -284,9 +284,9 @@ fn convert_levels_a_map_on_request() {
 #[test]
 fn an_unsupported_format_is_named_with_a_remedy() {
     let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("scan.spm"), b"\\*File list\r\n\\Version: 0x09400202\r\n").unwrap();
-    asperity_in(folder.path(), &words("surface stats scan.spm"))
-        .refuses(3, &["scan.spm: this is a Bruker Nanoscope file", "Gwyddion can save it as GWY"]);
+    fs::write(folder.path().join("scan.sxm"), b":NANONIS_VERSION:\r\n2\r\n").unwrap();
+    asperity_in(folder.path(), &words("surface stats scan.sxm"))
+        .refuses(3, &["scan.sxm: this is a Nanonis SXM file", "Gwyddion can save it as GWY"]);
 }
 
 /// CRC-32 of gzip, bit by bit.
