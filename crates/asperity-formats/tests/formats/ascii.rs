@@ -98,7 +98,7 @@ fn tables_of_keyence_have_keys_in_english_or_german() {
         ("\"Vertical\",\"2\"", "\"Vertical\",\"3\"", "number of lines"),
         ("\"Unit\",\"um\"", "\"Unit\",\"V\"", "Unit"),
         ("data\",\"Height\"", "data\",\"Laser\"", "Output image data"),
-        ("Horizontal", "Horizontale", "Horizontal"),
+        ("Horizontal", "Width", "Horizontal"),
     ] {
         let error = read_bytes(&changed(from, to)).unwrap_err().to_string();
         assert!(error.contains(reason), "{error}");

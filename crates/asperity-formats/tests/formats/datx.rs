@@ -478,7 +478,10 @@ fn layouts_and_filters_that_are_not_read_are_named() {
     // Version 4: class, flags, rank, width of sizes, sizes, index 3, bits of a page, address.
     let fixed_array = |_: &mut Hdf5, _: &[u8]| fields![[4, 2, 0, 3, 1], [2, 3, 8], [3, 10], 104_u64.to_le_bytes()];
     let message = refusal(&one(Map { store: Store::Layout(fixed_array), ..Map::default() }));
-    assert!(message.contains("chunks under a fixed array") && message.contains("h5repack -l CONTI OLD NEW"), "{message}");
+    assert!(
+        message.contains("chunks under a fixed array") && message.contains("h5repack -l CONTI OLD NEW"),
+        "{message}"
+    );
     let version_5 = Map { store: Store::Layout(|_, _| vec![5, 1]), ..Map::default() };
     assert!(refusal(&one(version_5)).contains("layout, version"));
     let mut bytes = one(Map::default());
