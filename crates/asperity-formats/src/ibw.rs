@@ -111,7 +111,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         label => (label.to_owned(), (!LENGTHS.iter().any(|start| label.starts_with(start))).then(String::new)),
     });
     let chosen = ChosenMap::new(Format::Ibw, maps, options)?;
-    let start = HEADERS_BYTES + chosen.map * ny * nx * sample.size();
+    // Sums of sizes may exceed 32 bits.
+    let start = (ny * nx).saturating_mul(sample.size()).saturating_mul(chosen.map).saturating_add(HEADERS_BYTES);
     let unit = if labels[chosen.map].is_empty() { unit } else { "m".into() };
     let units = per_metre(&unit).unwrap_or(1.0);
     let mut heights = input.samples(chosen.name(), start, ny * nx, sample)?;
@@ -151,16 +152,17 @@ impl Parts {
     fn of(input: &Input) -> Result<Self> {
         let size = |field, at| Ok::<_, FormatError>(usize::try_from(input.i32(field, at)?).unwrap_or(0));
         let sizes = |field, at: usize, count: usize| {
-            (0..count).try_fold(0, |sum, n| Ok::<_, FormatError>(sum + size(field, at + 4 * n)?))
+            let size = |n| size(field, at + 4 * n);
+            (0..count).try_fold(0_usize, |sum, n| Ok::<_, FormatError>(sum.saturating_add(size(n)?)))
         };
         let numbers = size("size of the wave", SIZE_OF_WAVE)?.saturating_sub(WAVE_HEADER_BYTES);
-        let note = HEADERS_BYTES + numbers + size("size of the formula", SIZE_OF_FORMULA)?;
+        let before = HEADERS_BYTES.saturating_add(numbers);
+        let note = before.saturating_add(size("size of the formula", SIZE_OF_FORMULA)?);
         let note_bytes = size("size of the note", SIZE_OF_NOTE)?;
         // Units of the numbers and of four dimensions, then labels of two dimensions before those of the layers.
-        let labels = note
-            + note_bytes
-            + sizes("sizes of units", SIZES_OF_UNITS, 5)?
-            + sizes("sizes of labels", SIZES_OF_LABELS, 2)?;
+        let units =
+            sizes("sizes of units", SIZES_OF_UNITS, 5)?.saturating_add(sizes("sizes of labels", SIZES_OF_LABELS, 2)?);
+        let labels = note.saturating_add(note_bytes).saturating_add(units);
         Ok(Self { note, note_bytes, labels, labels_bytes: size("size of the labels", SIZES_OF_LABELS + 8)? })
     }
 
@@ -172,6 +174,10 @@ impl Parts {
     fn label(&self, input: &Input, layer: usize) -> Result<String> {
         let place = (layer + 1) * NAME_BYTES;
         let has_label = place + NAME_BYTES <= self.labels_bytes;
-        Ok(if has_label { latin1(input.take("labels", self.labels + place, NAME_BYTES)?) } else { String::new() })
+        Ok(if has_label {
+            latin1(input.take("labels", self.labels.saturating_add(place), NAME_BYTES)?)
+        } else {
+            String::new()
+        })
     }
 }
