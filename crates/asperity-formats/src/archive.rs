@@ -1,9 +1,10 @@
 //! Zip archives and compressed streams: search for files, and limits of unpacking.
 
 use crate::error::{Result, shown};
+use std::cmp::Ordering;
 use std::io::{self, Cursor, Read};
 
-use flate2::read::MultiGzDecoder;
+use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use md5::{Digest, Md5};
 use zip::ZipArchive;
 use zip::read::ZipFile;
@@ -334,6 +335,17 @@ fn place(link: &str, offset: u64) -> Location {
 /// Returns the error for a damaged archive or stream.
 pub(crate) fn damaged(format: Format, entry: &str, reason: String) -> FormatError {
     FormatError::Archive { format, entry: shown(entry), reason }
+}
+
+/// Appends the content of a zlib stream that should unpack to `size` bytes. An error describes the damage.
+pub(crate) fn unpack(stream: &[u8], size: u64, bytes: &mut Vec<u8>) -> std::result::Result<(), String> {
+    // One more byte reveals surplus bytes, and makes the decoder compare the checksum at the end.
+    let unpacked = ZlibDecoder::new(stream).take(size + 1).read_to_end(bytes).map_err(|error| damage(&error))?;
+    match (unpacked as u64).cmp(&size) {
+        Ordering::Less => Err(format!("it unpacks to {unpacked} bytes, not to the stated {size}")),
+        Ordering::Equal => Ok(()),
+        Ordering::Greater => Err(format!("it unpacks to more than the stated {size} bytes")),
+    }
 }
 
 /// Describes an error of a decompressor.

@@ -52,11 +52,10 @@ const FOREIGN: &[Foreign] = &[
     Foreign("a Gwyddion XYZ field", Start(&[b"Gwyddion XYZ Field"]), TO_GWY),
     Foreign("a Zeiss CZI file", Start(&[b"ZISRAWFILE"]), AS_TEXT),
     Foreign(
-        "a Mountains file (MNT)",
-        Test(|bytes, _| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes)),
-        "Mountains can save the surface as SUR",
+        "an OLE compound file, as of old Office documents and some microscopes",
+        Test(|bytes, _| bytes.starts_with(OLE_MAGIC) && !is_mountains(bytes)),
+        AS_TEXT,
     ),
-    Foreign("an OLE compound file, as of old Office documents and some microscopes", Start(&[OLE_MAGIC]), AS_TEXT),
     Foreign("a MATLAB file", Start(&[b"MATLAB 5.0 MAT", b"MATLAB 7.3 MAT"]), TO_MATRIX),
     Foreign("an HDF4 file", Start(&[b"\x0e\x03\x13\x01"]), TO_MATRIX),
     Foreign("a FITS file", Start(&[b"SIMPLE  ="]), TO_MATRIX),
@@ -141,7 +140,7 @@ fn holds(bytes: &[u8], word: &[u8]) -> bool {
 
 /// Returns whether an OLE compound file holds a stream with the name of Mountains' surfaces. Names are in UTF-16 in
 /// the directory; the header states its first sector.
-fn is_mountains(bytes: &[u8]) -> bool {
+pub(crate) fn is_mountains(bytes: &[u8]) -> bool {
     const STREAM: &str = "ScopedContents";
     let number = |at: usize, length: usize| {
         let raw = bytes.get(at..at + length)?;

@@ -8,6 +8,8 @@ pub enum Format {
     X3p,
     /// Digital Surf SUR and PRO.
     Sur,
+    /// Digital Surf Mountains MNT.
+    Mnt,
     /// ISO 25178-71 SDF, text or binary.
     Sdf,
     /// Gwyddion native file.
@@ -90,6 +92,7 @@ impl Format {
         match self {
             Self::X3p => ("X3P", Some("m")),
             Self::Sur => ("SUR", Some("m")),
+            Self::Mnt => ("MNT", None),
             Self::Sdf => ("SDF", Some("m")),
             Self::Gwy => ("GWY", None),
             Self::Opd => ("OPD", Some("nm")),

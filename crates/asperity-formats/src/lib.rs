@@ -35,6 +35,7 @@ mod keyence_csv;
 mod large;
 mod mdt;
 mod metropro;
+mod mnt;
 mod nanoscope;
 mod netcdf;
 mod nid;

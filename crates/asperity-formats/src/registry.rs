@@ -5,11 +5,12 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 33] = [
+const CODECS: [&Codec; 34] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::x3p::CODEC,
     &crate::sur::CODEC,
+    &crate::mnt::CODEC,
     &crate::sdf::CODEC,
     &crate::gwy::CODEC,
     &crate::opd::CODEC,

@@ -1,14 +1,9 @@
 //! Objects of a file: their parts and numbers.
 
-use std::cmp::Ordering;
-use std::io::Read;
-
-use flate2::read::ZlibDecoder;
-
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
 use super::{SIGNATURE_COMPRESSED, is_object};
 use crate::Format;
-use crate::archive::{beyond_reason, damage, damaged, may_hold};
+use crate::archive::{beyond_reason, damaged, may_hold, unpack};
 use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
@@ -149,17 +144,6 @@ impl<'a> Object<'a> {
             unpack(stream, size, &mut bytes).map_err(|reason| damaged(Format::Sur, &name, reason))?;
         }
         Ok(self.sample.decode_all(self.header.order, &bytes))
-    }
-}
-
-/// Appends the content of a zlib stream that should unpack to `size` bytes. An error describes the damage.
-fn unpack(stream: &[u8], size: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
-    // One more byte reveals surplus bytes, and makes the decoder compare the checksum at the end.
-    let unpacked = ZlibDecoder::new(stream).take(size + 1).read_to_end(bytes).map_err(|error| damage(&error))?;
-    match (unpacked as u64).cmp(&size) {
-        Ordering::Less => Err(format!("it unpacks to {unpacked} bytes, not to the stated {size}")),
-        Ordering::Equal => Ok(()),
-        Ordering::Greater => Err(format!("it unpacks to more than the stated {size} bytes")),
     }
 }
 

@@ -69,6 +69,7 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::gwy::fixtures(),
         crate::opd::fixtures(),
         crate::metropro::fixtures(),
+        crate::mnt::fixtures(),
         crate::datx::fixtures(),
         crate::opdx::fixtures(),
         crate::nanoscope::fixtures(),

@@ -59,7 +59,6 @@ fn files_of_known_formats_are_refused_by_name_with_advice() {
         (igor_wave(false), "an Igor wave of version 2, a curve", "NPY or text"),
         (igor_wave(true), "an Igor wave of version 2, a curve", "NPY or text"),
         (b":NANONIS_VERSION:\n2\n".to_vec(), "a Nanonis SXM file", "GWY"),
-        (ole("ScopedContents"), "a Mountains file (MNT)", "SUR"),
         (ole("WordDocument"), "an OLE compound file", "as text"),
         (b"MATLAB 5.0 MAT-file, Platform: GLNXA64".to_vec(), "a MATLAB file", "NPY or text"),
         (b"\x89PNG\r\n\x1a\n\x00".to_vec(), "a PNG image", "no heights"),

@@ -21,6 +21,7 @@ mod mdt;
 #[path = "../memory/mod.rs"]
 mod memory;
 mod metropro;
+mod mnt;
 mod nanoscope;
 mod netcdf;
 mod nid;
