@@ -495,6 +495,18 @@ mod tests {
     }
 
     #[test]
+    fn an_error_of_zero_between_others_is_that_of_its_neighbours() {
+        let mut vectors = Moments::new(3);
+        (0..100).for_each(|i| vectors.add(&[0.0, 0.0, f64::from(i % 2)]));
+        let mut total = Total::new(3);
+        total.add_mean(&vectors);
+        let errors = total.band(&[0.0, 1.0, 2.0], None, 1).standard_errors;
+        // The mean of the variances 0 and 1/4·99, in a hundred samples; the point mass at zero has no neighbours.
+        let wanted = (0.125_f64 / 99.0).sqrt();
+        assert!(errors[0] == 0.0 && (errors[1] / wanted - 1.0).abs() < 0.02, "{errors:?}");
+    }
+
+    #[test]
     fn an_error_dominated_by_few_samples_has_few_degrees_of_freedom() {
         // Five of a hundred are one: squares about the mean .05 have the mean .0475 and the kurtosis κ with κ − 1 =
         // 1/(p(1 − p)) − 4.

@@ -441,6 +441,11 @@ mod tests {
         // A coarser model has at least as many samples as a finer one.
         let counts = allocate(&[1.0, 0.25, 0.01], &[1.0, 1e-4, 1e-4], 100);
         assert!(counts[1] >= counts[0] && counts[0] > 0, "{counts:?}");
+        // Coarse models of large variance take four times the work of the fine one at most.
+        let [more] = allocate(&[1.0, 20.0], &[1.0, 0.5], 100)[..] else { panic!("one count") };
+        let work = |count: f64| (count - 100.0) * 0.5 / 100.0;
+        let count = (more + 100) as f64;
+        assert!(work(count) <= COARSE_FRACTION && work(SCALE_STEP * count) > 0.99 * COARSE_FRACTION, "{more}");
         // Expensive models have none.
         assert_eq!(allocate(&[1.0, 0.5], &[1.0, 1000.0], 100), [0]);
     }

@@ -200,15 +200,15 @@ mod tests {
 
     #[test]
     fn rings_contain_every_cell_once_and_begin_with_the_cell() {
-        let grid = Grid::new(9, 7, 1.0, 0.5).unwrap();
+        let grid = Grid::new(9, 7, 2.0, 1.0).unwrap();
         let shape = Shape::new(grid, 1.0, |x, _| x);
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
         let problem = Problem::new(&shape, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
         let rings = rings(&problem.at_cell(1, 2).unwrap());
         assert_eq!(rings[0], [11]);
-        // Half a metre away along y.
+        // One metre away along y.
         assert_eq!(rings[1], [2, 20]);
-        // One metre away along x and along y.
+        // Two metres away along x and along y.
         assert!([10, 12, 29].iter().all(|cell| rings[2].contains(cell)));
         let mut all: Vec<usize> = rings.concat();
         all.sort_unstable();
@@ -225,6 +225,7 @@ mod tests {
         let by_differences = by_differences(&problem, &rings, &used);
         let stated = responses(&problem);
         assert_eq!(stated.iter().map(|(ring, _)| *ring).collect::<Vec<_>>(), used);
+        assert!(by_differences.len() == used.len() && by_differences.iter().all(|ring| ring.len() == 30));
         for ((_, stated), differences) in stated.iter().zip(&by_differences) {
             for (stated, difference) in stated.iter().zip(differences) {
                 assert!((2.0 * DIFFERENCE * stated - difference).abs() < 1e-13, "{stated} {difference}");

@@ -316,6 +316,19 @@ mod tests {
     }
 
     #[test]
+    fn fields_are_kept_on_request_and_can_be_dropped() {
+        let surface = OftenFlat { grid: Grid::new(6, 6, 1.0, 1.0).unwrap(), flat_below: -9.0 };
+        let half_space = HalfSpace::new(surface.grid, 1.0, Boundary::Free).unwrap();
+        let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.5 }, None).unwrap();
+        let sampling = Sampling { field_bytes: Some(1 << 10), ..Sampling::monte_carlo(1, "fields", 4, 1.0) };
+        let samples = solve(&problem, sampling, &Silent).unwrap();
+        let pressures_pa = samples.pressures_pa();
+        assert!(samples.fields().is_some());
+        let samples = samples.without_fields();
+        assert!(samples.fields().is_none() && samples.pressures_pa() == pressures_pa);
+    }
+
+    #[test]
     fn statistics_of_too_few_valid_samples_are_refused() {
         let error = solve_often_flat(0.0, 0.95).unwrap_err();
         assert!(matches!(error, PressureError::TooFewValid { valid: 20, samples: 40, .. }), "{error}");

@@ -330,6 +330,8 @@ mod tests {
         }
         // The model has no pressure of zero, so its probability of contact is 1.
         assert!((found.contact_probability_bias.unwrap() - 0.3).abs() < 4.0 * found.contact_probability_se);
+        let interval = found.contact_probability_interval.unwrap();
+        assert!(interval.contains(0.7) && !interval.contains(1.0), "{interval:?}");
         // A model that predicts nothing has the error of counting.
         let counted = (0.3_f64 * 0.7 / 1500.0).sqrt();
         assert!((found.contact_probability_se / counted - 1.0).abs() < 0.1, "{}", found.contact_probability_se);

@@ -130,6 +130,20 @@ fn uninformative_models_cost_little_and_cause_no_bias() {
 }
 
 #[test]
+fn predictors_do_not_depend_on_the_values_of_their_own_fold() {
+    let levels = level_samples(2, 100, 200);
+    let mut other = levels.clone();
+    other.values[1].iter_mut().skip(3).step_by(FOLDS).for_each(|q| *q += 100.0);
+    let predictions = |levels: &LevelSamples, fold: usize| -> Vec<f64> {
+        let (fold, _) = Fold::fit(levels, fold, &settings(1, 0.0)).unwrap();
+        let normal = |i: usize| fold.normal.as_ref().unwrap().predict(&levels.xi[i]);
+        (0..200).flat_map(|i| [fold.predictors[0].predict(&levels.row(0, i)), normal(i)]).collect()
+    };
+    assert_eq!(predictions(&levels, 3), predictions(&other, 3));
+    assert_ne!(predictions(&levels, 2), predictions(&other, 2));
+}
+
+#[test]
 fn equal_values_and_duplicate_samples_are_accepted() {
     let equal = LevelSamples {
         xi: vec![vec![0.0]; 40],
