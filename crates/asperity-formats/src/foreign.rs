@@ -39,7 +39,6 @@ const FOREIGN: &[Foreign] = &[
         Start(&[b"\\*Force file list"]),
         "a force curve is no height map",
     ),
-    Foreign("an Olympus OIR file", Start(&[b"OLYMPUSRAWFORMAT"]), TO_GWY),
     Foreign("a Keyence ZON file packed with Zstandard", Start(&[b"KPK1"]), TO_GWY),
     Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
@@ -93,7 +92,6 @@ struct Zipped(&'static str, fn(&str) -> bool, &'static str);
 
 /// Kinds of zip archives, the most specific first.
 const ZIPPED: &[Zipped] = &[
-    Zipped("an Olympus POIR file", |name| name.ends_with(".oir"), TO_GWY),
     Zipped("a JPK force file", |name| name == "header.properties", TO_GWY),
     Zipped("an Excel workbook (XLSX)", |name| name == "xl/workbook.xml", "save the sheet of heights as CSV"),
     Zipped("an Office document", |name| name == "[Content_Types].xml", "export the heights as text"),

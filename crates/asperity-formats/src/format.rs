@@ -46,6 +46,8 @@ pub enum Format {
     Zon,
     /// Keyence CSV.
     KeyenceCsv,
+    /// Olympus OIR and POIR.
+    Oir,
     /// Nanoscope of Digital Instruments, Veeco and Bruker.
     Nanoscope,
     /// Igor binary wave, as of Asylum Research.
@@ -93,6 +95,7 @@ impl Format {
             Self::X3p => ("X3P", Some("m")),
             Self::Sur => ("SUR", Some("m")),
             Self::Mnt => ("MNT", None),
+            Self::Oir => ("OIR", None),
             Self::Sdf => ("SDF", Some("m")),
             Self::Gwy => ("GWY", None),
             Self::Opd => ("OPD", Some("nm")),

@@ -5,9 +5,10 @@ use crate::codec::{Codec, Description};
 use crate::{Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 34] = [
+const CODECS: [&Codec; 35] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
+    &crate::oir::CODEC,
     &crate::x3p::CODEC,
     &crate::sur::CODEC,
     &crate::mnt::CODEC,

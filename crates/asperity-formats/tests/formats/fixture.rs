@@ -72,6 +72,7 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::mnt::fixtures(),
         crate::datx::fixtures(),
         crate::opdx::fixtures(),
+        crate::oir::fixtures(),
         crate::nanoscope::fixtures(),
         crate::ibw::fixtures(),
         crate::nid::fixtures(),

@@ -28,6 +28,7 @@ mod nid;
 mod nms;
 mod npy;
 mod npz;
+mod oir;
 mod opd;
 mod opdx;
 mod plu;
