@@ -6,6 +6,7 @@ use std::io::{self, Cursor, Read};
 
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use md5::{Digest, Md5};
+use ruzstd::decoding::StreamingDecoder;
 use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
@@ -33,6 +34,9 @@ const DESKTOP_FOLDER: &str = "__MACOSX/";
 /// Message for the usual damage of an archive. Its directory is at its end, which an incomplete download lacks.
 pub(crate) const NO_DIRECTORY: &str =
     "the zip archive has no valid directory at its end; the file is cut off or damaged";
+
+/// Largest part of a Zstandard stream that its decoder may keep.
+const MAX_WINDOW_BYTES: u64 = 1 << 24;
 
 /// Returns the maximum unpacked size of `packed` bytes.
 pub(crate) fn unpacked_limit(packed: u64) -> u64 {
@@ -318,6 +322,23 @@ pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
     if content.len() as u64 > limit {
         let (field, found) = ("the size of the content in bytes", content.len() as u64);
         return Err(FormatError::too_large(Format::Gzip, field, Location::Byte(0), found, limit));
+    }
+    Ok(content)
+}
+
+/// Unpacks a Zstandard stream of at most `limit` unpacked bytes.
+///
+/// # Errors
+/// [`FormatError::TooLarge`] above `limit` or the limit of its packed size, [`FormatError::Archive`] for a damaged stream.
+pub(crate) fn unpack_zstandard(format: Format, name: &str, bytes: &[u8], limit: u64) -> Result<Vec<u8>> {
+    let is_damaged = || damaged(format, name, "the Zstandard stream is damaged".into());
+    let limit = limit.min(unpacked_limit(bytes.len() as u64));
+    let stream = StreamingDecoder::new_with_max_window_size(bytes, MAX_WINDOW_BYTES).map_err(|_| is_damaged())?;
+    let mut content = Vec::new();
+    stream.take(limit + 1).read_to_end(&mut content).map_err(|_| is_damaged())?;
+    if content.len() as u64 > limit {
+        let field = "the file's unpacked size in bytes";
+        return Err(FormatError::too_large(format, field, place(name, 0), content.len() as u64, limit));
     }
     Ok(content)
 }

@@ -39,7 +39,6 @@ const FOREIGN: &[Foreign] = &[
         Start(&[b"\\*Force file list"]),
         "a force curve is no height map",
     ),
-    Foreign("a Keyence ZON file packed with Zstandard", Start(&[b"KPK1"]), TO_GWY),
     Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),

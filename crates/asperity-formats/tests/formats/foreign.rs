@@ -53,7 +53,6 @@ fn files_of_known_formats_are_refused_by_name_with_advice() {
     let bitmap = [b"BM".as_slice(), &[70, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0], &[0; 50]].concat();
     let tar = [[b'a'; 257].as_slice(), b"ustar\x0000"].concat();
     let cases: Vec<(Vec<u8>, &str, &str)> = vec![
-        (b"KPK1\x00\x00".to_vec(), "a Keyence ZON file packed with Zstandard", "GWY"),
         (igor_wave(false), "an Igor wave of version 2, a curve", "NPY or text"),
         (igor_wave(true), "an Igor wave of version 2, a curve", "NPY or text"),
         (b":NANONIS_VERSION:\n2\n".to_vec(), "a Nanonis SXM file", "GWY"),

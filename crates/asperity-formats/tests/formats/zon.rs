@@ -29,18 +29,44 @@ fn zon(heights: &[u8], marks: &[u8], scales: &str) -> Vec<u8> {
 
 const NUMBERS: [i32; 6] = [1, -2, 3, 4, 5, 6];
 
+/// A file whose arrays and description are packed with Zstandard.
+fn packed() -> Vec<u8> {
+    packed_files(&array(4, 4, &NUMBERS), SCALES.as_bytes())
+}
+
+fn packed_files(heights: &[u8], scales: &[u8]) -> Vec<u8> {
+    let pack = |bytes: &[u8]| ruzstd::encoding::compress_to_vec(bytes, ruzstd::encoding::CompressionLevel::Fastest);
+    let archive = zip(&[
+        ("686613b8-27b5-4a29-8ffc-438c2780873e", &pack(scales)),
+        ("4cdb0c75-5706-48cc-a9a1-adf395d609ae", &pack(heights)),
+        ("9e7ca6dd-0e6a-4d7b-8986-f0a7b773c916", &pack(&array(1, 1, &[0, 4, 0, 1, 0, 2]))),
+    ]);
+    [b"KPK1\x05\0\0\0BM...".as_slice(), &archive].concat()
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![Fixture::open_ended("ZON", zon(&array(4, 4, &NUMBERS), &array(1, 1, &[0, 4, 0, 1, 0, 2]), SCALES))]
+    let plain = zon(&array(4, 4, &NUMBERS), &array(1, 1, &[0, 4, 0, 1, 0, 2]), SCALES);
+    vec![Fixture::open_ended("ZON", plain), Fixture::open_ended("packed ZON", packed())]
 }
 
 #[test]
 fn heights_are_units_and_marked_points_are_missing() {
-    for padding in [0, 4] {
-        let bytes = zon(&array(4, padding, &NUMBERS), &array(1, 1, &[0, 4, 0, 1, 0, 2]), SCALES);
+    let plain = |padding: usize| zon(&array(4, padding, &NUMBERS), &array(1, 1, &[0, 4, 0, 1, 0, 2]), SCALES);
+    for bytes in [plain(0), plain(4), packed()] {
         let scan = read_bytes(&bytes).unwrap();
         assert_eq!((scan.format, scan.pitch_m), (Some(Format::Zon), Some((2e-6, 2e-6))));
         assert_heights(&scan, &[1e-9, -2e-9, 3e-9, f64::NAN, 5e-9, f64::NAN]);
     }
+}
+
+#[test]
+fn a_zstandard_bomb_is_refused_with_little_memory() {
+    let zeros = vec![0; 256 << 20];
+    let bytes = packed_files(&zeros, SCALES.as_bytes());
+    drop(zeros);
+    let (result, peak) = crate::memory::peak_bytes(|| read_bytes(&bytes));
+    assert!(matches!(result.unwrap_err(), FormatError::TooLarge { .. }));
+    assert!(bytes.len() < 1 << 20 && peak <= 64 << 20, "{peak} bytes of memory for {}", bytes.len());
 }
 
 #[test]
