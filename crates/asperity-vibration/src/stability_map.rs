@@ -358,7 +358,7 @@ mod tests {
     use super::*;
     use crate::critical_damping;
     use asperity_base::monitor::Silent;
-    use asperity_process::ProcessModel;
+    use asperity_process::CorrelationShape;
 
     fn settings(depth: u32, trajectories: usize, duration: f64) -> MapSettings {
         MapSettings {
@@ -404,6 +404,41 @@ mod tests {
         assert!((area / (0.2 * 0.198) - 1.0).abs() < 1e-12);
         let full = (4 * 32 + 1) * (3 * 32 + 1);
         assert!(map.points.len() < full / 6, "{} of {full} points", map.points.len());
+    }
+
+    #[test]
+    fn axes_replace_the_stated_values_and_load_shortens_lengths() {
+        let stated = Oscillator::with_stribeck(0.1, 4.2, 0.15, 0.004).unwrap();
+        let shape = CorrelationShape::WindowedExponential { window: 0.2 };
+        let friction = ProcessModel { shape, ..ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, 0.01) };
+        let of = |map: MapOver, at| {
+            let (oscillator, model) = map.machine(&stated, &friction, at).unwrap();
+            let model = model.unwrap();
+            // At least a tenth of the kinetic coefficient remains.
+            let clipped = -model.least.unwrap() / oscillator.law().coefficient(oscillator.static_friction());
+            assert!((0.5..0.9).contains(&clipped), "{clipped}");
+            (oscillator.damping_ratio(), oscillator.belt_velocity(), model.std, model.shape, model.correlation_length)
+        };
+        assert_eq!(of(MapOver::DampingVelocity, [0.2, 0.01]), (0.2, 0.01, 0.001, shape, 0.01));
+        assert_eq!(of(MapOver::DampingScatter, [0.2, 0.002]), (0.2, 0.004, 0.002, shape, 0.01));
+        let shorter = CorrelationShape::WindowedExponential { window: 0.1 };
+        assert_eq!(of(MapOver::VelocityLoad, [0.01, 2.0]), (0.15, 0.005, 0.001, shorter, 0.005));
+        let (_, constant) = MapOver::DampingScatter.machine(&stated, &friction, [0.2, 0.0]).unwrap();
+        assert_eq!(constant, None);
+    }
+
+    #[test]
+    fn a_share_of_all_or_none_needs_the_first_trajectories_only() {
+        let machine = |x: f64, y: f64| {
+            let model = ProcessModel::new("beta:2.1,5".parse()?, 0.001, 0.01);
+            Ok((Oscillator::with_stribeck(0.1, 4.2, x, y)?, Some(FrictionProcess::new(model)?)))
+        };
+        let settings = EnsembleSettings::new(200, 60.0, 7);
+        let found = point(&machine, 0.02, 0.003, &settings, &Silent).unwrap();
+        let (oscillator, process) = machine(0.02, 0.003).unwrap();
+        let first = EnsembleSettings { trajectories: FIRST_COUNT, ..settings };
+        let wanted = Ensemble::simulate(&oscillator, &process.unwrap(), &first, &Silent).unwrap().passages.sustained;
+        assert_eq!((found.trajectories, found.sustained), (FIRST_COUNT, wanted));
     }
 
     #[test]

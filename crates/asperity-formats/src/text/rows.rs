@@ -70,13 +70,13 @@ impl Layout {
     /// Counts the values before the first fault of a line. Too few columns are a fault.
     fn tally(&self, bytes: &[u8]) -> (usize, Result<(), Fault>) {
         let mut table = Table::default();
-        let line = Scanner { bytes, cursor: 0, layout: self }.line(&mut table);
-        (table.values.len(), line)
+        let line = Scanner { kept: 0, ..Scanner::new(bytes, self) }.line(&mut table);
+        (table.found, line)
     }
 
     /// Returns whether the first field of a line is a value.
     pub(crate) fn starts_with_value(&self, line: &[u8]) -> bool {
-        let mut scanner = Scanner { bytes: line, cursor: 0, layout: self };
+        let mut scanner = Scanner::new(line, self);
         scanner.skip_blanks();
         !scanner.is_at_end() && scanner.field(&mut Table::default()).is_some()
     }
@@ -97,6 +97,8 @@ pub(crate) struct Table {
     /// Limit of further comments.
     room: TextLimit,
     lines: usize,
+    /// Number of values of the present line.
+    found: usize,
 }
 
 /// Fault of a line.
@@ -191,7 +193,7 @@ fn values_per_byte(bytes: &[u8], layout: &Layout) -> f64 {
 }
 
 fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (usize, Fault)> {
-    let mut scanner = Scanner { bytes, cursor: 0, layout };
+    let mut scanner = Scanner::new(bytes, layout);
     let mut table = Table { values: large::with_capacity(expected + 1), ..Table::default() };
     while scanner.cursor < bytes.len() {
         scanner.line(&mut table).map_err(|fault| (table.lines, fault))?;
@@ -202,6 +204,14 @@ fn read_piece(bytes: &[u8], layout: &Layout, expected: usize) -> Result<Table, (
 }
 
 impl Table {
+    /// Adds a value to the present line and stores it if it is one of the first `kept`.
+    fn push(&mut self, value: f64, kept: usize) {
+        self.found += 1;
+        if self.found <= kept {
+            self.values.push(value);
+        }
+    }
+
     fn append(&mut self, piece: Self) {
         if self.values.is_empty() {
             self.values = piece.values;
@@ -225,9 +235,15 @@ struct Scanner<'a> {
     bytes: &'a [u8],
     cursor: usize,
     layout: &'a Layout,
+    /// Number of values of a line that are stored. Further ones are counted only, because a line that is refused may be long.
+    kept: usize,
 }
 
-impl Scanner<'_> {
+impl<'a> Scanner<'a> {
+    fn new(bytes: &'a [u8], layout: &'a Layout) -> Self {
+        Self { bytes, cursor: 0, layout, kept: layout.columns.unwrap_or(usize::MAX) }
+    }
+
     fn class_at(&self, place: usize) -> Class {
         self.bytes.get(place).map_or(Class::LineEnd, |&byte| self.layout.classes[usize::from(byte)])
     }
@@ -253,21 +269,18 @@ impl Scanner<'_> {
 
     /// Parses one line up to its end.
     fn line(&mut self, table: &mut Table) -> Result<(), Fault> {
-        let before = table.values.len();
+        table.found = 0;
         self.skip_blanks();
         while !self.is_at_end() {
-            match self.field(table) {
-                Some(value) => table.values.push(value),
-                None => {
-                    let (column, found) = (table.values.len() - before + 1, utf8_or_latin1(self.whole_field()));
-                    return Err(Fault::Value { column, found });
-                }
-            }
+            let Some(value) = self.field(table) else {
+                return Err(Fault::Value { column: table.found + 1, found: utf8_or_latin1(self.whole_field()) });
+            };
+            table.push(value, self.kept);
             if self.class() == Class::Separator {
                 self.cursor += 1;
                 self.skip_blanks();
                 if self.is_at_end() {
-                    table.values.push(f64::NAN);
+                    table.push(f64::NAN, self.kept);
                     table.open_rows += 1;
                 }
             }
@@ -282,7 +295,7 @@ impl Scanner<'_> {
             }
             self.cursor += length;
         }
-        let found = table.values.len() - before;
+        let found = table.found;
         table.rows += usize::from(found > 0);
         match self.layout.columns {
             Some(columns) if found > 0 && found != columns => Err(Fault::Ragged { found }),

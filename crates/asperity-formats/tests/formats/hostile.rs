@@ -254,3 +254,57 @@ fn damaged_files_are_read_or_refused() {
         }
     }
 }
+
+/// A file of which `filling` takes ten megabytes: at its end, or at its middle.
+fn filled(content: &Content, filling: &dyn Fn(usize) -> Vec<u8>, at_end: bool) -> Vec<u8> {
+    const BYTES: usize = 10_000_000;
+    let fill = |bytes: &[u8]| {
+        let (start, end) = bytes.split_at(if at_end { bytes.len() } else { bytes.len() / 2 });
+        [start, &filling(BYTES - bytes.len()), end].concat()
+    };
+    match content {
+        Content::Bytes(bytes) => fill(bytes),
+        Content::Gzip(bytes) => Content::Gzip(fill(bytes)).bytes(),
+        Content::Zip(files) => {
+            let largest = files.iter().map(|(_, bytes)| bytes.len()).max();
+            let more = |(name, bytes): &(String, Vec<u8>)| {
+                (name.clone(), if Some(bytes.len()) == largest { fill(bytes) } else { bytes.clone() })
+            };
+            Content::Zip(files.iter().map(more).collect()).bytes()
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn files_of_ten_megabytes_are_read_or_refused_within_two_seconds() {
+    let repeated = |word: &[u8], count: usize| word.iter().copied().cycle().take(count).collect::<Vec<u8>>();
+    let mut longest = (Duration::ZERO, String::new());
+    for fixture in all() {
+        let bytes = fixture.bytes();
+        let noise = |count: usize| {
+            let mut noise = Noise(7);
+            (0..count).map(|_| noise.next() as u8).collect::<Vec<u8>>()
+        };
+        let fillings: [(&str, Box<dyn Fn(usize) -> Vec<u8>>); 8] = [
+            ("zeros", Box::new(|count| vec![0; count])),
+            ("ones", Box::new(|count| vec![0xff; count])),
+            ("noise", Box::new(noise)),
+            ("numbers", Box::new(|count| repeated(b"1.5 -2e-6 3\r\n", count))),
+            ("one line", Box::new(|count| repeated(b"7,", count))),
+            ("elements", Box::new(|count| repeated(b"<a b=\"c\">d</a>", count))),
+            ("itself", Box::new(|count| repeated(&bytes, count))),
+            ("its end", Box::new(|count| repeated(&bytes[bytes.len() - bytes.len().min(64)..], count))),
+        ];
+        for (name, filling) in &fillings {
+            for at_end in [true, false] {
+                let name = format!("{} with {name} at its {}", fixture.name, if at_end { "end" } else { "middle" });
+                let bytes = filled(&fixture.content, filling, at_end);
+                let start = Instant::now();
+                read(&name, &bytes);
+                longest = longest.max((start.elapsed(), name));
+            }
+        }
+    }
+    println!("longest: {:?}, {}", longest.0, longest.1);
+}
