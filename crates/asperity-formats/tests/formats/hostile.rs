@@ -255,8 +255,11 @@ fn damaged_files_are_read_or_refused() {
     }
 }
 
+/// Returns a number of bytes.
+type Filling<'a> = Box<dyn Fn(usize) -> Vec<u8> + 'a>;
+
 /// A file of which `filling` takes ten megabytes: at its end, or at its middle.
-fn filled(content: &Content, filling: &dyn Fn(usize) -> Vec<u8>, at_end: bool) -> Vec<u8> {
+fn filled(content: &Content, filling: &Filling, at_end: bool) -> Vec<u8> {
     const BYTES: usize = 10_000_000;
     let fill = |bytes: &[u8]| {
         let (start, end) = bytes.split_at(if at_end { bytes.len() } else { bytes.len() / 2 });
@@ -286,7 +289,7 @@ fn files_of_ten_megabytes_are_read_or_refused_within_two_seconds() {
             let mut noise = Noise(7);
             (0..count).map(|_| noise.next() as u8).collect::<Vec<u8>>()
         };
-        let fillings: [(&str, Box<dyn Fn(usize) -> Vec<u8>>); 8] = [
+        let fillings: [(&str, Filling<'_>); 8] = [
             ("zeros", Box::new(|count| vec![0; count])),
             ("ones", Box::new(|count| vec![0xff; count])),
             ("noise", Box::new(noise)),
