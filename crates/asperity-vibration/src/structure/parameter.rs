@@ -90,6 +90,8 @@ mod tests {
         assert_eq!(friction.law().kinetic(), 0.7);
         let law = VelocityLaw::Coulomb { kinetic: 0.2 };
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
+        let scaled = CurveParameter::StaticFriction.set(&coulomb, 0.6).unwrap();
+        assert!((scaled.law().kinetic() - 0.4).abs() < 1e-15);
         assert_eq!(CurveParameter::Weakening.value(&coulomb), None);
         assert!(
             CurveParameter::Weakening.set(&coulomb, 1.0).is_err()
