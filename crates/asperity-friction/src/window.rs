@@ -42,10 +42,21 @@ pub enum WindowError {
         /// Width of the strip in metre.
         strip_m: f64,
     },
+    /// The window has too many cells.
+    #[error("the window has {cells} × {rows} cells; a window has at most {MAX_CELLS} cells")]
+    TooManyCells {
+        /// Number of cells along x.
+        cells: usize,
+        /// Number of cells along y.
+        rows: usize,
+    },
     /// The mask of the window has no cell.
     #[error("the mask of the window has no cell")]
     Empty,
 }
+
+/// Largest number of cells of a window, 8192². A strip of ten such windows needs more than a hundred gigabytes to be solved.
+const MAX_CELLS: usize = 1 << 26;
 
 fn metre(length_m: f64) -> String {
     sentence::si(length_m, "m")
@@ -84,7 +95,8 @@ impl Window {
     /// # Errors
     /// The window has fewer than two cells, or the strip is shorter than ten windows.
     pub fn new(length_m: f64, grid: Grid) -> Result<Self, WindowError> {
-        Ok(Self::box_of(cells_along(length_m, grid)?, grid.ny(), grid))
+        let (cells, rows) = counted(cells_along(length_m, grid)?, grid.ny())?;
+        Ok(Self::box_of(cells, rows, grid))
     }
 
     /// Creates a rectangle of about `length_m` × `width_m`, rounded to whole cells.
@@ -92,7 +104,8 @@ impl Window {
     /// # Errors
     /// The errors of [`Window::new`]; also if the window is wider than the strip or less than two cells wide.
     pub fn rectangle(length_m: f64, width_m: f64, grid: Grid) -> Result<Self, WindowError> {
-        Ok(Self::box_of(cells_along(length_m, grid)?, rows_across(width_m, grid)?, grid))
+        let (cells, rows) = counted(cells_along(length_m, grid)?, rows_across(width_m, grid)?)?;
+        Ok(Self::box_of(cells, rows, grid))
     }
 
     /// Creates an ellipse of the axes `length_m` along x and `width_m` along y: the cells whose centre lies in it.
@@ -100,7 +113,7 @@ impl Window {
     /// # Errors
     /// The errors of [`Window::rectangle`].
     pub fn ellipse(length_m: f64, width_m: f64, grid: Grid) -> Result<Self, WindowError> {
-        let (cells, rows) = (cells_along(length_m, grid)?, rows_across(width_m, grid)?);
+        let (cells, rows) = counted(cells_along(length_m, grid)?, rows_across(width_m, grid)?)?;
         let mask = Array2::from_shape_fn((rows, cells), |(row, column)| {
             let from_centre = |index: usize, count: usize| (2 * index + 1) as f64 / count as f64 - 1.0;
             from_centre(row, rows).powi(2) + from_centre(column, cells).powi(2) <= 1.0
@@ -254,6 +267,14 @@ fn rows_across(width_m: f64, grid: Grid) -> Result<usize, WindowError> {
     Ok(rows as usize)
 }
 
+/// Returns the numbers of cells of a window unless there are too many.
+fn counted(cells: usize, rows: usize) -> Result<(usize, usize), WindowError> {
+    match cells.checked_mul(rows) {
+        Some(count) if count <= MAX_CELLS => Ok((cells, rows)),
+        _ => Err(WindowError::TooManyCells { cells, rows }),
+    }
+}
+
 /// Returns the rows of a mask as runs of cells.
 fn runs_of(mask: &Array2<bool>) -> Vec<Run> {
     let mut runs = Vec::new();
@@ -313,6 +334,17 @@ mod tests {
     #[test]
     fn windows_that_do_not_fit_are_refused() {
         assert!(matches!(Window::rectangle(40e-6, 41e-6, grid()), Err(WindowError::TooWide { .. })));
+        // Such sizes fit no memory, and their product no integer.
+        let huge = Grid::new(usize::MAX >> 2, usize::MAX >> 2, 1.0, 1.0).unwrap();
+        let (length_m, width_m) = (huge.width_m() / 20.0, huge.height_m() / 2.0);
+        let windows = [
+            Window::new(length_m, huge),
+            Window::rectangle(length_m, width_m, huge),
+            Window::ellipse(length_m, width_m, huge),
+        ];
+        for window in windows {
+            assert!(matches!(window, Err(WindowError::TooManyCells { .. })));
+        }
         assert!(matches!(Window::ellipse(40e-6, 1e-6, grid()), Err(WindowError::TooNarrow { .. })));
         assert!(matches!(Window::rectangle(41e-6, 20e-6, grid()), Err(WindowError::TooLong { .. })));
         let mask = Array2::from_elem((4, 5), false);

@@ -31,6 +31,10 @@ pub(crate) struct Axis {
     downward: bool,
 }
 
+/// Least span and largest end of a linear axis.
+const LEAST_SPAN: f64 = 1e-280;
+const LARGEST: f64 = 1e300;
+
 /// Returns the least and the largest finite value.
 pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f64, f64)> {
     values.into_iter().filter(|v| v.is_finite()).fold(None, |range, &v| match range {
@@ -40,12 +44,13 @@ pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f6
 }
 
 impl Axis {
-    /// Returns a linear axis from `low` to `high`; an empty range is widened.
+    /// Returns a linear axis from `low` to `high`; an empty range is widened, also one without room for ticks among the numbers of `f64`.
     pub(crate) fn linear(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
-        let (low, high) = if high > low {
+        let (low, high) = (low.clamp(-LARGEST, LARGEST), high.clamp(-LARGEST, LARGEST));
+        let (low, high) = if high - low > LEAST_SPAN {
             (low, high)
         } else {
-            let reach = if low == 0.0 { 0.5 * unit.si } else { 0.1 * low.abs() };
+            let reach = if low.abs() <= 10.0 * LEAST_SPAN { 0.5 * unit.si } else { 0.1 * low.abs() };
             (low - reach, low + reach)
         };
         Self {
@@ -278,6 +283,14 @@ mod tests {
     fn a_range_without_width_is_widened() {
         let (low, high) = Axis::linear("x", Unit::none(), (3.0, 3.0)).ends();
         assert!(low < 3.0 && high > 3.0);
+        for extreme in [(0.0, 1e-320), (1e-320, 2e-320), (-f64::MAX, f64::MAX), (f64::MAX, f64::MAX), (0.0, f64::MAX)] {
+            let axis = Axis::linear("x", Unit::new("µm", 1e-6), extreme);
+            let ticks = axis.ticks(4);
+            assert!(
+                (2..12).contains(&ticks.len()) && ticks.iter().all(|tick| tick.position.is_finite()),
+                "{extreme:?}"
+            );
+        }
         assert_eq!(range(&[f64::NAN, 2.0, -1.0, f64::INFINITY]), Some((-1.0, 2.0)));
         assert_eq!(range(&[f64::NAN]), None);
     }

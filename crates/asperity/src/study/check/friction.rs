@@ -58,8 +58,12 @@ impl FrictionStudy {
             WindowShape::Ellipse => Window::ellipse(length_m, width_m, grid),
         };
         let window = window.map_err(|error| {
-            let of_width = matches!(error, WindowError::TooNarrow { .. } | WindowError::TooWide { .. });
-            invalid(SECTION, if of_width { "window_width" } else { "window" }, error.to_string())
+            let key = match error {
+                WindowError::TooNarrow { .. } | WindowError::TooWide { .. } => "window_width",
+                WindowError::TooManyCells { .. } => "points",
+                _ => "window",
+            };
+            invalid(SECTION, key, error.to_string())
         })?;
         Ok((grid, window))
     }
