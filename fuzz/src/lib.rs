@@ -1,6 +1,8 @@
 //! What the fuzz targets share.
 
-use asperity_formats::{FormatError, Scan};
+use std::sync::OnceLock;
+
+use asperity_formats::{Format, FormatError, Scan};
 
 #[path = "../../crates/asperity-formats/tests/memory/mod.rs"]
 mod memory;
@@ -13,6 +15,16 @@ pub fn bounded<T>(length: usize, work: impl FnOnce() -> T) -> T {
     let (value, peak) = memory::peak_bytes(work);
     assert!(peak <= MEMORY_LIMIT + 2 * length, "{peak} bytes of memory for {length} of input");
     value
+}
+
+/// Returns whether content has the format of the target, or is compressed. `ASPERITY_FORMAT` names the format. Each format has a target of
+/// its own: a target that also followed inputs into other formats would count the edges of their readers, too.
+pub fn is_wanted(content: &[u8]) -> bool {
+    static NAME: OnceLock<String> = OnceLock::new();
+    let wanted = NAME.get_or_init(|| std::env::var("ASPERITY_FORMAT").expect("the name of a format"));
+    let detected = Format::detect(content);
+    // The name of a target ends at a slash, as that of a folder does.
+    detected.is_some_and(|format| format == Format::Gzip || format.name().split('/').next() == Some(wanted))
 }
 
 /// Reads a scan, and checks its invariants.

@@ -1,23 +1,26 @@
-//! The files inside archives, whose checksums would hide every change from the readers behind them.
+//! The files inside archives of one format, [`asperity_fuzz::is_wanted`]. The checksums of archives would hide every change from the
+//! readers behind them.
 
 #![no_main]
 
 use std::io::{Cursor, Write};
 
-use libfuzzer_sys::fuzz_target;
+use libfuzzer_sys::{Corpus, fuzz_target};
 use zip::CompressionMethod::Stored;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-fuzz_target!(|input: &[u8]| {
+fuzz_target!(|input: &[u8]| -> Corpus {
     let parts = asperity_fuzz::parts(input);
-    let bytes = match parts.as_slice() {
-        [(name, content)] if name == "gzip" => gzip(content),
-        parts => zip(parts),
+    let (bytes, content) = match parts.as_slice() {
+        [(name, content)] if name == "gzip" => (gzip(content), Some(*content)),
+        parts => (zip(parts), None),
     };
-    if let Some(bytes) = bytes {
-        let _ = asperity_fuzz::read_scan(&bytes);
-    }
+    let Some(bytes) = bytes.filter(|bytes| asperity_fuzz::is_wanted(content.unwrap_or(bytes))) else {
+        return Corpus::Reject;
+    };
+    let _ = asperity_fuzz::read_scan(&bytes);
+    Corpus::Keep
 });
 
 fn gzip(content: &[u8]) -> Option<Vec<u8>> {

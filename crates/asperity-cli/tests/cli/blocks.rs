@@ -163,6 +163,7 @@ fn a_changed_stage_leaves_the_blocks_of_the_others() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_finished_run_is_resumed_reproduced_and_never_mixed_with_another() {
     let folder = bench(short());
     let at = folder.path();

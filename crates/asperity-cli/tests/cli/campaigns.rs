@@ -154,6 +154,7 @@ fn scan(folder: &Path, name: &str, wave: f64) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn an_unusable_scan_is_a_row_with_its_reason() {
     let surface = "[surface]\nfile = \"any.npy\"\npixel_size = \"1 um\"\n";
     let folder = bench(&format!("seed = 1\n{surface}"), "scans = \"lot-*/**/*.npy\"\n");

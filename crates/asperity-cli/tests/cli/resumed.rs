@@ -59,6 +59,7 @@ fn bench() -> TempDir {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_finished_folder_is_no_result_of_other_scans() {
     let folder = bench();
     let at = folder.path();
@@ -89,6 +90,7 @@ fn a_finished_folder_is_no_result_of_other_scans() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn parts_of_other_scans_and_folders_that_are_no_parts_are_not_merged() {
     let folder = bench();
     let at = folder.path();

@@ -77,6 +77,7 @@ fn submit(at: &Path, script: &str, options: &[&str]) -> (Output, Vec<String>) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_jobs_of_a_script_give_the_bytes_of_one_run_whatever_the_paths() {
     let folder = TempDir::new().unwrap();
     let at = folder.path().join("it's a $HOME of \"studies\"");

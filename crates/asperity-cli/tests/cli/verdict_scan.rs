@@ -193,6 +193,7 @@ fn with_counterface(folder: &Path, scan: &str, extra: &str) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_scan_of_a_much_rougher_counterface_is_the_error_of_friction() {
     let folder = TempDir::new().unwrap();
     with_counterface(folder.path(), &draw(folder.path(), 0, 1.0), "");

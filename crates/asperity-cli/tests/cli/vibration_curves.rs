@@ -75,6 +75,7 @@ fn a_map_over_loads_scales_every_friction_law_in_si() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_motion_that_neither_sticks_nor_slides_steadily_is_reported() {
     // ζ_c lies far below ζ_H = 375: between them the mass vibrates without sticking.
     let folder = TempDir::new().unwrap();

@@ -332,6 +332,7 @@ fn white_friction_under_a_window_has_the_triangular_correlation() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_length_of_a_simulated_process_is_recovered_under_the_windows() {
     // φ = e^{−Δ/ℓ} with ℓ = 25 cells.
     let truth_m = 25e-6;

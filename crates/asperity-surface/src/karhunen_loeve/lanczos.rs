@@ -445,6 +445,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn the_largest_eigenvalues_of_all_spaces_are_found() {
         // Slowly falling values, most of them in one space, so that its subspace is filled and restarted.
         let spaces: Vec<Vec<f64>> = [(900, 1.0, 1e-3), (500, 0.95, 1e-2), (40, 0.5, 1e-2), (3, 0.99, 0.3)]

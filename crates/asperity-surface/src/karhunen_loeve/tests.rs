@@ -94,6 +94,7 @@ fn the_separable_exponential_has_its_published_spectrum_on_the_unit_square() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_hundred_and_one_modes_by_iteration_equal_those_of_the_dense_problem() {
     // A constant start vector, or a single one, would return pairs of equal eigenvalues twice or once too few.
     let grid = Grid::with_size(64, 64, 1.0, 1.0).unwrap();

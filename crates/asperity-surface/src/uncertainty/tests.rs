@@ -368,6 +368,7 @@ fn invalid_requests_are_refused() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn joint_errors_of_height_slope_and_skewness_equal_their_scatter_over_maps() {
     let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
     let count = 80;

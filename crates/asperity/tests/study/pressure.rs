@@ -105,6 +105,7 @@ fn figure_2_of_the_paper_has_165_coefficients_a_free_patch_and_contact_at_most_h
 }
 
 #[test]
+#[ignore = "slow"]
 fn results_and_tables_agree_for_every_method() {
     let outcome =
         run_all(&reduced("pressure_case_c.toml", 100, 100).replace("percentile =", "stiffness = true\npercentile ="));
@@ -184,6 +185,7 @@ fn results_and_tables_agree_for_every_method() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn maps_give_the_distributions_of_all_cells_and_indices_are_fractions() {
     let outcome = run_all(&reduced("pressure_case_c.toml", 100, 100));
     let results = serde_json::to_value(&outcome.results).unwrap();

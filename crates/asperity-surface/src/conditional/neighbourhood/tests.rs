@@ -286,6 +286,7 @@ fn the_parts_of_a_large_void_show_no_seam() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn weights_of_the_groups_of_every_missing_point_add_up_to_one() {
     let rough = isotropic(CorrelationModel::Exponential, 5.0);
     let voids: [fn(usize, usize) -> bool; 4] = [
@@ -342,6 +343,7 @@ fn a_lay_stretches_distances_along_it() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn maps_are_the_same_alone_together_and_with_any_number_of_threads() {
     let rough = isotropic(CorrelationModel::Matern { nu: 1.5 }, 4.0);
     let map = measured(&rough, grid(70, 60), |row, column| block(row, column) || salt(row, column) || column > 50);

@@ -108,6 +108,7 @@ fn maps_of_the_twins_own_distribution_lie_in_the_bands_with_the_stated_probabili
 }
 
 #[test]
+#[ignore = "slow"]
 fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
     let long = Covariance::new(CorrelationModel::Matern { nu: 1.5 }, 1e-6, 12e-6, 3e-6).unwrap();
     let grid = Grid::new(120, 120, PITCH_M, PITCH_M).unwrap();
@@ -135,6 +136,7 @@ fn twins_of_the_scan_s_own_covariance_keep_a_lay_at_an_angle() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning() {
     // A map of a few lengths from which no form is removed.
     let heights = map_of(&smooth(16e-6, 16e-6), &Marginal::STANDARD_NORMAL, (40, 40), 3);
