@@ -48,8 +48,8 @@ portable *TARGETS="wasm":
 fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
-# Solves 1,000 contact problems and checks each answer; compares laws of the pressure with references, and counts how often
-# intervals of each kind hold: about an hour.
+# Writes docs/validation: solves 1,000 contact problems and checks each answer, compares distributions of the pressure with references, and
+# counts how often the intervals of each kind contain the true value. Takes about an hour.
 validate:
     cargo run --release -p asperity-validation --bin validate_closed_forms > docs/validation/closed-forms.md
     cargo run --release -p asperity-validation --bin validate_contact -- docs

@@ -1,4 +1,4 @@
-//! How often 95 % intervals hold the truth, on small patches that are solved by the hundred thousand.
+//! Coverage of the 95 % intervals of all methods, on small patches that are solved a hundred thousand times.
 
 use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
@@ -13,10 +13,10 @@ use crate::parallel::each;
 
 /// Points along either side.
 const POINTS: usize = 16;
-/// Contact solutions of the truth, of which 256 cells each are pooled.
+/// Contact solutions for the true values; 256 cells of each are pooled.
 const TRUTH: usize = 60_000;
-/// What is told of each estimate: P(contact), mean, quantiles of 10, 50 and 90 %, the simultaneous band.
-const TOLD: usize = 6;
+/// Number of intervals of an estimate: P(contact), mean, quantiles of 10, 50 and 90 %, and the simultaneous band.
+const INTERVALS: usize = 6;
 const QUANTILES: [f64; 3] = [0.1, 0.5, 0.9];
 
 /// A small patch.
@@ -29,16 +29,16 @@ struct World {
 
 const WORLDS: [World; 2] = [
     World { name: "elastic", plane_m: -0.6, hardness_pa: None, fine_solves: 200 },
-    World { name: "capped", plane_m: -2.0, hardness_pa: Some(12.0), fine_solves: 300 },
+    World { name: "elasto-plastic", plane_m: -2.0, hardness_pa: Some(12.0), fine_solves: 300 },
 ];
 
-/// Of one method over the replicates.
+/// Counts of one method over the replicates.
 #[derive(Debug, Clone, Default)]
 struct Count {
     estimates: u32,
-    /// Intervals there were, and those that held the truth.
-    told: [u32; TOLD],
-    held: [u32; TOLD],
+    /// Numbers of reported intervals, and of those that contain the true value.
+    reported: [u32; INTERVALS],
+    covering: [u32; INTERVALS],
     /// Sums of the errors of P(contact) and mean, of their squares, and of the widths of the intervals.
     errors: [f64; 2],
     squares: [f64; 2],
@@ -48,24 +48,24 @@ struct Count {
 impl Count {
     fn add(&mut self, found: &PressureEstimate, truth: &PressureEstimate) {
         self.estimates += 1;
-        let mut tell = |place: usize, held: Option<bool>| {
-            self.told[place] += u32::from(held.is_some());
-            self.held[place] += u32::from(held == Some(true));
+        let mut count = |place: usize, covers: Option<bool>| {
+            self.reported[place] += u32::from(covers.is_some());
+            self.covering[place] += u32::from(covers == Some(true));
         };
         let (contact, mean) = (found.contact_probability_interval, found.mean_interval_pa());
-        tell(0, contact.map(|interval| interval.contains(truth.contact_probability)));
-        tell(1, mean.map(|interval| interval.contains(truth.mean_pa)));
+        count(0, contact.map(|interval| interval.contains(truth.contact_probability)));
+        count(1, mean.map(|interval| interval.contains(truth.mean_pa)));
         for (place, probability) in QUANTILES.into_iter().enumerate() {
             let wanted = truth.distribution.quantile(probability);
-            tell(2 + place, found.quantile_interval_pa(probability).map(|interval| interval.contains(wanted)));
+            count(2 + place, found.quantile_interval_pa(probability).map(|interval| interval.contains(wanted)));
         }
-        let holds = |band: &asperity::pressure::Band| {
+        let covers = |band: &asperity::pressure::Band| {
             band.values.iter().enumerate().all(|(i, value)| {
                 let ([low, high], cdf) = (band.simultaneous(i), truth.distribution.cdf(*value));
                 low <= cdf && cdf <= high
             })
         };
-        tell(5, found.band.as_ref().map(holds));
+        count(5, found.band.as_ref().map(covers));
         let errors = [found.contact_probability - truth.contact_probability, found.mean_pa - truth.mean_pa];
         for (k, interval) in [contact, mean].into_iter().enumerate() {
             self.errors[k] += errors[k];
@@ -75,27 +75,27 @@ impl Count {
     }
 
     fn row(&self, name: &str) {
-        let share = |k: usize| match self.told[k] {
+        let percentage = |k: usize| match self.reported[k] {
             0 => "–".to_owned(),
-            told => format!("{:.1}", 100.0 * f64::from(self.held[k]) / f64::from(told)),
+            reported => format!("{:.1}", 100.0 * f64::from(self.covering[k]) / f64::from(reported)),
         };
         let n = f64::from(self.estimates.max(1));
         let errors = |k: usize| {
             let [bias, error, half] = [self.errors[k] / n, (self.squares[k] / n).sqrt(), 0.5 * self.widths[k] / n];
             format!("{bias:+.4} | {error:.4} | {half:.4}")
         };
-        let shares: Vec<String> = (0..TOLD).map(share).collect();
-        println!("| `{name}` | {} | {} | {} |", shares.join(" | "), errors(0), errors(1));
+        let percentages: Vec<String> = (0..INTERVALS).map(percentage).collect();
+        println!("| `{name}` | {} | {} | {} |", percentages.join(" | "), errors(0), errors(1));
     }
 }
 
 /// Prints a table for each world.
 pub(crate) fn print(replicates: u64) -> Result<()> {
     println!(
-        "\n# Intervals\n\nShare in percent of 95 % intervals that contain the true value, over {replicates} studies of a small patch: {POINTS}² points \
-         on 1 m, the surface and the half-space of case C. Its own error is √(.95 · .05/{replicates}) = {:.1} %. The true value is estimated by \
-         {TRUTH} solutions with 256 cells each. Beside them the mean error (bias) of P(contact) and of the mean in pascal, the root \
-         mean square error, and the mean half width of the intervals. Expansions have 3 variables, degree 2, and 2,000 fresh samples.",
+        "\n## Intervals\n\nPercentage of 95 % intervals that contain the true value, over {replicates} studies of a small patch: {POINTS}² points \
+         on 1 m, the surface and the half-space of case C. The standard error of a percentage is √(.95 · .05/{replicates}) = {:.1} %. The true value is estimated by \
+         {TRUTH} solutions with 256 cells each. The other columns state the bias of P(contact) and of the mean in pascal, their root \
+         mean square errors, and the mean half widths of their intervals. Expansions have 3 variables, degree 2, and 2,000 fresh samples.",
         (95.0 * 5.0 / replicates as f64).sqrt()
     );
     for world in &WORLDS {
@@ -110,13 +110,13 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
         let sizes = MethodComparison { fine_solves: 20, reference_samples: TRUTH, ..MethodComparison::new(1) };
         let truth = sizes.run(&problem, &Silent)?.reference.estimate;
         let capped = world.hardness_pa.map_or_else(String::new, |hardness_pa| {
-            let atom = 1.0 - truth.distribution.cdf_left(hardness_pa);
-            format!(", capped at {hardness_pa} Pa, which {:.1} % of the pressures are", 100.0 * atom)
+            let plastic = 1.0 - truth.distribution.cdf_left(hardness_pa);
+            format!(", hardness {hardness_pa} Pa, which {:.1} % of the pressures reach", 100.0 * plastic)
         });
         let quantiles: Vec<String> = QUANTILES.map(|p| format!("{:.3}", truth.distribution.quantile(p))).into();
         println!(
-            "\n## Small patch, {}: {} fine solves\n\nThe plane at {} m{capped}: P(contact) {:.4}, mean {:.4} Pa, quantiles {} Pa. A quantile within an \
-             atom is always held.\n",
+            "\n### Small patch, {}: {} fine solves\n\nPlane at {} m{capped}: P(contact) {:.4}, mean {:.4} Pa, quantiles {} Pa. Every interval of a quantile at a \
+             point mass contains it.\n",
             world.name,
             world.fine_solves,
             world.plane_m,
@@ -156,9 +156,9 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
 impl Count {
     fn merge(&mut self, other: &Self) {
         self.estimates += other.estimates;
-        for k in 0..TOLD {
-            self.told[k] += other.told[k];
-            self.held[k] += other.held[k];
+        for k in 0..INTERVALS {
+            self.reported[k] += other.reported[k];
+            self.covering[k] += other.covering[k];
         }
         for k in 0..2 {
             self.errors[k] += other.errors[k];

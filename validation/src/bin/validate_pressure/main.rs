@@ -1,13 +1,9 @@
-//! The law of the random pressure by the default method and by Monte Carlo, against references, and how often intervals of all
-//! methods hold the truth, as Markdown.
+//! Compares the distribution of the random pressure by the default method and by Monte Carlo with references, counts how often the intervals
+//! of all methods contain the true value, and prints both as Markdown.
 //!
-//! `cargo run --release -p asperity-validation --bin validate_pressure -- [REPLICATES [STUDIES]]` prints what
-//! `docs/validation/pressure.md` holds, two replicates at a time on a thread each; `just validate` writes it.
-#![expect(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "the tables are what this program is for, with progress beside"
-)]
+//! `cargo run --release -p asperity-validation --bin validate_pressure -- [REPLICATES [STUDIES]]` prints `docs/validation/pressure.md` and
+//! runs two replicates at a time, each on one thread; `just validate` writes the file.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "prints tables, and its progress")]
 
 mod coverage;
 mod parallel;
@@ -31,7 +27,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Points along either side of the periodic map of one metre.
 const POINTS: usize = 64;
-/// Contact solutions of a reference: of which 256 cells each are pooled, and of which the cell alone counts.
+/// Contact solutions of a reference that pools 256 cells of each, and of one that uses a single cell.
 const POOLED: usize = 20_000;
 const SINGLE: usize = 40_000;
 
@@ -43,7 +39,7 @@ struct Case {
     rescaled: bool,
     free: bool,
     hardness_pa: Option<f64>,
-    /// Fine solves that are compared.
+    /// Numbers of fine solves.
     sizes: &'static [usize],
 }
 
@@ -86,7 +82,7 @@ const CASES: [Case; 4] = [
     },
 ];
 
-/// Errors of one estimate, and the seconds that it took.
+/// Errors and computing times of one estimate over the replicates.
 #[derive(Default)]
 struct Errors {
     count: f64,
@@ -97,34 +93,34 @@ struct Errors {
     mean: f64,
     mean_se: f64,
     seconds: Vec<f64>,
-    /// Intervals of P(contact) and of the mean that hold the reference, its own error added.
-    held: [f64; 2],
+    /// Numbers of intervals of P(contact) and of the mean that contain the reference, widened by its own error.
+    covering: [f64; 2],
 }
 
-/// One estimate and the seconds that it took.
+/// One estimate and its computing time.
 struct Timed {
     distribution: DiscreteDistribution,
-    contact: Known,
-    mean: Known,
+    contact: Estimated,
+    mean: Estimated,
     seconds: f64,
 }
 
-/// A value, its standard error, and the half width of its interval about the middle.
+/// An estimated value, its standard error, and the middle and half width of its interval.
 #[derive(Clone, Copy)]
-struct Known {
+struct Estimated {
     value: f64,
     se: f64,
     middle: f64,
     half: f64,
 }
 
-impl Known {
+impl Estimated {
     fn new(value: f64, se: f64, interval: Option<Interval>) -> Self {
         let ends = interval.unwrap_or(Interval { low: f64::NAN, high: f64::NAN });
         Self { value, se, middle: 0.5 * (ends.low + ends.high), half: 0.5 * (ends.high - ends.low) }
     }
 
-    fn holds(&self, truth: f64, its_se: f64) -> bool {
+    fn covers(&self, truth: f64, its_se: f64) -> bool {
         (self.middle - truth).abs() <= self.half.hypot(NORMAL_95 * its_se)
     }
 }
@@ -139,11 +135,11 @@ impl Errors {
         self.probability_se += contact.se.powi(2);
         self.mean += (mean.value - reference.mean_pa).powi(2);
         self.mean_se += mean.se.powi(2);
-        let holds = [
-            contact.holds(reference.contact_probability, reference.contact_probability_se),
-            mean.holds(reference.mean_pa, reference.mean_se_pa),
+        let covers = [
+            contact.covers(reference.contact_probability, reference.contact_probability_se),
+            mean.covers(reference.mean_pa, reference.mean_se_pa),
         ];
-        self.held.iter_mut().zip(holds).for_each(|(held, holds)| *held += f64::from(u8::from(holds)));
+        self.covering.iter_mut().zip(covers).for_each(|(count, covers)| *count += f64::from(u8::from(covers)));
         self.seconds.push(*seconds);
     }
 
@@ -161,10 +157,10 @@ impl Errors {
             self.wasserstein / n,
             (self.probability / n).sqrt(),
             (self.probability_se / n).sqrt(),
-            100.0 * self.held[0] / n,
+            100.0 * self.covering[0] / n,
             (self.mean / n).sqrt(),
             (self.mean_se / n).sqrt(),
-            100.0 * self.held[1] / n,
+            100.0 * self.covering[1] / n,
             self.seconds()
         );
     }
@@ -174,12 +170,15 @@ fn main() -> Result<()> {
     let number = |place: usize, usual: u64| std::env::args().nth(place).map_or(Ok(usual), |word| word.parse());
     let (replicates, studies) = (number(1, 20)?, number(2, 1000)?);
     println!(
-        "# The law of the random pressure\n\nThe pressure at the centre cell of a Gaussian surface of {POINTS}² points on 1 m with unit variance, on a half-space of \
-         E\\* = 1 Pa, under a plane at the mean height; in cases A and C periodic, without the constant mode, with the mean compliance 1/π m/Pa. \
-         Written by `cargo run --release -p asperity-validation --bin validate_pressure` (`just validate`). Means over {replicates} replicates; root mean square \
-         errors of P(contact) and of the mean with the root mean square of the standard errors that were told, and the share of 95 % intervals \
-         that hold the reference, whose own error is added; median seconds on one thread, two at work. References: {POOLED} solutions with \
-         256 cells each, of the free patches {SINGLE} solutions at the cell; KS below their own error, about .9/√{SINGLE} = {:.4}, says nothing.",
+        "# Distribution of the random pressure\n\nThis page compares the default method with Monte Carlo, and counts how often the intervals of all \
+         methods contain the true value. `cargo run --release -p asperity-validation --bin validate_pressure` (`just validate`) writes it.\n\n\
+         The pressure is that at the centre cell of a Gaussian surface of {POINTS}² points on 1 m with unit variance, on a half-space of \
+         E\\* = 1 Pa, under a plane at the mean height. Cases A and C are periodic, without the constant mode, with the mean compliance 1/π m/Pa.\n\n\
+         The tables state the mean distances KS and W₁ over {replicates} replicates; the root mean square error of P(contact) and of the mean, with the \
+         root mean square of the reported standard errors in brackets; the percentage of 95 % intervals that contain the reference, widened by its own \
+         error; and the median computing time in seconds on one thread, with two replicates at work. The references use {POOLED} solutions with 256 cells \
+         each, those of free patches {SINGLE} solutions at the cell. A KS distance below the reference's own error, about 0.9/√{SINGLE} = {:.4}, is not \
+         significant.",
         0.87 / (SINGLE as f64).sqrt()
     );
     for case in &CASES {
@@ -225,7 +224,7 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         println!("Of the contacts {:.1} % are plastic.", 100.0 * plastic);
     }
     println!(
-        "\n| estimate | KS | W₁/sd | P(contact) | held | mean, Pa | held | s |\n|---|---:|---:|---:|---:|---:|---:|---:|"
+        "\n| estimate | KS | W₁/sd | P(contact) | coverage | mean, Pa | coverage | s |\n|---|---:|---:|---:|---:|---:|---:|---:|"
     );
     for fine_solves in case.sizes.iter().copied() {
         let found = each(replicates, &format!("{}, {fine_solves}", case.name), |seed| {
@@ -239,8 +238,8 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
             let half = NORMAL_95 * mean_se;
             let monte_carlo = Timed {
                 seconds: start.elapsed().as_secs_f64(),
-                contact: Known::new(p, p_se, Some(wilson_interval(samples.in_contact(), samples.len()))),
-                mean: Known::new(mean, mean_se, Some(Interval { low: mean - half, high: mean + half })),
+                contact: Estimated::new(p, p_se, Some(wilson_interval(samples.in_contact(), samples.len()))),
+                mean: Estimated::new(mean, mean_se, Some(Interval { low: mean - half, high: mean + half })),
                 distribution,
             };
             let start = Instant::now();
@@ -248,12 +247,12 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
             let (p, p_se) = (found.contact_probability, found.contact_probability_se);
             let default = Timed {
                 seconds: start.elapsed().as_secs_f64(),
-                contact: Known::new(p, p_se, found.contact_probability_interval),
-                mean: Known::new(found.mean_pa, found.mean_se_pa, found.mean_interval_pa()),
+                contact: Estimated::new(p, p_se, found.contact_probability_interval),
+                mean: Estimated::new(found.mean_pa, found.mean_se_pa, found.mean_interval_pa()),
                 distribution: found.distribution,
             };
-            let told = solves.iter().map(|s| format!("{} on {}²", s.solves, s.shape.1)).collect::<Vec<_>>();
-            Ok((monte_carlo, default, told.join(", ")))
+            let counts = solves.iter().map(|s| format!("{} on {}²", s.solves, s.shape.1)).collect::<Vec<_>>();
+            Ok((monte_carlo, default, counts.join(", ")))
         })?;
         let (mut monte_carlo, mut default) = (Errors::default(), Errors::default());
         for (by_monte_carlo, by_default, _) in &found {
@@ -263,8 +262,8 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         let coarse = found.last().map_or("", |(_, _, coarse)| coarse.as_str());
         monte_carlo.row(&format!("Monte Carlo, {fine_solves}"));
         default.row(&format!("default, {fine_solves} ({coarse})"));
-        // Monte Carlo's variance at the default's seconds, from its distribution rather than the few replicates, over the default's: the larger
-        // one of that found and that told.
+        // The variance of Monte Carlo follows from the distribution, not from the few replicates; that of the default is the larger one of the
+        // observed and the reported variance.
         let time = default.seconds() / monte_carlo.seconds();
         let p = reference.contact_probability;
         let n = fine_solves as f64 * time;
