@@ -286,6 +286,33 @@ fn exact_values_vibrate_or_do_not() {
 }
 
 #[test]
+fn machines_without_an_answer_are_counted_and_left_out() {
+    let folder = TempDir::new().unwrap();
+    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = { lognormal = [0.1, 1.2] }\n\
+                 damping_ratio = 0.5\n[verdict]\nduration = \"2 s\"\n";
+    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
+    let found = run_in(folder.path(), "verdict study.toml --export-samples samples.csv --json").json(0);
+    let text = fs::read_to_string(folder.path().join("samples.csv")).unwrap();
+    let weakening: Vec<f64> = text.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    // A linear law with a steep slope falls below zero: the machines of the largest slopes have no answer.
+    let steepest = weakening.iter().copied().fold(0.0, f64::max);
+    let failed = found["failed_samples"].as_u64().unwrap() as usize;
+    let sampled = failed + weakening.len();
+    let wanted = asperity::distribution::standard_normal_cdf(-(steepest / 0.1).ln() / 1.2);
+    assert!((failed as f64 / sampled as f64 - wanted).abs() < 2.0 / sampled as f64, "{failed} of {sampled}, {wanted}");
+    assert!(found["first_failure"].as_str().unwrap().contains("must stay positive"), "{found}");
+    let warnings: Vec<&str> = found["warnings"].as_array().unwrap().iter().map(|warning| warning.as_str().unwrap()).collect();
+    assert!(warnings[0].starts_with(&format!("{failed} sampled machines have no answer")), "{warnings:?}");
+    assert!(warnings.iter().enumerate().all(|(i, warning)| !warnings[..i].contains(warning)), "{warnings:?}");
+    // The interval has no other error than that of the sampled machines.
+    let [low, high] = pair(&found["probability_interval"]);
+    let sources = found["error_sources"].as_array().unwrap();
+    assert_eq!((sources.len(), &sources[0]["source"]), (1, &"machines".into()));
+    assert!((sources[0]["half_width"].as_f64().unwrap() - 0.5 * (high - low)).abs() < 1e-3, "{found}");
+    assert_eq!(found["duration_s"], 2.0);
+}
+
+#[test]
 #[ignore = "slow"]
 fn unknown_values_give_a_range_of_probabilities() {
     // Given ζ, P = Φ((.1 − 2ζ)/.02).

@@ -130,7 +130,7 @@ const UNSTATED: &str = "unstated";
 const VALUES: [(&str, &[&str]); 5] = [
     ("surface", &["rms_height", "correlation_length", "hurst", "smoothness", "fractal_dimension", "body"]),
     ("counterface", &["youngs_modulus", "poisson_ratio", "hardness"]),
-    ("material", &["youngs_modulus", "poisson_ratio", "hardness", "shear_strength", "ploughing_hardness"]),
+    ("material", &["youngs_modulus", "poisson_ratio", "hardness", "shear_strength"]),
     ("friction", &["law", "pressure_coefficient", "coefficient"]),
     (
         "vibration",

@@ -45,6 +45,12 @@ fn errors_name_their_line_in_any_layout() {
         ("damping_ratio = 0.17", "damping_ratio = -0.1", line_of("damping_ratio"), "zero or a positive value"),
         ("[0.1, 0.5, 2]", "[0.5, 0.1, 2]", line_of("damping_sweep"), "end above the start"),
         ("\"833 mm^2\"", "\"1 mm^2\"", line_of("nominal_area"), "not below the hardness"),
+        (
+            "duration = 40.0",
+            "duration = 40.0\n[counterface]\nhardness = \"2 MPa\"",
+            line_of("nominal_area"),
+            "not below the hardness 2 MPa",
+        ),
         ("duration = 40.0", "duration = 40.0\nlevel = 33.0", line_of("duration") + 1, "33"),
         ("\"normal\"", "\"lognormal:0,-1\"", line_of("marginal"), "marginal"),
     ] {

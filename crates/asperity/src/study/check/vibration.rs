@@ -223,8 +223,7 @@ impl StudyFile {
         {
             return Err(invalid(SECTION, "level", format!("found {level}, expected one of [friction] percentiles")));
         }
-        if let (None, Some(_), Some(hardness)) =
-            (v.level, &self.friction, self.material.as_ref().and_then(|material| material.hardness))
+        if let (None, Some(_), Some(hardness)) = (v.level, &self.friction, self.hardness())
             && v.normal_force.0 >= hardness.0 * v.nominal_area.0
         {
             let message = format!(
