@@ -1,55 +1,56 @@
-# Recipes of the house. `just check` is what CI runs; .ci/requirements.txt lists the tools it needs.
+# Recipes for developers. CI runs `just check`; .ci/requirements.txt lists the tools that it needs. `just --list` shows the last line of a comment.
 
-# Tools that .ci/run installed come first.
+# The tools that .ci/run installs come first.
 export PATH := justfile_directory() / ".venv" / "bin" + ":" + env("PATH")
 
 # List the recipes.
 default:
     @just --list
 
-# Everything CI checks.
+# All checks of CI.
 check: test slow lint
 
 # The quick tests, documentation examples included.
 test:
     cargo test --workspace
 
-# The tests that count statistics or follow many machines, above two seconds each.
+# The tests that count statistics or simulate many machines, each longer than two seconds.
 slow:
     cargo test --workspace --tests -- --ignored
 
-# Damages small files of every surface format, COUNT times each, and reads them: about a minute.
+# Damages small files of every surface format, COUNT times each, and reads them; takes about a minute.
 damage COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test -p asperity-formats --test formats damaged_files
 
-# Coverage-guided fuzzing of every reader, SECONDS each for some thirty targets: installs cargo-fuzz; needs a C++ compiler. docs/reliability.md
-# states a long run.
+# Installs cargo-fuzz; needs a C++ compiler. docs/reliability.md states the results of a long run.
+# Coverage-guided fuzzing of every reader, SECONDS each for some thirty targets.
 fuzz SECONDS="20":
     cargo install --quiet --root target/tools --locked cargo-fuzz --version 0.13.2
     PATH="$PWD/target/tools/bin:$PATH" scripts/fuzz {{SECONDS}}
 
-# Random studies through the program: CHECKS through `asperity check`, RUNS small ones through `asperity run`, some seven seconds each.
+# Random studies: CHECKS through `asperity check`, and RUNS small ones through `asperity run`, some seven seconds each.
 wild CHECKS="100000" RUNS="1000":
     cargo build --release
     scripts/wild-studies target/wild --checks {{CHECKS}} --runs {{RUNS}}
 
-# Mutation testing of the numerical core: COUNT changed expressions, each with the tests of its crate; some two hours for 400. Installs
-# cargo-mutants.
+# Installs cargo-mutants. Takes some two hours for 400 mutants.
+# Mutation testing of the numerical core: COUNT changed expressions, each with the tests of its crate.
 mutants COUNT="400":
     cargo install --quiet --root target/tools --locked cargo-mutants --version 27.1.0
     PATH="$PWD/target/tools/bin:$PATH" scripts/mutants target/mutants --count {{COUNT}}
 
-# The quick unit tests of the crates below the study on the processors TARGETS: 32-bit x86, WebAssembly and emulated 64-bit ARM, which need
-# Debian's gcc-multilib, Node.js, and gcc-aarch64-linux-gnu with qemu-user.
+# TARGETS are i686 (needs Debian's gcc-multilib), wasm (needs Node.js) and aarch64 (needs gcc-aarch64-linux-gnu and qemu-user).
+# The quick unit tests of the crates below the study on other processors: 32-bit x86, WebAssembly, emulated 64-bit ARM.
 portable *TARGETS="wasm":
     scripts/test-portable {{TARGETS}}
 
-# Follows random stick-slip machines for COUNT cycles and checks every step against the laws of motion: some twenty minutes.
+# Simulates random stick-slip machines for COUNT cycles and checks every step against the laws of motion; takes some twenty minutes.
 fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
-# Writes docs/validation: solves 1,000 contact problems and checks each answer, compares distributions of the pressure with references, and
-# counts how often the intervals of each kind contain the true value. Takes about an hour.
+# Solves 1,000 contact problems and checks each solution, compares distributions of the pressure with references, and counts how often the
+# intervals of each kind contain the true value. Takes about an hour.
+# Runs the validation programs and writes docs/validation.
 validate:
     cargo run --release -p asperity-validation --bin validate_closed_forms > docs/validation/closed-forms.md
     cargo run --release -p asperity-validation --bin validate_contact -- docs
@@ -58,8 +59,9 @@ validate:
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
     scripts/count-coverage
 
-# The Python package: builds its wheel with PROFILE and installs it into the environment; stubs and results are current; tests,
-# examples, types, style. `dev` builds faster for the next change, and computes more slowly.
+# Builds the wheel with PROFILE and installs it into the environment. Checks that stubs and results are current, and checks tests, examples,
+# types and style. The profile `dev` builds faster and computes more slowly.
+# Builds and checks the Python package.
 python PROFILE="release":
     rm -rf target/wheel
     maturin build --quiet --locked --profile {{PROFILE}} --out target/wheel
@@ -77,8 +79,9 @@ python PROFILE="release":
 gallery:
     scripts/build-gallery --check
 
-# The scripts of the reports, and the explorer in one file, web/dist/explorer.html: installs the tools, builds, checks types,
-# and tests the explorer and reports of every kind in Chromium with the program `asperity`.
+# Installs the tools, builds, checks types, and tests the explorer (web/dist/explorer.html) and reports of every kind in Chromium with the
+# program `asperity`.
+# Builds and tests the scripts of the reports and the explorer.
 web:
     rustup target add wasm32-unknown-unknown
     cargo install --quiet --root target/tools wasm-bindgen-cli --version "$(sed -n 's/^wasm-bindgen = "=\(.*\)"/\1/p' Cargo.toml)"
@@ -89,15 +92,15 @@ web:
     cargo build
     npm --prefix web test
 
-# The book of docs, target/book: builds it and fails on warnings, broken links and generated pages that are not current; then runs the
-# commands of README.md and docs.
+# Fails on warnings, broken links and generated pages that are not current; then runs the commands of README.md and docs.
+# Builds the book of docs, target/book.
 book:
     cargo install --quiet --root target/tools --locked --no-default-features --features search mdbook --version 0.5.4
     cargo build
     PATH="$PWD/target/tools/bin:$PATH" scripts/build-book --check
     scripts/check-docs
 
-# Everything but the tests.
+# All checks except the tests.
 lint: fmt clippy doc typos deny
 
 # Formatting, without changing a file.
@@ -116,31 +119,31 @@ doc:
 typos:
     typos
 
-# Licences, banned crates and sources of the dependencies (advisories are left out: fetching them needs a network).
+# Licences, banned crates and sources of the dependencies (without advisories, which need a network).
 deny:
     CARGO="$PWD/.ci/cargo-metadata" cargo-deny --log-level error check bans licenses sources
 
-# Completions of shells and manual pages: written, checked and packed below target.
+# Writes, checks and packs the shell completions and the manual pages below target.
 shell-files:
     scripts/pack-shell-files
 
-# The public interface of the published crates: fails if crates/NAME/api.txt is not current, or if a signature has a type of a crate
-# below 1.0. scripts/list-api writes the listings.
+# Fails if crates/NAME/api.txt is not current, or if a signature has a type of a crate below 1.0. scripts/list-api writes the listings.
+# Checks the public interface of the published crates.
 api:
     rustup toolchain install --profile minimal "$(sed -n 's/^NIGHTLY = "\(.*\)"/\1/p' scripts/list-api)"
     cargo install --quiet --root target/tools --locked cargo-public-api --version 0.52.0
     PATH="$PWD/target/tools/bin:$PATH" scripts/list-api --check
 
-# The published crates against those of the last tag: fails if a change needs another version.
+# Compares the published crates with the last tag; fails if a change needs another version.
 semver:
     cargo install --quiet --root target/tools --locked cargo-semver-checks
     if tag=$(git describe --tags --abbrev=0 2>/dev/null); then target/tools/bin/cargo-semver-checks semver-checks --baseline-rev "$tag"; else echo "no tag yet"; fi
 
-# The Python package for a release: wheel and source distribution, each installed and used.
+# Builds the wheel and the source distribution of the Python package for a release, and tests each of them.
 wheels:
     scripts/build-wheels
 
-# The published crates, packed as for a registry; each is built from its package alone. Uploads nothing.
+# Packs the published crates and builds each from its package alone; uploads nothing.
 package:
     cargo package --workspace --exclude asperity-benchmarks --exclude asperity-py --exclude asperity-testing --exclude asperity-validation --exclude asperity-wasm
 

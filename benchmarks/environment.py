@@ -1,4 +1,4 @@
-"""The virtual environment that holds the packages of a benchmark."""
+"""Virtual environments with the packages of the benchmarks."""
 
 import hashlib
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def located(requirements):
-    """The folder of the environment, under the build folder, its interpreter, and the stamp that says that it is complete."""
+    """Returns the folder of the environment below the build folder, its interpreter, and the stamp file of a complete environment."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", requirements.parents[2] / "target")).resolve()
     folder = target / f"{requirements.parent.name}-peers"
     digest = hashlib.sha256(requirements.read_bytes()).hexdigest()[:12]
@@ -16,14 +16,14 @@ def located(requirements):
 
 
 def install(python, words, **options):
-    """Installs packages with pip, into an environment that is made if there is none."""
+    """Installs packages with pip; creates the environment if there is none."""
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
     return subprocess.run([python, "-m", "pip", "install", "--quiet", *words], **options)
 
 
 def enter(requirements):
-    """Runs the calling program again inside an environment with these requirements, which is made under the build folder and kept."""
+    """Runs the calling program again inside an environment with these requirements, which is created below the build folder and kept."""
     folder, python, stamp = located(requirements)
     if not stamp.exists():
         print(f"installing {', '.join(requirements.read_text().split())}", flush=True)
@@ -34,9 +34,9 @@ def enter(requirements):
 
 
 def prepare(requirements, build=None):
-    """Installs every paragraph of the requirements on its own and returns, by title, why a paragraph could not be installed.
+    """Installs each paragraph of the requirements separately and returns the reasons of failures, by title.
 
-    `build` returns the words for pip and the environment variables that a paragraph needs besides, given its title.
+    `build` returns additional arguments of pip and environment variables for the title of a paragraph.
     """
     _, python, stamp = located(requirements)
     if stamp.exists():
@@ -53,7 +53,7 @@ def prepare(requirements, build=None):
             failed[title] = (lines or ["pip failed"])[-1][:200]
     if "base" in failed:
         raise SystemExit(f"the virtual environment cannot be made: {failed['base']}")
-    # What failed is tried again by the next run.
+    # The next run tries the failed paragraphs again.
     if not failed:
         stamp.touch()
     return failed

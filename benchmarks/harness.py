@@ -1,4 +1,4 @@
-"""What the benchmarks share: processes that answer in JSON, and the words of a report."""
+"""Common parts of the benchmarks: processes that print JSON, and the text of a report."""
 
 import json
 import os
@@ -10,15 +10,15 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 class Failed(Exception):
-    """A code that gives no answer."""
+    """A program that returns no result."""
 
 
-def process(command, said=None, patience_s=1800.0, variables=()):
-    """Returns the JSON that a process prints; `variables` limit its threads besides the usual ones."""
+def process(command, text=None, patience_s=1800.0, variables=()):
+    """Returns the JSON that a process prints for the input `text`; `variables` are further names of variables that limit its threads."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", *variables)
     environment = os.environ | {name: "1" for name in names} | {"PYTHONDONTWRITEBYTECODE": "1", "JAX_PLATFORMS": "cpu", "RUST_BACKTRACE": "0"}
     try:
-        done = subprocess.run(list(map(str, command)), input=said, capture_output=True, text=True, env=environment, timeout=patience_s)
+        done = subprocess.run(list(map(str, command)), input=text, capture_output=True, text=True, env=environment, timeout=patience_s)
     except subprocess.TimeoutExpired:
         raise Failed(f"slower than {patience_s:g} s") from None
     except OSError as error:
@@ -44,7 +44,7 @@ def table(head, rows):
 
 
 def machine(versions):
-    """Returns what the times depend on; `versions` are those of the peers, by name."""
+    """Returns a description of the machine and the software; `versions` are the versions of the peers, by name."""
     lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
     model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
@@ -54,6 +54,6 @@ def machine(versions):
 
 
 def commit():
-    """Returns the commit of the sources, and whether they were changed."""
+    """Returns the commit of the sources, with a note if they have changes."""
     words = ["git", "describe", "--always", "--dirty=, with changes"]
     return subprocess.run(words, capture_output=True, text=True, cwd=ROOT).stdout.strip()

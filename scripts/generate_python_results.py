@@ -1,4 +1,4 @@
-"""Write python/asperity/results.py from the JSON Schema of results; with --check, compare."""
+"""Write python/asperity/results.py from the JSON Schema of results; with --check, compare it instead."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def name_of(reference: str) -> str:
 
 
 def is_choice(schema: Schema) -> bool:
-    """Return whether a definition is a set of names, or of types."""
+    """Return whether a definition is a choice of names or types, not an object."""
     return "properties" not in schema
 
 
@@ -103,7 +103,7 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
 
 
 def module() -> str:
-    """Return the source of the module, every class after those that it uses."""
+    """Return the source of the module; each class follows those that it uses."""
     schema = json.loads(_core.results_schema())
     definitions: dict[str, Schema] = schema["$defs"]
     source, done = HEAD, set[str]()

@@ -1,9 +1,9 @@
-"""Times stored blocks: their share of a computation, and reading them again in `merge` and `status`; and campaigns beside a bare loop.
+"""Times writing stored blocks and reading them in `run`, `merge` and `status`, and campaigns against a bare loop.
 
     python3 benchmarks/blocks/run.py [--counts 10000 100000] [--print]
 
-Builds the release of asperity. A block is one machine of a verdict, some 0.2 ms of work and 20 bytes: a contact problem takes ten times as
-long and more. Writes RESULTS.md beside this file; `--print` prints it instead.
+Builds the release of asperity. A block is one machine of a verdict, some 0.2 ms of work and 20 bytes. A contact problem takes more than ten
+times as long. Writes RESULTS.md beside this file; `--print` prints it instead.
 """
 
 import argparse
@@ -80,7 +80,7 @@ def measured(folder, *words, program=PROGRAM):
 
 
 def best(measure):
-    """Returns the repeat of least time."""
+    """Returns the result of the fastest repeat."""
     return min(measure(number) for number in range(REPEATS))
 
 
@@ -123,8 +123,8 @@ def of_campaigns(found):
     return f"""
 ## Campaigns
 
-A bare loop over the studies of the members, and `asperity campaign`, which also stores blocks and writes table and report, {PAIRS} times in turn: least
-time and largest memory, and the median of the ratios with its range.
+A bare loop over the studies of the members, and `asperity campaign`, which also stores blocks and writes table and report, {PAIRS} times in turn.
+The table states the least time, the largest memory, and the median of the ratios with its range.
 
 {table(["members", "bare loop", "campaign", "ratio of time"], body)}"""
 

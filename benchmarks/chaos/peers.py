@@ -1,4 +1,4 @@
-"""One peer in a process of its own: `peers.py NAME` reads a job as JSON on its input and writes an answer."""
+"""Runs one peer: `peers.py NAME` reads a job as JSON from standard input and prints the answer as JSON."""
 
 import json
 import sys
@@ -14,7 +14,7 @@ def load(job, name, shape):
 
 
 def timed(run, job):
-    """Seconds of the runs that count, and what the last gave."""
+    """Returns the seconds of the timed runs and the result of the last."""
     seconds = []
     for number in range(job["warm_up"] + job["repeats"]):
         start = time.perf_counter()
@@ -66,7 +66,7 @@ class OpenTURNS:
 
     def basis(self, job):
         ot, variables = self.ot, job["variables"]
-        laws = [ot.Normal() if i < job["hermite"] else ot.Uniform(-1, 1) for i in range(variables)]
+        marginals = [ot.Normal() if i < job["hermite"] else ot.Uniform(-1, 1) for i in range(variables)]
         factories = [ot.HermiteFactory() if i < job["hermite"] else ot.LegendreFactory() for i in range(variables)]
         if job.get("q", 1) == 1:
             order = ot.LinearEnumerateFunction(variables)
@@ -74,17 +74,17 @@ class OpenTURNS:
         else:
             order = ot.HyperbolicAnisotropicEnumerateFunction(variables, job["q"])
             terms = order.getMaximumDegreeCardinal(job["degree"])
-        return ot.JointDistribution(laws), ot.OrthogonalProductPolynomialFactory(factories, order), terms
+        return ot.JointDistribution(marginals), ot.OrthogonalProductPolynomialFactory(factories, order), terms
 
     def solve(self, job):
         ot = self.ot
         x = ot.Sample(load(job, "points", (job["samples"], job["variables"])))
         y = ot.Sample(load(job, "responses", (job["samples"], job["count"]))[:, : job["some"]])
-        law, basis, terms = self.basis(job)
+        distribution, basis, terms = self.basis(job)
 
         def run():
             algorithm = ot.FunctionalChaosAlgorithm(
-                x, y, law, ot.FixedStrategy(basis, terms), ot.LeastSquaresStrategy(ot.PenalizedLeastSquaresAlgorithmFactory()))
+                x, y, distribution, ot.FixedStrategy(basis, terms), ot.LeastSquaresStrategy(ot.PenalizedLeastSquaresAlgorithmFactory()))
             algorithm.run()
             return algorithm.getResult()
 
@@ -94,7 +94,7 @@ class OpenTURNS:
     def evaluate(self, job):
         ot = self.ot
         x = load(job, "points", (job["samples"], job["variables"]))[: job["some"]]
-        law, basis, terms = self.basis(job)
+        distribution, basis, terms = self.basis(job)
         coefficients = np.fromfile(job["coefficients"], "<f8")
         places = {tuple(int(i) for i in alpha): j
                   for j, alpha in enumerate(problems.total_degree(job["variables"], job["degree"]))}
@@ -110,12 +110,12 @@ class OpenTURNS:
         ot = self.ot
         x = ot.Sample(load(job, "points", (job["samples"], job["variables"])))
         y = ot.Sample(load(job, "response", (job["samples"], 1)))
-        law, basis, terms = self.basis(job)
+        distribution, basis, terms = self.basis(job)
         ot.ResourceMap.SetAsString("LeastSquaresMetaModelSelection-DecompositionMethod", job["decomposition"])
 
         def run():
             factory = ot.LeastSquaresMetaModelSelectionFactory(ot.LARS(), ot.CorrectedLeaveOneOut())
-            algorithm = ot.FunctionalChaosAlgorithm(x, y, law, ot.FixedStrategy(basis, terms), ot.LeastSquaresStrategy(factory))
+            algorithm = ot.FunctionalChaosAlgorithm(x, y, distribution, ot.FixedStrategy(basis, terms), ot.LeastSquaresStrategy(factory))
             algorithm.run()
             return algorithm.getResult()
 
@@ -141,8 +141,8 @@ class Chaospy:
         chaospy = self.chaospy
         x = load(job, "points", (job["samples"], job["variables"]))
         y = load(job, "responses", (job["samples"], job["count"]))[:, : job["some"]]
-        law = chaospy.Iid(chaospy.Normal(), job["variables"])
-        expansion = chaospy.generate_expansion(job["degree"], law, normed=True)
+        distribution = chaospy.Iid(chaospy.Normal(), job["variables"])
+        expansion = chaospy.generate_expansion(job["degree"], distribution, normed=True)
         seconds, _ = timed(lambda: chaospy.fit_regression(expansion, x.T, y), job)
         return seconds, np.empty(0), {"responses": job["some"]}
 
@@ -176,7 +176,7 @@ PEERS = {"NumPy": NumPy, "OpenTURNS": OpenTURNS, "chaospy": Chaospy, "scikit-lea
 
 
 def peak_memory_bytes():
-    """Most memory that the process ever had resident."""
+    """Returns the peak resident memory of the process."""
     with open("/proc/self/status") as lines:
         return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
 

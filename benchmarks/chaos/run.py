@@ -2,7 +2,7 @@
 
     python3 benchmarks/chaos/run.py [--quick]
 
-The peers are installed into a virtual environment under the build folder, which is kept. Writes RESULTS.md beside this file;
+The peers are installed into a virtual environment below the build folder, which is kept. Writes RESULTS.md beside this file;
 `--quick` takes one round of smaller cases and only prints.
 """
 
@@ -28,7 +28,7 @@ HERE = Path(__file__).resolve().parent
 PEERS, PYTHON, _ = located(HERE / "requirements.txt")
 OURS = PEERS.parent / "release" / "time_regression"
 ROUNDS = 5
-# A code is given up when one process takes longer, and not repeated beyond a total of the second.
+# Time after which a process is stopped, and total time after which a code is not repeated.
 PATIENCE_S, BUDGET_S = 1800.0, 60.0
 THREADS = ("RAYON_NUM_THREADS", "OPENTURNS_NUM_THREADS")
 
@@ -44,7 +44,7 @@ def peer(name):
 
 @dataclass
 class Timing:
-    """What a code did in a case."""
+    """Times, peak memory and last answer of a code in a case."""
 
     seconds: list = field(default_factory=list)
     memory_bytes: int = 0
@@ -55,15 +55,15 @@ class Timing:
     def median(self):
         return statistics.median(self.seconds)
 
-    def told(self, share=1.0):
+    def text(self, count=1.0):
         if self.failure:
             return f"none: {self.failure}"
         low, high = min(self.seconds), max(self.seconds)
-        return f"{duration(self.median / share)} ({duration(low / share)} – {duration(high / share)})"
+        return f"{duration(self.median / count)} ({duration(low / count)} – {duration(high / count)})"
 
 
 def race(codes, rounds):
-    """Timings of (name, run, job), whose rounds are interleaved."""
+    """Returns the timings of codes (name, run, job) by name; the rounds are interleaved."""
     timings = {name: Timing() for name, _, _ in codes}
     for turn in range(rounds):
         for name, run, job in codes:
@@ -79,14 +79,14 @@ def race(codes, rounds):
             timing.memory_bytes = max(timing.memory_bytes, answer["memory_bytes"])
             timing.answer = answer
     for name, timing in timings.items():
-        print(name, timing.told(), f"{timing.memory_bytes / 2**20:.0f} MiB", {k: v for k, v in timing.answer.items() if k != "seconds"}, flush=True)
+        print(name, timing.text(), f"{timing.memory_bytes / 2**20:.0f} MiB", {k: v for k, v in timing.answer.items() if k != "seconds"}, flush=True)
     return timings
 
 
-def ratio(timing, own, share=1.0, own_share=1.0):
+def ratio(timing, own, count=1.0, own_count=1.0):
     if timing.failure or own.failure:
         return ""
-    return f", **×{timing.median / share / (own.median / own_share):.3g}**"
+    return f", **×{timing.median / count / (own.median / own_count):.3g}**"
 
 
 class Bench:
@@ -110,7 +110,7 @@ class Bench:
         return {"output": str(self.folder / name)}
 
     def solve(self):
-        """165 terms, 2,000 samples, thousands of responses at once."""
+        """Times regressions with 165 terms, 2,000 samples, and thousands of responses at once."""
         samples, variables, degree, count = 2000, 8, 3, 256 if self.quick else 4096
         x = self.problems.points("latin_hypercube", 1, samples, variables, variables)
         random = self.np.random.default_rng(2)
@@ -129,15 +129,15 @@ class Bench:
         difference = self.np.abs(self.read("ours.f64", shape) - self.read("numpy.f64", shape)).max()
         rows = []
         for name, timing in timings.items():
-            share = timing.answer.get("responses", count)
-            rows.append([name, share, timing.told(), timing.told(share) + ratio(timing, own, share, count)])
+            responses = timing.answer.get("responses", count)
+            rows.append([name, responses, timing.text(), timing.text(responses) + ratio(timing, own, responses, count)])
         parts = ", ".join(f"{key[:-2]} {duration(own.answer[key])}" for key in ("design_s", "factor_s", "solve_s"))
         return (f"## Many responses\n\n165 terms (8 variables, degree 3), {samples} samples: design matrix, QR, all responses. Largest "
-                f"difference of a coefficient between asperity and NumPy {difference:.1e}. asperity's parts: {parts}. OpenTURNS and chaospy "
-                f"get fewer responses at once.\n\n" + table(["code", "responses", "time", "per response, ratio to asperity"], rows))
+                f"difference of a coefficient between asperity and NumPy {difference:.1e}. The parts of asperity: {parts}. OpenTURNS and chaospy "
+                f"solve for fewer responses at once.\n\n" + table(["code", "responses", "time", "per response, ratio to asperity"], rows))
 
     def evaluate(self):
-        """The same expansion at a million points."""
+        """Times the evaluation of the same expansion at a million points."""
         variables, degree, count = 8, 3, 100_000 if self.quick else 1_000_000
         x = self.np.random.default_rng(3).standard_normal((count, variables))
         coefficients = self.np.random.default_rng(4).standard_normal(165)
@@ -154,9 +154,9 @@ class Bench:
         difference = self.np.abs(values - self.read("numpy.f64", -1)).max()
         rows = []
         for name, timing in timings.items():
-            share = timing.answer.get("points", count)
-            speed = "" if timing.failure else f"{share / timing.median / 1e6:.3g}"
-            rows.append([name, share, timing.told(), speed + ratio(timing, own, share, count)])
+            points = timing.answer.get("points", count)
+            speed = "" if timing.failure else f"{points / timing.median / 1e6:.3g}"
+            rows.append([name, points, timing.text(), speed + ratio(timing, own, points, count)])
         note = ""
         if not timings["OpenTURNS"].failure:
             note = f", OpenTURNS {self.np.abs(values[:some] - self.read('openturns.f64', -1)).max():.1e}"
@@ -164,7 +164,7 @@ class Bench:
                 + table(["code", "points", "time", "million points per second, ratio"], rows))
 
     def select(self):
-        """Least-angle regression with leave-one-out errors on 5,253 candidates."""
+        """Times least-angle regression with leave-one-out errors on 5,253 candidates."""
         samples, variables = (200, 40) if self.quick else (500, 101)
         x = self.problems.points("latin_hypercube", 5, samples, variables, variables)
         indices = self.problems.total_degree(variables, 2)
@@ -185,17 +185,17 @@ class Bench:
         for name, timing in timings.items():
             memory = f"{timing.memory_bytes / 2**20:.0f} MiB, **×{timing.memory_bytes / own.memory_bytes:.3g}**"
             steps, terms = timing.answer.get("tried", ""), timing.answer.get("terms", "")
-            rows.append([name, timing.told() + ratio(timing, own), "" if timing.failure else memory, steps, terms])
+            rows.append([name, timing.text() + ratio(timing, own), "" if timing.failure else memory, steps, terms])
         return (f"## Sparse selection\n\nLARS with the corrected leave-one-out error: {len(indices)} terms ({variables} variables, degree 2), {samples} "
-                f"samples, 5 % noise; the design matrix included. Memory is the peak of the process, Python and its packages included.\n\n"
+                f"samples, 5 % noise; times include the design matrix. Memory is the peak of the process, Python and its packages included.\n\n"
                 + table(["code", "time, ratio to asperity", "memory", "models tried", "terms"], rows))
 
     def accuracy(self):
-        """Errors at fresh points, geometric mean over five designs."""
+        """Computes errors at fresh points, as geometric means over five designs."""
         np, rows = self.np, []
         for name, (function, variance, make, hermite, variables, samples) in self.problems.ACCURACY.items():
             indices = make()
-            # OpenTURNS has the set of the same size by its own enumeration.
+            # OpenTURNS enumerates a set of the same size.
             q, degree = (0.75, 5) if name == "borehole" else (1, 14)
             fresh = self.problems.points("independent", 7, 20_000 if self.quick else 100_000, variables, hermite)
             truth = function(fresh)
@@ -252,7 +252,7 @@ def main():
         bench = Bench(Path(folder), quick)
         parts = [bench.solve(), bench.evaluate(), bench.select(), bench.accuracy()]
     text = "\n".join([
-        "# Polynomial-chaos regression beside its peers\n",
+        "# Polynomial-chaos regression compared with its peers\n",
         f"Made by `benchmarks/chaos/run.py` on {datetime.date.today()}, asperity at {commit()}. One thread each; medians, with the range, over "
         f"interleaved rounds of fresh processes. Load average {before:.2f} before and {os.getloadavg()[0]:.2f} after the run.\n",
         machine(versions) + ".\n", *parts])

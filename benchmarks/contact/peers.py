@@ -1,7 +1,7 @@
-"""Other contact solvers behind one interface: `peers.py NAME` answers jobs, one JSON line each.
+"""Runs other contact solvers behind one interface: `peers.py NAME` answers jobs, one JSON line each.
 
-A job names a file of heights and what is to be solved; the answer has the seconds of every solve, without the planning of
-transforms and the making of kernels, and the pressures are left in a file. `transforms` is answered likewise.
+A job names a file of heights and the problem. The answer has the seconds of every solve, without the planning of transforms and the
+computation of kernels; the pressures are written to a file. The name `transforms` times Fourier transforms.
 """
 
 import json
@@ -36,7 +36,7 @@ class Tamaas:
 
     def prepare(self, heights):
         tolerance, hardness = self.job["tolerance"], self.job["hardness"]
-        # Solvers start from what the model holds.
+        # Solvers start from the fields of the model.
         self.model.traction[...] = 0
         self.model.displacement[...] = 0
         heights = np.ascontiguousarray(heights)
@@ -74,7 +74,7 @@ class ContactMechanics:
         job = self.job
         map = self.topography(heights, (1.0, 1.0), periodic=job["boundary"] == "periodic")
         hardness = None if job["hardness"] is None else job["hardness"] * self.substrate.area_per_pt
-        # The overlap alone decides: whatever else is asked for can only take longer.
+        # The overlap is the only criterion, because others can only take longer.
         return lambda: self.solve(
             self.substrate, map, hardness=hardness, external_force=job["mean_pressure"], forcetol=np.inf, thermotol=np.inf,
             pentol=job["tolerance"] * heights.std(), maxiter=MOST_ITERATIONS)
@@ -105,7 +105,7 @@ class Aspher:
         job, n = self.job, self.job["points"]
         backend = "fft" if job["boundary"] == "free" else "periodic"
         gap = np.ascontiguousarray(-heights.ravel())
-        # It builds its operators in every call and says how long that took.
+        # Every call builds the operators, and reports the time for it.
         return lambda: self.aspher.solve_nested(
             grid_size=n, gap=gap, p_nominal=job["mean_pressure"], coarsest=min(64, n // 2), tol=job["tolerance"],
             backend=backend, precision=self.precision)
@@ -118,13 +118,13 @@ class Aspher:
 
 
 class AspherMixed(Aspher):
-    """As ASPHER, first in single precision."""
+    """ASPHER, first in single precision."""
 
     precision = "float_then_double"
 
 
 class AspherSingleGrid(Aspher):
-    """As ASPHER, on the finest grid alone."""
+    """ASPHER, on the finest grid alone."""
 
     def __init__(self, job):
         super().__init__(job)
@@ -146,7 +146,7 @@ SOLVERS = {
 
 
 def transforms(points, boundary):
-    """Median seconds of a real transform there and back by pocketfft (of SciPy) and FFTW (measured plans)."""
+    """Returns the median seconds of a forward and an inverse real transform by pocketfft (of SciPy) and FFTW (measured plans)."""
     import pyfftw
     import scipy.fft
 
@@ -179,7 +179,7 @@ def transforms(points, boundary):
 
 
 def solve(solver, job):
-    """Solves every map of a job `repeats` times, after `warm_up` times that are not counted."""
+    """Solves every map of a job `repeats` times, after `warm_up` times that are not timed."""
     n = job["points"]
     maps = np.fromfile(job["heights"], "<f8").reshape(-1, n, n)
     seconds, pressures, iterations = [], np.empty_like(maps), []
@@ -216,16 +216,16 @@ def answer(name, job, kept):
 
 
 def main():
-    # Whatever a package prints must not mix with the answers.
+    # The output of packages must not mix with the answers.
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     kept = {}
     for line in sys.stdin:
         try:
-            told = answer(sys.argv[1], json.loads(line), kept)
+            reply = answer(sys.argv[1], json.loads(line), kept)
         except Exception as error:
-            told = {"error": f"{type(error).__name__}: {(str(error).strip().splitlines() or [''])[0][:200]}"}
-        print(json.dumps(told), file=answers, flush=True)
+            reply = {"error": f"{type(error).__name__}: {(str(error).strip().splitlines() or [''])[0][:200]}"}
+        print(json.dumps(reply), file=answers, flush=True)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
     python3 benchmarks/contact/run.py [--quick | --fastest | --large]
 
-The peers are installed into a virtual environment under the build folder, which is kept. Writes RESULTS.md beside this file;
-`--quick` is a smoke run of some small cases, `--fastest` races the fastest peer of every case alone, and `--large` solves one map of
-8192² cells with asperity alone: these only print.
+The peers are installed into a virtual environment below the build folder, which is kept. Writes RESULTS.md beside this file;
+`--quick` is a smoke run of some small cases, `--fastest` races only the fastest peer of every case, and `--large` solves one map of
+8192² cells with asperity alone. These three only print.
 """
 
 import argparse
@@ -30,20 +30,20 @@ from harness import ROOT, Failed, commit, machine
 HERE = Path(__file__).resolve().parent
 PEERS, PYTHON, _ = located(HERE / "requirements.txt")
 
-# The true residual that every code has to meet.
+# Largest true residual of every code.
 WANTED = 1e-6
-# Tolerances are tried on a ladder of this factor.
+# Factor between the tolerances that are tried.
 STEP = 10**0.5
 ROUNDS = 5
-# A code is not repeated beyond this many seconds in one case, and given up when one answer takes longer than the second.
+# Total time in one case after which a code is not repeated, and time of one answer after which it is stopped.
 BUDGET_S, PATIENCE_S = 60.0, 900.0
-# A shorter solve is repeated within a round, after one that does not count.
+# A shorter solve is repeated within a round, after one that is not timed.
 SHORT_S = 0.5
 
 PERIODIC, FREE = "periodic", "free"
 # Mean pressures over E* for contact of about 1, 11 and 57 %.
 LOADS = (0.0005, 0.005, 0.033)
-# By cells along a side: hardness over E* for which 20 and 60 % of the contact at the middle load is plastic.
+# Hardnesses over E*, by cells along a side, for which 20 and 60 % of the contact at the middle load is plastic.
 HARDNESSES = {128: (0.0700, 0.0396), 256: (0.0730, 0.0414)}
 BATCH_POINTS, BATCH_MAPS = 64, 64
 LARGE_POINTS, LARGE_LOAD = 8192, 0.0022
@@ -54,8 +54,8 @@ WAYS = {"Tamaas": ("Tamaas",), "ContactMechanics": ("ContactMechanics",), "ASPHE
 
 
 def build(title):
-    """The words for pip and the variables with which a peer is built."""
-    # ASPHER would fetch Eigen and build without the vector instructions of the machine.
+    """Returns the arguments of pip and the environment variables for building a peer."""
+    # By default, ASPHER downloads Eigen and is built without the vector instructions of the machine.
     prefixes = ":".join(str(path) for path in PEERS.glob("lib/python*/site-packages/cmeel.prefix"))
     return ["--no-binary", "aspher"] if title == "ASPHER" else [], {"CMAKE_ARGS": "-DASPHER_NATIVE=ON", "CMAKE_PREFIX_PATH": prefixes}
 
@@ -107,7 +107,7 @@ class Peer:
 
 
 class Asperity:
-    """Our solver, by the program `time_contact`."""
+    """The solver of asperity, run by the program `time_contact`."""
 
     name = "asperity"
 
@@ -121,12 +121,12 @@ class Asperity:
             words["hardness"] = job["hardness"]
         command = [PEERS.parent / "release" / "time_contact", job["heights"], *(f"{key}={value}" for key, value in words.items())]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment(self.threads)) as process:
-            said = process.stdout.read()
+            output = process.stdout.read()
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode:
             raise Failed(f"exit code {process.returncode}")
-        answer = json.loads(said) | {"memory_bytes": usage.ru_maxrss * 1024}
+        answer = json.loads(output) | {"memory_bytes": usage.ru_maxrss * 1024}
         self.answers.append(answer)
         return answer
 
@@ -136,7 +136,7 @@ class Asperity:
 
 @dataclass
 class Case:
-    """What all codes solve."""
+    """A problem for all codes."""
 
     points: int
     boundary: str
@@ -148,7 +148,7 @@ class Case:
 
 @dataclass
 class Timing:
-    """What a code did in a case."""
+    """Result of a code in a case."""
 
     way: str
     tolerance: float
@@ -163,7 +163,7 @@ class Timing:
 
 
 class Bench:
-    """Runs cases, remembering which tolerance served each code last."""
+    """Runs cases, and stores the last sufficient tolerance of each code."""
 
     def __init__(self, folder, rounds):
         self.folder, self.rounds, self.served = folder, rounds, {}
@@ -195,7 +195,7 @@ class Bench:
         return max(truth.residual(p, z, case.mean_pressure, case.boundary, case.hardness) for p, z in zip(pressures, maps))
 
     def search(self, code, case, maps, path):
-        """The loosest tolerance on the ladder with which `code` meets the wanted residual."""
+        """Returns the result at the loosest tolerance with which `code` meets the required residual."""
         def attempt(tolerance):
             answer = code.ask(self.job(case, path, tolerance, 1, 0))
             return Timing(code.name, tolerance, self.residual(case, maps), answer["seconds"])
@@ -220,7 +220,7 @@ class Bench:
         return found
 
     def run(self, case, codes):
-        """Name → timing or the reason why there is none, for codes of (name, ways)."""
+        """Returns, by name, the timing or the reason why there is none, for codes of (name, ways)."""
         maps, path = self.heights(case)
         results, racing = {}, []
         for name, ways in codes:
@@ -230,7 +230,7 @@ class Bench:
                     found.append((self.search(code, case, maps, path), code))
                 except Failed as failure:
                     reason = str(failure)
-            # A warm solve each decides between the ways of a peer.
+            # Warm solves decide between the ways of a peer.
             for timing, code in found:
                 if timing.seconds[0] < SHORT_S:
                     timing.seconds = code.ask(self.job(case, path, timing.tolerance, 1, 1))["seconds"]
@@ -254,16 +254,16 @@ class Bench:
         return results
 
 
-def told(seconds):
+def formatted(seconds):
     return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{1e3 * seconds:.3g} ms"
 
 
 def spread(timing):
-    return f"{told(timing.median)} ({told(min(timing.seconds))} – {told(max(timing.seconds))}), {timing.residual:.1e}"
+    return f"{formatted(timing.median)} ({formatted(min(timing.seconds))} – {formatted(max(timing.seconds))}), {timing.residual:.1e}"
 
 
 def row(first, results, more):
-    """A line of a table: what it is about, asperity, and every peer with its ratio to asperity."""
+    """Returns a line of a table: its first cells, asperity, and every peer with its ratio to asperity."""
     own = results["asperity"]
     cells = [*first, spread(own) if isinstance(own, Timing) else f"**{own}**", *more]
     for name in WAYS:
@@ -284,7 +284,7 @@ def table(head, rows):
 
 
 def peers_of(bench, failed):
-    """The peers that answer; the others are remembered with the reason."""
+    """Returns the peers that answer, and stores the reasons of the others."""
     codes = {}
     for name, ways in WAYS.items():
         peers = [Peer(way) for way in ways]
@@ -313,16 +313,16 @@ def elastic(bench, codes, cases):
             if case.threads > 1:
                 [peer.stop() for peer in ways]
         answer = own.answers[-1]
-        # The residual at the end is evaluated afresh; on the free boundary so is the displacement at the start.
+        # The solver evaluates the residual again at the end, and on the free boundary the displacement at the start.
         applications = answer["iterations"][0] + (2 if case.boundary == FREE else 1)
         pair = statistics.median(answer["transform_pair_s"] for answer in own.answers)
         ratios = [statistics.median(turn["seconds"]) / turn["transform_pair_s"] for turn in own.answers]
         each = statistics.median(ratios) / applications
-        share = f"{100 * answer['contact_fraction']:.1f} %"
+        contact = f"{100 * answer['contact_fraction']:.1f} %"
         if case.hardness is not None:
-            share += f", {100 * answer['plastic_fraction'] / answer['contact_fraction']:.0f} % of it plastic"
+            contact += f", {100 * answer['plastic_fraction'] / answer['contact_fraction']:.0f} % of it plastic"
         threads = f", {case.threads} threads" if case.threads > 1 else ""
-        rows.append(row([f"{case.points}² {case.boundary}{threads}", share], results, [str(answer["iterations"][0]), f"{each:.1f}"]))
+        rows.append(row([f"{case.points}² {case.boundary}{threads}", contact], results, [str(answer["iterations"][0]), f"{each:.1f}"]))
         print(rows[-1], flush=True)
         if case.threads == 1 and case.hardness is None and (case.points, case.boundary) not in pairs:
             pairs[case.points, case.boundary] = pair, transforms.ask({"points": case.points, "boundary": case.boundary})
@@ -350,13 +350,13 @@ def batch(bench, codes, maps):
 
 
 def alone(bench, points, load):
-    """Time, iterations and memory of one cold solve by asperity."""
+    """Returns time, iterations and memory of one cold solve by asperity, as text."""
     case = Case(points, PERIODIC, load)
     maps, path = bench.heights(case)
     own = Asperity()
     answer = own.ask(bench.job(case, path, WANTED, 1, 0) | {"transforms": "false"})
     residual = bench.residual(case, maps)
-    line = (f"asperity, {points}² periodic, {100 * answer['contact_fraction']:.1f} % contact, one thread: {told(answer['seconds'][0])}, "
+    line = (f"asperity, {points}² periodic, {100 * answer['contact_fraction']:.1f} % contact, one thread: {formatted(answer['seconds'][0])}, "
             f"{answer['iterations'][0]} iterations, residual {residual:.0e}, peak memory {answer['memory_bytes'] / 1e6:.0f} MB "
             f"({answer['memory_bytes'] / points**2:.0f} bytes per cell, file and heights included).")
     print(line, flush=True)
@@ -366,7 +366,7 @@ def alone(bench, points, load):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="some small cases, in under a minute; writes nothing")
-    parser.add_argument("--fastest", action="store_true", help="beside the fastest peer of every case alone, in five minutes; writes nothing")
+    parser.add_argument("--fastest", action="store_true", help="only the fastest peer of every case, in five minutes; writes nothing")
     parser.add_argument("--large", action="store_true", help=f"asperity alone on {LARGE_POINTS}² cells at 5 %% contact; writes nothing")
     arguments = parser.parse_args()
     failed = prepare(HERE / "requirements.txt", build)
@@ -388,7 +388,7 @@ def main():
             cases += [Case(1024, PERIODIC, LOADS[1], threads=2)]
             cases += [Case(n, FREE, load) for n in (256, 512) for load in LOADS]
             plastic = [Case(n, PERIODIC, LOADS[1], hardness) for n, hard in HARDNESSES.items() for hardness in hard]
-        # ASPHER has no cap.
+        # ASPHER has no hardness.
         capped = {name: ways for name, ways in codes.items() if name != "ASPHER"}
         elastic_codes = codes
         if arguments.fastest:
@@ -403,8 +403,8 @@ def main():
     pair_rows = []
     for (points, boundary), (own, others) in pairs.items():
         size = f"{points}²" if boundary == PERIODIC else f"{points}², padded"
-        others = [f"{told(others[name])}, ×{others[name] / own:.2f}" for name in ("FFTW", "pocketfft")]
-        pair_rows.append("| " + " | ".join([size, told(own), *others]) + " |")
+        others = [f"{formatted(others[name])}, ×{others[name] / own:.2f}" for name in ("FFTW", "pocketfft")]
+        pair_rows.append("| " + " | ".join([size, formatted(own), *others]) + " |")
     head = ["cells", "contact", "asperity", "iterations", "pairs per application", *WAYS]
     text = f"""# Contact
 
@@ -414,20 +414,21 @@ Machine: {machine({"numpy": version("numpy")} | bench.versions)}. Load average {
 
 Self-affine maps (Hurst exponent {0.8}, roll-off at 8 waves per side, cut at n/8, rms slope 0.1), the same for all. Every code's
 own tolerance is the loosest, on a ladder of factor √10, with which the *true* residual is at most {WANTED:.0e}: recomputed by this
-benchmark from the pressure alone, by `truth.py`. Cells read: median time (least – largest), true residual reached, **how many
-times as long as asperity**. One thread each unless said otherwise; codes take turns within a case, {bench.rounds} rounds. Planning of transforms
-and making of kernels are left out for all codes. *Pairs per application*: time over that of (iterations + 1, on the free boundary + 2)
-Fourier transforms of a map there and back by asperity, measured in the same processes.
+benchmark from the pressure alone, by `truth.py`. Cells state the median time (least – largest), the true residual, **and the ratio
+to the time of asperity**. One thread each unless stated otherwise; codes take turns within a case, {bench.rounds} rounds. The planning of
+transforms and the computation of kernels are excluded for all codes. *Pairs per application*: time over the time of
+(iterations + 1, on the free boundary + 2) pairs of a forward and an inverse transform of a map by asperity, measured in the same
+processes.
 
-ContactMechanics is asked for the overlap alone, its other criteria are off. ASPHER is built with the machine's vector instructions,
-with the FFT it comes with; the faster of its double and mixed precision counts.
+ContactMechanics stops by the overlap alone; its other criteria are off. ASPHER is built with the machine's vector instructions
+and its own FFT; the faster of its double and mixed precision counts.
 
 ## Elastic
 
 {table(head, elastic_rows)}
 ## With a hardness
 
-Tamaas by Kato's saturated solver.
+Tamaas uses Kato's saturated solver.
 
 {table(head, plastic_rows)}
 ## Many small maps
@@ -437,7 +438,7 @@ One thread, periodic, about 11 % contact; solves per second.
 {table(["maps", "asperity", *elastic_codes], [batch_row])}
 ## Transforms
 
-A real map there and back, one thread; the padded ones of FFTW and pocketfft do not skip zeros.
+A forward and an inverse transform of a real map on one thread. FFTW and pocketfft do not skip the zeros of padded maps.
 
 {table(["cells", "asperity", "FFTW, measured plan", "pocketfft (SciPy)"], pair_rows)}
 ## Memory

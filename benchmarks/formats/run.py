@@ -2,8 +2,8 @@
 
     python3 benchmarks/formats/run.py [--points 2048] [--asperity PROGRAM] [--keep FOLDER]
 
-Every time is the best of up to five, of a file that is in the page cache. Writes RESULTS.md beside this file. The peers are
-installed into a virtual environment under the build folder, which is kept.
+Every time is the best of up to five, with the file in the page cache. Writes RESULTS.md beside this file. The peers are installed
+into a virtual environment below the build folder, which is kept.
 """
 
 import argparse
@@ -34,16 +34,16 @@ warnings.filterwarnings("ignore")
 
 PACKAGES = ("numpy", "SurfaceTopography", "surfalize")
 REPEATS = 5
-# A reader is not repeated beyond this.
+# Total time after which a reader is not repeated.
 BUDGET_S = 60.0
-# Bars: text is read at least so many times as fast as by numpy.loadtxt, and numbers of a binary file take at most so
-# many times as long as numpy.fromfile and astype(float).
+# Limits: for text, the smallest speed-up over numpy.loadtxt; for binary files, the largest time over that of numpy.fromfile
+# and astype(float).
 TEXT_BAR, BINARY_BAR = 5.0, 2.0
 PITCH_M = 1e-6
 
 
 def self_affine(points, hurst=0.8, rms_m=1e-6, seed=2016):
-    """Gaussian heights in metre whose spectrum falls like q^(-2 - 2H)."""
+    """Returns Gaussian heights in metre whose spectrum falls like q^(-2 - 2H)."""
     noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
     q = np.hypot(np.fft.fftfreq(points)[:, None], np.fft.rfftfreq(points)[None, :])
     q[0, 0] = np.inf
@@ -53,25 +53,25 @@ def self_affine(points, hurst=0.8, rms_m=1e-6, seed=2016):
 
 @dataclass
 class Case:
-    """A format: how its file is made, the plainest way to read it, and which packages read it."""
+    """A format: the writer of its file, the simplest reader in NumPy, and the packages that read it."""
 
     name: str
     extension: str
-    # Who writes the file where asperity does not, and how.
+    # Name and function of the writer, if asperity does not write the file.
     writer: str
     write: Callable | None
     baseline_name: str
     baseline: Callable
     is_text: bool = False
-    # Of the range of heights; integers and single-precision factors cannot keep more.
+    # Relative to the range of heights; integers and single-precision factors limit the precision.
     tolerance: float = 1e-12
     peers: tuple = ("SurfaceTopography", "surfalize")
-    # Whether `asperity surface convert` is asked first.
+    # Whether `asperity surface convert` is tried first.
     ask: bool = True
 
 
 class Refused(Exception):
-    """A program that does not write or read a format."""
+    """A program does not write or read a format."""
 
 
 def convert(arguments, source, target):
@@ -98,7 +98,7 @@ def topography(heights):
 
 
 def sur_int16(path, heights):
-    """A Digital Surf file of 16-bit heights: the fields of the header by their published places."""
+    """Writes a Digital Surf file of 16-bit heights, with the published layout of the header."""
     scale = np.float32(np.ptp(heights) * 1e9 / 65000)
     middle = (heights.min() + heights.max()) / 2
     stored = np.round((heights - middle) * 1e9 / scale).astype("<i2")
@@ -116,7 +116,7 @@ def sur_int16(path, heights):
 
 
 def tmd(path, heights):
-    """A TrueMap file by the vendor's own routines: lengths and heights in millimetre. surfalize writes micrometre."""
+    """Writes a TrueMap file with lengths and heights in millimetre, as the routines of the vendor do. surfalize writes micrometre."""
     rows, columns = heights.shape
     header = b"Binary TrueMap Data File v2.0\r\n\0" + b"map".ljust(24, b"\0")
     header += struct.pack("<2I4f", columns, rows, columns * PITCH_M * 1e3, rows * PITCH_M * 1e3, 0.0, 0.0)
@@ -124,7 +124,7 @@ def tmd(path, heights):
 
 
 def numbers(path, count):
-    """The last bytes of a file as so many numbers: the fastest that NumPy can read them."""
+    """Reads the last bytes of a file as `count` numbers in the fastest way of NumPy."""
     size = path.stat().st_size
     kind = {2: "<i2", 4: "<i4", 8: "<f8"}[min(8, size // count)]
     offset = size - count * np.dtype(kind).itemsize
@@ -132,7 +132,7 @@ def numbers(path, count):
 
 
 def zipped_numbers(path, count):
-    """The largest file of an archive as so many numbers."""
+    """Reads the largest file of an archive as `count` numbers."""
     with zipfile.ZipFile(path) as archive:
         largest = max(archive.infolist(), key=lambda entry: entry.file_size)
         content = archive.read(largest)
@@ -169,7 +169,7 @@ def cases():
 def read_surface_topography(path):
     from SurfaceTopography import read_topography
 
-    # Text and NPY carry no size, and reading needs one.
+    # Text and NPY have no size, which the reader needs.
     size = {"physical_sizes": (1.0, 1.0)} if path.suffix in (".txt", ".npy") else {}
     read = read_topography(str(path), **size)
     unit = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, None: 1.0}[read.unit]
@@ -186,7 +186,7 @@ PEERS = {"SurfaceTopography": read_surface_topography, "surfalize": read_surfali
 
 
 def best_of(function):
-    """The last result and the best time in second; the first call, which warms up, counts only when it is very slow."""
+    """Returns the last result and the best time in second; the first call, which warms up, counts only if it is very slow."""
     times = []
     begin = time.perf_counter()
     for repeat in range(REPEATS + 1):
@@ -202,7 +202,7 @@ def best_of(function):
 
 
 def difference(found, wanted):
-    """The largest difference over the range of heights, and in words what else differs."""
+    """Returns the largest difference over the range of heights, and a description of other differences."""
     if found.shape != wanted.shape:
         return np.inf, f"shape {found.shape}"
     range_m = np.ptp(wanted)
@@ -222,7 +222,7 @@ def difference(found, wanted):
 
 
 def ours(arguments, path, folder):
-    """Heights, best and median time of asperity."""
+    """Returns heights, best and median time of asperity."""
     heights = folder / "ours.npy"
     done = subprocess.run([arguments.time_read, path, str(REPEATS), heights], capture_output=True, text=True)
     if done.returncode:
@@ -232,7 +232,7 @@ def ours(arguments, path, folder):
 
 
 def run(arguments, folder):
-    """One row for every case, and notes."""
+    """Returns one row for every case, notes, and whether any heights of asperity are wrong."""
     z = self_affine(arguments.points)
     source = folder / "source.npy"
     np.save(source, z)
@@ -284,7 +284,7 @@ def run(arguments, folder):
 
 
 def first_line(error):
-    """What an error says, short enough for a list."""
+    """Returns the first line of the message of an error, shortened for a list."""
     return (str(error).strip().splitlines() or [""])[0][:100].strip()
 
 
@@ -293,8 +293,8 @@ def table(rows, notes, points):
         "# Reading files\n\n"
         "Made by `benchmarks/formats/run.py`.\n\n"
         f"One self-affine map of {points} × {points} heights. Times in second, the best of {REPEATS} with the file in the page\n"
-        "cache; for asperity the median as well. The plainest way to the same numbers is what a time is compared with:\n"
-        f"text is to be read at least {TEXT_BAR:g} times as fast, binary numbers in at most {BINARY_BAR:g} times as long.\n\n"
+        "cache; for asperity the median as well. Each time is compared with the simplest way to read the same numbers in NumPy:\n"
+        f"text must be read at least {TEXT_BAR:g} times as fast, binary numbers in at most {BINARY_BAR:g} times the time.\n\n"
         f"Machine: {machine({name: version(name) for name in PACKAGES})}.\n\n"
     )
     lines = [

@@ -1,9 +1,9 @@
-"""Times the Python package beside the Rust library and Tamaas: a contact, the import, single calls; and counts copies of maps.
+"""Times the Python package against the Rust library and Tamaas (a contact, the import, single calls), and counts copies of maps.
 
     python3 benchmarks/python/run.py [--rounds 10] [--installed] [--print]
 
-Builds the release of asperity, three minutes on two idle cores, and installs it with Tamaas into a virtual environment under the build
-folder, which is kept. `--installed` takes the package as it is there or on PYTHONPATH. Writes RESULTS.md beside this file; `--print`
+Builds the release of asperity (three minutes on two idle cores) and installs it with Tamaas into a virtual environment below the build
+folder, which is kept. `--installed` uses the package that is installed there or on PYTHONPATH. Writes RESULTS.md beside this file; `--print`
 prints it instead.
 """
 
@@ -33,10 +33,10 @@ import numpy as np
 from contact import run as contact
 
 POINTS = 512
-# Bars: a contact in Python over that in Rust, the time that a call of the package adds, copies of a map.
+# Limits: time of a contact in Python over that in Rust, time that a call of the package adds, copies of a map.
 CONTACT_BAR, CALL_BAR_S, COPIES_BAR = 1.02, 20e-6, 1.0
 IMPORTS = 20
-# glibc keeps what is freed, so that the next call finds memory with pages.
+# glibc keeps freed memory, so that the next call finds memory with pages.
 KEPT = "GLIBC_TUNABLES=glibc.malloc.mmap_threshold=1073741824:glibc.malloc.trim_threshold=4294967296"
 SCRIPTS, SCRIPT_CALLS = 5, 20
 CALL_ROUNDS, CALL_S = 31, 0.02
@@ -69,7 +69,7 @@ between = time.perf_counter()
 import asperity
 print(json.dumps([between - start, time.perf_counter() - between]))
 """
-# The peak before the work is that of the map itself, because nothing else was as large.
+# The peak before the work is the memory of the map, because nothing else was as large.
 MEMORY = """
 import json, resource
 import numpy as np
@@ -139,7 +139,7 @@ def of_contact(rounds):
 also copies the heights. Bar: at most {CONTACT_BAR:g} times as long as the second line, {met}.
 
 A script calls `solve_contact` {SCRIPT_CALLS} times; median of {SCRIPTS} scripts. Its calls take fresh memory from the system, page by page, unless
-`{KEPT}` makes glibc keep what is freed.
+`{KEPT}` makes glibc keep freed memory.
 
 {table(["", "time", "over Rust"], rows)}"""
 
@@ -199,7 +199,7 @@ def of_memory():
     rows = []
     for name, (before, work) in WORKS.items():
         copies = process([sys.executable, "-c", MEMORY.format(points=MAP_POINTS, before=before, work=work)])
-        # Pages of the program are read as well.
+        # The tolerance is for pages of the program, which are read during the work.
         rows.append([name, f"{copies:.2f}", "met" if copies <= COPIES_BAR + 0.05 else "**missed**"])
     return f"""## Memory
 

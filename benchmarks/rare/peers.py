@@ -1,7 +1,7 @@
 """Methods of OpenTURNS: (limit state, variables, parameter, effort, seed) → (probability, evaluations of the limit state).
 
 The effort is the number of samples of a level or step, or of draws. Differences for derivatives count as evaluations. A method that takes
-more than a million evaluations is stopped: cross-entropy may take steps for ever where it misses failures.
+more than a million evaluations is stopped, because cross-entropy may not end if it misses failures.
 """
 
 import numpy as np

@@ -2,9 +2,9 @@
 
     python3 benchmarks/rare/run.py [--probabilities 1e-3 1e-6] [--replicates 50] [--rows LOG] [--print]
 
-`--rows` takes the rows of all methods but `small_probability` from the printed rows of an earlier run, as far as it has them.
+`--rows` takes available rows of all methods except `small_probability` from the output of an earlier run.
 
-Installs OpenTURNS into a virtual environment under the build folder, which is kept. Writes RESULTS.md beside this file; `--print`
+Installs OpenTURNS into a virtual environment below the build folder, which is kept. Writes RESULTS.md beside this file; `--print`
 prints it instead.
 """
 
@@ -96,10 +96,10 @@ def ours(name, variables, b, truth, replicates, samples=None):
 
 
 def least(run, effort, most, replicates):
-    """Result at the least effort that reaches the wanted error, with its evaluations.
+    """Returns the result at the least effort that reaches the required error, with its evaluations.
 
-    Few replicates determine the effort, all replicates the result. The effort grows by the square of the error until the wanted
-    one is reached. If that takes more than one, the evaluations are interpolated between the last two efforts.
+    A few replicates determine the effort, all replicates the result. The effort grows with the square of the error until the error
+    is reached. If this takes more than one effort, the evaluations are interpolated between the last two.
     """
     before = None
     pilot = True
@@ -130,7 +130,7 @@ def least(run, effort, most, replicates):
 
 
 def printed(path):
-    """Rows of an earlier run, from what it printed."""
+    """Returns the rows of an earlier run from its output."""
     rows = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path else []:
         cells = [cell.strip() for cell in line.split("|")]
@@ -166,7 +166,7 @@ def table(head, rows):
 
 
 def compare(name, variables, probability, replicates, earlier):
-    """Rows of all methods, and the row of the summary."""
+    """Returns the rows of all methods, and the row of the summary."""
 
     def found_earlier(title, run):
         return earlier.get((name, variables, probability, title)) or run()
@@ -216,7 +216,7 @@ def main():
     rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, cwd=ROOT, check=True).stdout.split()[:2]
     commit = subprocess.run(["git", "describe", "--always", "--dirty=, with changes"], capture_output=True, text=True, cwd=ROOT).stdout.strip()
     text = "\n".join([
-        "# Small probabilities beside OpenTURNS\n",
+        "# Small probabilities compared with OpenTURNS\n",
         f"Made by `python3 benchmarks/rare/run.py` on {datetime.date.today()}, asperity at {commit}; {platform.system()}, "
         f"{' '.join(rustc)}, Python {platform.python_version()}, OpenTURNS {openturns.__version__}."
         + (" Methods other than `small_probability` are from an earlier run." if earlier else "") + "\n",

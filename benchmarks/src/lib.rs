@@ -1,4 +1,4 @@
-//! Words `key=value` of the command line, which the timing programs share.
+//! Words `key=value` of the command line, as used by the timing programs.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -11,7 +11,7 @@ impl Words {
     /// Splits the words at their first `=`.
     ///
     /// # Errors
-    /// A word has none.
+    /// A word has no `=`.
     pub fn parse(words: impl Iterator<Item = String>) -> Result<Self, String> {
         let mut found = BTreeMap::new();
         for word in words {

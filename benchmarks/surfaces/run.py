@@ -1,9 +1,9 @@
-"""Times what asperity reads off a map, and its Karhunen–Loève modes, against surfalize, SurfaceTopography and OpenTURNS.
+"""Times the surface analyses and Karhunen–Loève modes of asperity against surfalize, SurfaceTopography and OpenTURNS.
 
     python3 benchmarks/surfaces/run.py [--points 2048]
 
-Every comparison runs both programs in turn on the same map and first compares what they find. Writes RESULTS.md beside this
-file. The peers are installed into a virtual environment under the build folder, which is kept.
+Every comparison runs both programs in turn on the same map and first compares their results. Writes RESULTS.md beside this
+file. The peers are installed into a virtual environment below the build folder, which is kept.
 """
 
 import argparse
@@ -32,13 +32,13 @@ warnings.filterwarnings("ignore")
 PITCH_M = 1e-6
 PACKAGES = ("numpy", "surfalize", "SurfaceTopography", "openturns")
 REPEATS = 3
-# Bars: asperity is so many times as fast.
+# Limits: smallest ratios of a peer's time to asperity's.
 PARAMETERS_BAR, SPECTRA_BAR, MODES_BAR = 10.0, 10.0, 50.0
 MODES = 101
 OURS_SIDE, THEIR_SIDE = 64, 48
 LENGTH = 0.2
 
-# surfalize's name, ours, factor to our unit.
+# Name in surfalize, name in asperity, factor to the unit of asperity.
 SAME = [
     ("Sa", "Sa_m", 1e-6), ("Sq", "Sq_m", 1e-6), ("Sp", "Sp_m", 1e-6), ("Sv", "Sv_m", 1e-6), ("Sz", "Sz_m", 1e-6),
     ("Ssk", "Ssk", 1), ("Sku", "Sku", 1), ("Sdq", "Sdq", 1), ("Sdr", "Sdr", 0.01), ("Sal", "Sal_m", 1e-6), ("Str", "Str", 1),
@@ -51,12 +51,12 @@ RMS_M, HURST, ROLL_OFF = 1e-6, 0.8, 8
 
 
 def amplitude(waves_per_side):
-    """Flat up to the roll-off, and falling like q^(-1 - H) from there on."""
+    """Returns amplitudes that are flat up to the roll-off and then fall like q^(-1 - H)."""
     return np.maximum(waves_per_side, ROLL_OFF) ** (-1 - HURST)
 
 
 def self_affine(points, seed=2016):
-    """Gaussian heights with a self-affine spectrum, and the spectrum in m⁴ as a function of the wavenumber in rad/m."""
+    """Returns Gaussian heights with a self-affine spectrum, and the spectrum in m⁴ as a function of the wavenumber in rad/m."""
     noise = np.fft.rfft2(np.random.default_rng(seed).standard_normal((points, points)))
     frequency = np.fft.fftfreq(points) * points
     heights = np.fft.irfft2(noise * amplitude(np.hypot(frequency[:, None], frequency[None, : points // 2 + 1])), s=(points, points))
@@ -68,7 +68,7 @@ def self_affine(points, seed=2016):
 
 
 def timed(function):
-    """Best time in second, and the last result."""
+    """Returns the best time in second and the last result."""
     times = []
     for _ in range(REPEATS):
         start = time.perf_counter()
@@ -85,24 +85,24 @@ def ours(arguments, program, *words):
 
 
 def best(lines, name):
-    """The best time that `time_surface` prints for an analysis."""
+    """Returns the best time that `time_surface` prints for an analysis."""
     line = next(line for line in lines if line.startswith(name))
     return float(line.split("best")[1].split()[0])
 
 
 def parameters(arguments, heights, source):
-    """All parameters of ISO 25178-2."""
+    """Times and compares all parameters of ISO 25178-2."""
     from surfalize import Surface
 
-    said = subprocess.run(
+    done = subprocess.run(
         [arguments.target / "asperity", "--quiet", "surface", "stats", source, "--level", "none", "--pixel-size", "1 um", "--json"],
         capture_output=True, text=True, check=True)
-    found = json.loads(said.stdout)
-    # A new surface each time: results are kept with it.
-    # Height, spatial, hybrid, functional and volume parameters; the features of ISO 25178-2 (Spd, S10z, …) are theirs alone.
+    found = json.loads(done.stdout)
+    # Height, spatial, hybrid, functional and volume parameters; only surfalize has the features of ISO 25178-2 (Spd, S10z, …).
     names = [name for name, _, _ in SAME] + ["Std", "Ssw", "Spkx", "Svkx", "Sxp"]
 
     def all_of_them():
+        # A new surface for every call, because a surface stores its results.
         surface = Surface(heights * 1e6, 1.0, 1.0)
         return {name: getattr(surface, name)() for name in names}
 
@@ -115,7 +115,7 @@ def parameters(arguments, heights, source):
 
 
 def spectra(arguments, heights, source, folder, truth):
-    """Autocorrelation and radial power spectrum."""
+    """Times and compares the autocorrelation and the radial power spectrum."""
     from SurfaceTopography import Topography
 
     size = tuple(n * PITCH_M for n in heights.T.shape)
@@ -131,8 +131,8 @@ def spectra(arguments, heights, source, folder, truth):
     with open(folder / "radial_spectrum.csv") as file:
         rows = [(float(row["wavenumber_rad_per_m"]), float(row["psd_m4"])) for row in csv.DictReader(file)]
     q, psd = np.array([row for row in rows if row[1] > 0]).T
-    # Over eight bands: the mean of the ratio to the spectrum that the map was made with, which levels the slope within a
-    # bin, against that of the plain periodogram in rings, which is exact because the map is periodic.
+    # In eight bands, the mean of the ratio to the spectrum of the generator is compared with that of the plain periodogram in
+    # rings, which is exact because the map is periodic. The ratio removes the slope within a bin.
     edges = np.geomspace(20 * q[q > 0].min(), 0.5 * np.pi / PITCH_M, 9)
 
     def bands(x, y):
@@ -154,16 +154,16 @@ def spectra(arguments, heights, source, folder, truth):
 
 
 def eigenvalues(arguments, side):
-    said = subprocess.run(
+    done = subprocess.run(
         [arguments.target / "asperity", "--quiet", "surface", "modes", "--covariance", "exponential", "--correlation-length", f"{LENGTH} m",
          "--size", "1 m,1 m", "--points", f"{side},{side}", "--modes", str(MODES), "--route", "general", "--json"],
         capture_output=True, text=True, check=True)
-    found = json.loads(said.stdout)
+    found = json.loads(done.stdout)
     return np.array(found["eigenvalues"])
 
 
 def karhunen_loeve(arguments):
-    """A hundred and one modes of an isotropic exponential covariance, which is no product, on the unit square."""
+    """Times and compares 101 modes of an isotropic exponential covariance, which is not separable, on the unit square."""
     import openturns
 
     covariance = openturns.MaternModel([LENGTH] * 2, [1.0], 0.5)
@@ -178,7 +178,7 @@ def karhunen_loeve(arguments):
     theirs_s, their_values = timed(theirs)
     line = next(line for line in ours(arguments, "time_modes", OURS_SIDE, "exponential") if line.startswith("exponential"))
     ours_s = float(line.split("wall")[1].split()[0])
-    # The truth: ours at three sides, extrapolated by the observed order.
+    # The reference: eigenvalues of asperity at three sides, extrapolated by the observed order.
     coarse, middle, fine = (eigenvalues(arguments, side) for side in (64, 128, 256))
     ratio = (coarse - middle) / (middle - fine)
     truth = fine - (middle - fine) / (ratio - 1)
@@ -220,7 +220,7 @@ def main():
     text = (
         "# Surfaces\n\nMade by `benchmarks/surfaces/run.py`: both programs on the same work in one run, best times in second.\n\n"
         f"Machine: {machine({name: version(name) for name in PACKAGES})}.\n\n"
-        "| work | peer | its time | asperity | ratio | bar | what they find |\n|---|---|---|---|---|---|---|\n"
+        "| work | peer | its time | asperity | ratio | bar | results |\n|---|---|---|---|---|---|---|\n"
     )
     for work, peer, theirs_s, ours_s, bar, note in rows:
         ratio = theirs_s / ours_s

@@ -1,6 +1,6 @@
-"""One peer in a process of its own: `peers.py NAME` reads a job as JSON on its input and writes an answer.
+"""Runs one peer: `peers.py NAME` reads a job as JSON from standard input and prints the answer as JSON.
 
-Slip is integrated in X and X' until the relative velocity falls through zero; stick is a straight line, left in closed form. The
+Slip is integrated in X and X' until the relative velocity falls through zero; stick is a straight line and computed in closed form. The
 answer to a job has one entry for each relative tolerance of the job.
 """
 
@@ -9,12 +9,12 @@ import os
 import sys
 import time
 
-# Longest slip that is followed.
+# Longest slip that is integrated.
 LONGEST_SLIP = 100.0
 
 
 def timed(run, job):
-    """Seconds of the runs that count, and what the last gave."""
+    """Returns the seconds of the timed runs and the result of the last."""
     seconds = []
     for number in range(job["warm_up"] + job["repeats"]):
         start = time.perf_counter()
@@ -116,7 +116,7 @@ class Diffrax:
         return f"{self.diffrax.__version__} (jax {self.jax.__version__})"
 
     def period(self, job):
-        """The mean period as a function of damping ratio and tolerance."""
+        """Returns the mean period as a function of damping ratio and tolerance."""
         jax, diffrax = self.jax, self.diffrax
         friction, decay, velocity = (job[key] for key in ("friction", "decay", "velocity"))
 
@@ -133,7 +133,7 @@ class Diffrax:
             control = diffrax.PIDController(rtol=rtol, atol=rtol * job["atol_share"])
 
             def turn(total, _):
-                # The start depends on the sum, so that no two cycles become one.
+                # The start depends on the sum, so that the compiler does not merge cycles.
                 start = release + 0 * total, jax.numpy.asarray(velocity)
                 found = diffrax.diffeqsolve(diffrax.ODETerm(slope), solver, 0.0, LONGEST_SLIP, None, start, args=damping,
                                             event=arrival, stepsize_controller=control, max_steps=100_000)

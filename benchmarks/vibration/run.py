@@ -2,7 +2,7 @@
 
     python3 benchmarks/vibration/run.py [--quick | --full]
 
-The peers are installed and built under the build folder and kept there. Writes RESULTS.md beside this file; `--full` adds a sweep over
+The peers are installed and built below the build folder and kept there. Writes RESULTS.md beside this file; `--full` adds a sweep over
 damping on all threads, and `--quick` takes one round of smaller cases and only prints.
 """
 
@@ -35,11 +35,11 @@ ROUNDS = 3
 MACHINE = {"friction": 0.1, "decay": 4.2, "damping": 0.17, "velocity": 0.003}
 # Period of this cycle from arithmetic with 40 digits.
 PERIOD = 6.372163483739709201
-# True errors of the period that are asked for, and the one at which masses at once are compared.
+# Required errors of the period, and the one at which batches are compared.
 WANTED, WANTED_AT_ONCE = (1e-6, 1e-9, 1e-12), 1e-9
-# Largest differences of the end of any cycle of a stochastic trajectory.
+# Required differences of the ends of the cycles of a stochastic trajectory.
 WANTED_ENDS = (1e-2, 1e-5)
-# Relative tolerances that are tried; absolute ones are a thousandth.
+# Tried relative tolerances; the absolute tolerances are a thousandth of them.
 LADDER, ATOL_SHARE = [10.0**-k for k in range(5, 14)], 1e-3
 DURATION = 637.2
 
@@ -64,7 +64,7 @@ codegen-units = 1
 
 
 def build_crate():
-    """Builds the crate's program, with the machine's vector instructions; what kept it from being built."""
+    """Builds the program of the crate with the vector instructions of the machine; returns the error if this fails."""
     CRATE.mkdir(parents=True, exist_ok=True)
     (CRATE / "Cargo.toml").write_text(CARGO)
     shutil.copyfile(HERE / "differential_equations.rs", CRATE / "peer.rs")
@@ -91,15 +91,15 @@ def crate(case, job, rtols):
 
 def python(name, method):
     def ask(case, job, rtols):
-        said = MACHINE | job | {"case": case, "method": method, "rtols": rtols, "atol_share": ATOL_SHARE}
-        return process([PYTHON, HERE / "peers.py", name], json.dumps(said))["answers"]
+        request = MACHINE | job | {"case": case, "method": method, "rtols": rtols, "atol_share": ATOL_SHARE}
+        return process([PYTHON, HERE / "peers.py", name], json.dumps(request))["answers"]
 
     return ask
 
 
 @dataclass
 class Timing:
-    """Seconds of one piece of work by a code, the true error of its answer and the tolerance it took."""
+    """Seconds of one piece of work by a code, the true error of its answer and its tolerance."""
 
     error: float = 0.0
     rtol: float | None = None
@@ -109,7 +109,7 @@ class Timing:
     def median(self):
         return statistics.median(self.seconds)
 
-    def told(self, own=None):
+    def text(self, own=None):
         text = f"{duration(self.median)} ({duration(min(self.seconds))} – {duration(max(self.seconds))})"
         return text if own is None else f"{text}, **×{self.median / own.median:.3g}**"
 
@@ -120,7 +120,7 @@ class Bench:
         self.rounds = 1 if quick else ROUNDS
 
     def cycle(self):
-        """One deterministic cycle, at several true errors."""
+        """Times one deterministic cycle at several true errors."""
         scale = 10 if self.quick else 1
         few, many = {"cycles": 20 // scale}, {"cycles": 2000 // scale}
         codes = {
@@ -143,14 +143,14 @@ class Bench:
                      for rtol, answer in zip(LADDER, answers)]
             every.append((name, rungs))
             print(name, [(f"{rung.error:.0e}", duration(rung.median)) for rung in rungs], flush=True)
-        own, lanes = Timing(), Timing()
-        # By code and wanted error: the loosest tolerance that serves.
+        own, batch = Timing(), Timing()
+        # By code and required error: the loosest sufficient tolerance.
         chosen = {}
         for name, rungs in every:
             for wanted in WANTED:
-                serving = next((rung for rung in rungs if rung.error <= wanted), None)
-                if serving:
-                    chosen[name, wanted] = Timing(serving.error, serving.rtol)
+                sufficient = next((rung for rung in rungs if rung.error <= wanted), None)
+                if sufficient:
+                    chosen[name, wanted] = Timing(sufficient.error, sufficient.rtol)
         alone = {"cycles": 2000 // scale, "threads": 1, **runs}
         at_once = {"cycles": 400 // scale, "machines": 256, "threads": 1, **runs}
         for _ in range(self.rounds):
@@ -158,8 +158,8 @@ class Bench:
             own.error = abs(answer["period"] - PERIOD)
             own.seconds += [seconds / answer["cycles"] for seconds in answer["seconds"]]
             answer = ours("lockstep", at_once)
-            lanes.error = abs(answer["period"] - PERIOD)
-            lanes.seconds += [seconds / answer["cycles"] for seconds in answer["seconds"]]
+            batch.error = abs(answer["period"] - PERIOD)
+            batch.seconds += [seconds / answer["cycles"] for seconds in answer["seconds"]]
             for name, _ in every:
                 ask, job = codes[name]
                 rtols = sorted({chosen[name, wanted].rtol for wanted in WANTED if (name, wanted) in chosen}, reverse=True)
@@ -167,29 +167,29 @@ class Bench:
                     for wanted in WANTED:
                         if (name, wanted) in chosen and chosen[name, wanted].rtol == rtol:
                             chosen[name, wanted].seconds += [seconds / job["cycles"] for seconds in answer["seconds"]]
-        rows = [["asperity", f"{own.told()}, {own.error:.0e}", *[""] * (len(WANTED) - 1)]]
+        rows = [["asperity", f"{own.text()}, {own.error:.0e}", *[""] * (len(WANTED) - 1)]]
         for name, rungs in every:
             cells = []
             for wanted in WANTED:
                 timing = chosen.get((name, wanted))
-                cells.append(f"{timing.told(own)}, {timing.error:.0e} at {timing.rtol:.0e}" if timing
+                cells.append(f"{timing.text(own)}, {timing.error:.0e} at {timing.rtol:.0e}" if timing
                              else f"none: {min(rung.error for rung in rungs):.0e} at best")
             rows.append([name, *cells])
         rows += [[name, f"none: {why}", *[""] * (len(WANTED) - 1)] for name, why in failures.items()]
         text = ("## One cycle\n\nThe deterministic stick-slip cycle, μ_st = 0.1, a = 4.2, ζ = 0.17, V = 0.003; its period is "
-                f"{PERIOD:.15f}. Time of a cycle, true error of the period, and the relative tolerance that took; a peer takes, for every wanted "
-                "error, the loosest tolerance (powers of ten) that serves, by luck or not. asperity has one accuracy. All peers follow slip from the "
-                "detachment to their event and are spared stick, a straight line, by a closed form. *Events refined*: the crate's event lies on "
-                "its interpolation, whose error no tolerance governs, so the last step is taken once more as far as the event.\n\n"
+                f"{PERIOD:.15f}. A cell states the time of a cycle, the true error of the period, and the relative tolerance. For every "
+                "required error, a peer has the loosest tolerance (powers of ten) that reaches it, even if by chance. asperity has one accuracy. All peers "
+                "integrate slip from the detachment to their event; stick, a straight line, is computed in closed form. *Events refined*: the crate finds "
+                "events on its interpolation, whose error no tolerance controls, so the last step is repeated up to the event.\n\n"
                 + table(["code", *[f"error at most {wanted:.0e}" for wanted in WANTED]], rows))
         rows = [[name, *[f"{duration(rung.median)}, {rung.error:.0e}" for rung in rungs]] for name, rungs in every]
-        text += "\nOnce each, at every tolerance:\n\n" + table(["code", *[f"{rtol:.0e}" for rtol in LADDER]], rows)
-        return text, own, lanes, chosen
+        text += "\nSingle runs at every tolerance:\n\n" + table(["code", *[f"{rtol:.0e}" for rtol in LADDER]], rows)
+        return text, own, batch, chosen
 
-    def at_once(self, own, lanes, chosen):
-        """Many deterministic machines at once."""
+    def at_once(self, own, batch, chosen):
+        """Times many deterministic machines in one batch."""
         machines, cycles = 256, 5 if self.quick else 50
-        rows = [["asperity, in lockstep", f"{lanes.told(lanes)}, {lanes.error:.0e}"], ["asperity, one by one", f"{own.told(lanes)}, {own.error:.0e}"]]
+        rows = [["asperity, in lockstep", f"{batch.text(batch)}, {batch.error:.0e}"], ["asperity, one by one", f"{own.text(batch)}, {own.error:.0e}"]]
         for method in ("Tsit5", "Dopri8"):
             name = f"diffrax, {method}"
             if (name, WANTED_AT_ONCE) not in chosen:
@@ -203,16 +203,16 @@ class Bench:
             except Failed as failure:
                 rows.append([f"{name}, mapped", f"none: {failure}"])
                 continue
-            rows.append([f"{name}, mapped", f"{timing.told(lanes)}, at {rtol:.0e}"])
+            rows.append([f"{name}, mapped", f"{timing.text(batch)}, at {rtol:.0e}"])
         for (name, wanted), timing in chosen.items():
             if wanted == WANTED_AT_ONCE:
-                rows.append([f"{name}, one by one", f"{timing.told(lanes)}, {timing.error:.0e}"])
+                rows.append([f"{name}, one by one", f"{timing.text(batch)}, {timing.error:.0e}"])
         return ("## Many machines at once\n\nDeterministic cycles of 256 machines, damping ratios evenly from 0.153 to 0.187, on one thread; time "
-                f"per cycle, and true error of the period at ζ = 0.17. Peers at a wanted error of {WANTED_AT_ONCE:.0e}; *one by one* are the times "
-                "from above. diffrax maps the compiled cycle over machines (vmap).\n\n" + table(["code", "per cycle, ratio, error"], rows))
+                f"per cycle, and true error of the period at ζ = 0.17. Peers run at a required error of {WANTED_AT_ONCE:.0e}; *one by one* are the times "
+                "of the first table. diffrax maps the compiled cycle over machines (vmap).\n\n" + table(["code", "per cycle, ratio, error"], rows))
 
     def path(self):
-        """Trajectories under stochastic friction."""
+        """Times trajectories under stochastic friction."""
         paths, written = (40, 4) if self.quick else (400, 20)
         knots = self.folder / "knots.f64"
         truth = ours("path", {"paths": written, "repeats": 1, "warm_up": 0, "duration": DURATION, "knots": knots})
@@ -229,13 +229,13 @@ class Bench:
         }
 
         def off(answer):
-            """Largest distance of a cycle's end from ours; endless if another number of cycles was found."""
+            """Returns the largest difference of the ends of cycles; infinite if the number of cycles differs."""
             worst = 0.0
             for found, true, count in zip(answer["ends"], truth["ends"], truth["cycles_by_path"]):
                 worst = max(worst, max(min(abs(a - b) for b in true) for a in found)) if len(found) == count else float("inf")
             return worst
 
-        chosen, said = {}, {}
+        chosen, reasons = {}, {}
         for name, (ask, job, count, rungs) in codes.items():
             best = float("inf")
             try:
@@ -250,43 +250,43 @@ class Bench:
                     if best <= min(WANTED_ENDS):
                         break
                 least = "another number of cycles" if best == float("inf") else f"{best:.0e} at best"
-                said[name] = f"none: {least}, {duration(seconds)} at {rungs[-1]:.0e}"
+                reasons[name] = f"none: {least}, {duration(seconds)} at {rungs[-1]:.0e}"
             except Failed as failure:
-                said[name] = f"none: {failure}"
-        own, lanes = Timing(), Timing()
+                reasons[name] = f"none: {failure}"
+        own, batch = Timing(), Timing()
         runs = {"paths": paths, "duration": DURATION, "threads": 1, "repeats": 3, "warm_up": 1}
         for turn in range(self.rounds):
             own.seconds += [seconds / paths for seconds in ours("path", runs)["seconds"]]
             found = ours("ensemble", runs)
-            lanes.seconds += [seconds / paths for seconds in found["seconds"]]
+            batch.seconds += [seconds / paths for seconds in found["seconds"]]
             for (name, _), timing in chosen.items():
                 ask, job, count, _ = codes[name]
-                # A path of the slow ones takes seconds.
+                # A path takes seconds with the slow codes.
                 if turn < 3 or ask is crate:
                     repeats = 3 if ask is crate else 1
                     [answer] = ask("path", job | shared | {"warm_up": repeats // 2, "repeats": repeats}, [timing.rtol])
                     timing.seconds += [seconds / count for seconds in answer["seconds"]]
-        rows = [["asperity, one by one", own.told(own), ""], ["asperity, in lockstep", lanes.told(own), ""]]
+        rows = [["asperity, one by one", own.text(own), ""], ["asperity, in lockstep", batch.text(own), ""]]
         for name in codes:
             timings = [chosen.get((name, wanted)) for wanted in WANTED_ENDS]
-            rows.append([name, *[f"{t.told(own)}, {t.error:.0e} at {t.rtol:.0e}" if t else said[name] for t in timings]])
-        return (f"## One stochastic trajectory\n\nτ = {DURATION}, friction of standard deviation 0.001 with a Beta(2.1, 5) law and correlation "
-                "length λ = 0.01, knots λ/20 apart; one thread. asperity makes the noise as it goes and, in lockstep, the law of all events too; "
-                f"peers read the knots of the first {written} paths (SciPy of the first) from a file. Peers have the loosest tolerance with which "
-                "every path has as many cycles as asperity's and every cycle ends as close to asperity's as wanted; given are that largest "
-                f"difference and the tolerance. asperity: {found['cycles'] / paths:.2f} cycles a path, standard error {found['se']:.2f}. From knot to knot the "
-                "crate's program has its own search for the nearer of two events, knot and end of slip, on the crate's interpolation, and first steps that "
-                "aim at the knot; ends of slips are refined as above, *knots refined* likewise.\n\n"
+            rows.append([name, *[f"{t.text(own)}, {t.error:.0e} at {t.rtol:.0e}" if t else reasons[name] for t in timings]])
+        return (f"## One stochastic trajectory\n\nτ = {DURATION}, friction of standard deviation 0.001 with a Beta(2.1, 5) distribution and correlation "
+                "length λ = 0.01, linear between knots λ/20 apart; one thread. asperity generates the noise during the run and, in lockstep, also computes "
+                f"the distributions of all events; peers read the knots of the first {written} paths (SciPy of the first) from a file. Peers have the "
+                "loosest tolerance with which every path has as many cycles as asperity's and every cycle ends within the required difference; cells state "
+                f"the largest difference and the tolerance. asperity: {found['cycles'] / paths:.2f} cycles a path, standard error {found['se']:.2f}. From knot to knot the "
+                "program of the crate searches for the earlier of two events, knot and end of slip, on the interpolation of the crate, and its first steps "
+                "aim at the knot. Ends of slips are refined as above; *knots refined* refines the knots in the same way.\n\n"
                 + table(["code", *[f"ends within {wanted:.0e}" for wanted in WANTED_ENDS]], rows))
 
     def sweep(self):
-        """Many trajectories at many dampings."""
+        """Times many trajectories at many damping ratios."""
         paths = 10_000
         answer = ours("sweep", {"paths": paths, "dampings": 12, "duration": DURATION, "threads": 0, "repeats": 1, "warm_up": 0})
         rows = [[f"{damping:.4f}", f"{mean:.2f}"] for damping, mean in zip(answer["dampings"], answer["mean_cycles"])]
         interval = " – ".join(f"{bound:.4f}" for bound in answer["half_interval"])
         return (f"## A sweep\n\nasperity on all threads: 12 damping ratios of {paths:,} trajectories each in {duration(answer['seconds'][0])}. The "
-                f"cycles fall through half their number at ζ = {answer['half']:.4f} ({interval}).\n\n" + table(["damping ratio", "mean cycles"], rows))
+                f"mean number of cycles falls to half at ζ = {answer['half']:.4f} ({interval}).\n\n" + table(["damping ratio", "mean cycles"], rows))
 
 
 def main():
@@ -312,7 +312,7 @@ def main():
         if arguments.full:
             parts.append(bench.sweep())
     text = "\n".join([
-        "# Stick-slip beside its peers\n",
+        "# Stick-slip compared with its peers\n",
         f"Made by `benchmarks/vibration/run.py{' --full' if arguments.full else ''}` on {datetime.date.today()}, asperity at {commit()}. One thread "
         f"each; medians, with the range, over interleaved rounds of fresh processes. Load average {before:.2f} before and {os.getloadavg()[0]:.2f} "
         "after the run.\n",

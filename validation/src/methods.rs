@@ -1,4 +1,4 @@
-//! All methods of the comparison, from the contact solutions of one study.
+//! Estimates of the pressure by all methods of the comparison, from the contact solutions of one study.
 //!
 //! Besides the methods of [`asperity::pressure`]: censored regression, a two-part model, a control
 //! variate in the rotated normal variables, multilevel Monte Carlo without regression, and pooling of cells.
@@ -18,15 +18,15 @@ use asperity::pressure::{Method, MethodComparison, MethodError, PressureError, P
 use latent::LatentOverlap;
 use two_part::TwoPart;
 
-/// Fewest samples in contact from which a distribution of the pressure in contact is modelled.
+/// Smallest number of samples in contact for a model of the pressure in contact.
 const LEAST_IN_CONTACT: usize = 10;
-/// Samples for each coefficient that a degree needs to be tried.
+/// Smallest number of samples per coefficient for a degree to be tried.
 const SAMPLES_PER_TERM: usize = 4;
 
-/// An estimate, or why there is none.
+/// An estimate, or the reason why there is none.
 pub type Outcome = Result<PressureEstimate, Box<dyn Error + Send + Sync>>;
 
-/// Names of the methods, in the order of [`estimates`].
+/// Returns the names of the methods, in the order of [`estimates`].
 pub fn names() -> Vec<&'static str> {
     let product = Method::ALL.map(Method::name);
     let (last, first) = product.split_last().map_or(("", &[][..]), |(last, first)| (*last, first));
@@ -75,17 +75,17 @@ pub fn estimates(
     Ok(product.into_iter().chain(own).chain(last).collect())
 }
 
-/// The rows of some samples.
+/// Returns the rows of some samples.
 fn rows_of(rotated: &RotatedSamples, samples: &[usize]) -> Vec<Vec<f64>> {
     samples.iter().map(|i| rotated.rows[*i].clone()).collect()
 }
 
-/// The rows of all other samples.
+/// Returns the rows of all other samples.
 fn rows_but(rotated: &RotatedSamples, samples: &[usize]) -> Vec<Vec<f64>> {
     rows_of(rotated, &others(samples, rotated.rows.len()))
 }
 
-/// A point between 0 and 1 for each index, evenly spread.
+/// Returns a point between 0 and 1 for each index; the points are evenly distributed.
 fn golden(index: usize) -> f64 {
     ((index as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
 }

@@ -1,9 +1,10 @@
-//! Time and memory of a bare loop over the members of a campaign, as JSON: what `asperity campaign` needs beside it is its overhead.
+//! Measures time and memory of a bare loop over the members of a campaign, and prints JSON. The overhead of `asperity campaign` is relative to
+//! this loop.
 //!
 //! `cargo run -p asperity-benchmarks --bin time_campaign STUDY.toml COUNT CAMPAIGN.toml`
 //!
 //! The members are the study with COUNT damping ratios from 0.05 on; CAMPAIGN.toml is written for `asperity campaign`.
-#![expect(clippy::print_stdout, reason = "the numbers are what this program is for")]
+#![expect(clippy::print_stdout, reason = "prints measurements")]
 
 use std::error::Error;
 use std::fs;
@@ -17,7 +18,7 @@ use rayon::prelude::*;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [study, count, campaign] = arguments.as_slice() else {
-        return Err("wanted: STUDY.toml COUNT CAMPAIGN.toml".into());
+        return Err("usage: time_campaign STUDY.toml COUNT CAMPAIGN.toml".into());
     };
     let count: usize = count.parse()?;
     let text = fs::read_to_string(study)?;

@@ -1,9 +1,9 @@
-//! Time of building and evaluating expansions and designs, as JSON.
+//! Times building and evaluating expansions and designs, and prints JSON.
 //!
 //! `RAYON_NUM_THREADS=1 cargo run --release -p asperity-benchmarks --bin time_chaos [points]`
 //!
-//! Each time is the least of five.
-#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+//! Each time is the best of five.
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::error::Error;
 use std::hint::black_box;

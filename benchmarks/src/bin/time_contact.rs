@@ -1,25 +1,25 @@
-//! Seconds of contact solves, as JSON, with the pressure beside it for a check from outside.
+//! Times contact solves, and prints JSON. It can write the pressures to a file for an independent check.
 //!
 //! `cargo run --release -p asperity-benchmarks --bin time_contact -- HEIGHTS key=value …` with
 //!
 //! | key | default | meaning |
 //! |---|---|---|
 //! | `points` | | cells along either side of the square map |
-//! | `maps` | 1 | maps in the file, solved one after the other, or side by side where there are threads |
+//! | `maps` | 1 | maps in the file, solved one after the other, or in parallel with several threads |
 //! | `size`, `modulus` | 1, 1 | side of the map in metre, contact modulus E* in pascal |
 //! | `boundary` | `periodic` | or `free` |
 //! | `mean_pressure` or `penetration` | | in pascal or metre |
 //! | `hardness` | | in pascal; elastic when left out |
 //! | `tolerance` | 1e-6 | of the solver |
-//! | `repeats`, `warm_up` | 5, 1 | solves of everything that are timed, and that are not and come first |
+//! | `repeats`, `warm_up` | 5, 1 | timed solves of all maps, and solves before them that are not timed |
 //! | `threads` | 1 | of the pool |
-//! | `fresh` | false | whether each solve makes kernel, memory and all fields anew, as a single call from Python does; one thread |
+//! | `fresh` | false | whether each solve creates kernel, memory and all fields, as a single call from Python does; one thread |
 //! | `transforms` | true | whether transforms and applications of the compliance are timed too |
 //! | `pressure` | | file for the pressures |
 //!
-//! HEIGHTS holds `maps` × `points` × `points` little-endian doubles in metre, the pressures likewise in pascal. Planning of
-//! transforms and the kernel are made once and not timed; the memory of a solution is.
-#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+//! HEIGHTS contains `maps` × `points` × `points` little-endian doubles in metre; the file of pressures has the same layout, in pascal.
+//! The plans of transforms and the kernel are made once and not timed. The allocation of a solution is timed.
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::error::Error;
 use std::hint::black_box;
@@ -37,7 +37,7 @@ use serde_json::json;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Transforms are repeated for about so long.
+/// Duration for which transforms are repeated.
 const TRANSFORMS_S: f64 = 0.2;
 
 fn main() -> Result<()> {
@@ -76,12 +76,12 @@ fn main() -> Result<()> {
         .iter()
         .map(|heights_m| ContactProblem::new(&half_space, heights_m, control, hardness_pa))
         .collect::<std::result::Result<Vec<_>, _>>()?;
-    // Scratch memory is kept between solves, as the peers do; side by side every thread has its own.
+    // Workspaces are reused between solves, as in the peers. Every thread has its own.
     let workspaces: Vec<_> = (0..threads.min(maps)).map(|_| Mutex::new(half_space.workspace())).collect();
     let chunk = maps.div_ceil(workspaces.len().max(1));
     let solve = || {
-        let shares = problems.par_chunks(chunk).zip(&workspaces);
-        let solved = shares.map(|(problems, workspace)| {
+        let parts = problems.par_chunks(chunk).zip(&workspaces);
+        let solved = parts.map(|(problems, workspace)| {
             let mut workspace = workspace.lock().unwrap_or_else(PoisonError::into_inner);
             problems.iter().map(|problem| solver.solve_with(problem, &mut workspace)).collect()
         });
@@ -101,7 +101,7 @@ fn main() -> Result<()> {
     let mut solutions = Vec::new();
     let mut seconds = Vec::new();
     for run in 0..warm_up + repeats {
-        // The memory of the last solutions is given back first.
+        // Free the memory of the last solutions first.
         solutions.clear();
         let start = Instant::now();
         solutions = if fresh { solve_afresh()? } else { pool.install(solve)? };
@@ -133,7 +133,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Maps of `points` × `points` little-endian doubles.
+/// Reads maps of `points` × `points` little-endian doubles.
 fn read(file: &Path, maps: usize, points: usize) -> Result<Vec<Array2<f64>>> {
     let bytes = std::fs::read(file)?;
     let wanted = maps * points * points * size_of::<f64>();
@@ -155,7 +155,7 @@ fn write(file: &Path, solutions: &[Solution]) -> Result<()> {
     Ok(std::io::Write::flush(&mut out)?)
 }
 
-/// Median seconds of a forward and an inverse transform of a map, continued with zeros on the free boundary.
+/// Returns the median time of a forward and an inverse transform of a map, which is padded with zeros on the free boundary.
 fn transform_s(points: usize, boundary: Boundary) -> f64 {
     let length = if boundary == Boundary::Free { good_length(2 * points - 1) } else { points };
     let fft = RealFft2::new(length, length);
@@ -166,7 +166,7 @@ fn transform_s(points: usize, boundary: Boundary) -> f64 {
     })
 }
 
-/// Median seconds of a displacement from a pressure.
+/// Returns the median time of a displacement from a pressure.
 fn application_s(half_space: &HalfSpace, points: usize) -> f64 {
     let (pressure, mut displacement) = (vec![1.0; points * points], vec![0.0; points * points]);
     let mut workspace = half_space.workspace();

@@ -1,4 +1,4 @@
-//! Where the time of the friction stage goes, as JSON: strips of a rough steel surface at eight percentiles.
+//! Times the parts of the friction stage on strips of a rough steel surface at eight percentiles, and prints JSON.
 //!
 //! `cargo run --release -p asperity-benchmarks --bin time_friction -- key=value …` with
 //!
@@ -8,11 +8,11 @@
 //! | `nx`, `ny` | 2048, 256 | cells of a strip of 6 mm × 0.75 mm |
 //! | `tolerance` | 1e-4 | of the solver |
 //! | `threads` | 2 | of the pool |
-//! | `parts` | 2 | strips on which generation, solves from nothing and from the last level, and windows are timed apart, on one thread |
+//! | `parts` | 2 | strips on which generation, cold and warm solves, and windows are timed separately, on one thread |
 //!
 //! Heights are normal of Sq = 1 µm with squared exponential covariance, ℓ = 20 µm; E = 210 GPa, ν = 0.3, H = 2 GPa; the boundary
-//! is periodic. `/usr/bin/time -f %M` tells the memory.
-#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+//! is periodic. `/usr/bin/time -f %M` prints the memory.
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -35,7 +35,7 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>
 
 const PERCENTILES: [f64; 8] = [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 75.0];
 
-/// The numbers that may be set.
+/// Settings from the command line.
 struct Settings {
     strips: usize,
     nx: usize,
@@ -107,7 +107,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Seconds of every part of the work on some strips.
+/// Returns the seconds of each part of the work on `count` strips.
 fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Value> {
     let (mut xi_s, mut maps_s, mut windows_s) = (0.0, 0.0, 0.0);
     let mut by_level = vec![[0.0; 4]; controls.len()];

@@ -1,10 +1,10 @@
-//! Time and memory of a hundred and one Karhunen–Loève modes of covariances that are no products.
+//! Measures time and memory of 101 Karhunen–Loève modes of covariances that are not separable.
 //!
 //! `cargo run --release -p asperity-benchmarks --bin time_modes -- 256 [exponential|matern|oblique|measured]`
 //!
-//! A square of `points` × `points` with correlation length a fifth of the side. On Linux the processor time of all threads
-//! and the largest resident memory are told as well, which matter on a shared machine.
-#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+//! The surface is a square of `points` × `points` with a correlation length of a fifth of the side. On Linux the program also prints the
+//! processor time of all threads, which does not depend on other programs, and the largest resident memory.
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::error::Error;
 use std::time::Instant;
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if only.as_deref().is_some_and(|only| only != name) {
             continue;
         }
-        // A measured covariance rests on a map ten lengths wide, twice the width of the modes'.
+        // The covariance is measured on a map ten lengths wide, twice the width of the square of the modes.
         let measured = if name == "measured" { Some(measured(points, &exponential)?) } else { None };
         let covariance: &dyn StationaryCovariance = match (name, &measured) {
             (_, Some(measured)) => measured,
@@ -49,8 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             "{name}: {points} × {points}, {MODES} modes, captured variance {:.6}, wall {wall_s:.2} s, processor {}, one map \
              {draw_s:.3} s, largest memory {}",
             surface.captured_variance(),
-            told(processor_s().zip(before).map(|(after, before)| after - before), "s"),
-            told(largest_memory_gb(), "GB"),
+            formatted(processor_s().zip(before).map(|(after, before)| after - before), "s"),
+            formatted(largest_memory_gb(), "GB"),
         );
     }
     Ok(())
@@ -65,11 +65,11 @@ fn measured(points: usize, covariance: &Covariance) -> Result<MeasuredCovariance
     Ok(measured)
 }
 
-fn told(value: Option<f64>, unit: &str) -> String {
+fn formatted(value: Option<f64>, unit: &str) -> String {
     value.map_or_else(|| "unknown".into(), |value| format!("{value:.2} {unit}"))
 }
 
-/// Processor time of all threads so far.
+/// Returns the processor time of all threads so far.
 fn processor_s() -> Option<f64> {
     const TICKS_PER_SECOND: f64 = 100.0;
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
@@ -78,7 +78,7 @@ fn processor_s() -> Option<f64> {
     Some(ticks / TICKS_PER_SECOND)
 }
 
-/// Largest resident memory so far.
+/// Returns the largest resident memory so far.
 fn largest_memory_gb() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find(|line| line.starts_with("VmHWM:"))?;

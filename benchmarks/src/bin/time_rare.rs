@@ -1,10 +1,10 @@
-//! Small probabilities of replicates with their evaluations, as JSON.
+//! Estimates a small probability in several replicates, and prints the estimates and their numbers of evaluations as JSON.
 //!
 //! `cargo run -p asperity-benchmarks --bin time_rare LIMIT_STATE VARIABLES PARAMETER REPLICATES [SAMPLES]`
 //!
-//! With SAMPLES, ten replicates of subset simulation with so many samples per level make one estimate.
+//! With SAMPLES, one estimate is the mean of ten subset simulations with this number of samples per level.
 //! `benchmarks/rare/limit_states.py` has the same limit states.
-#![expect(clippy::print_stdout, reason = "the numbers are what this program is for")]
+#![expect(clippy::print_stdout, reason = "prints results")]
 
 use std::error::Error;
 
@@ -14,7 +14,7 @@ use asperity::monitor::Silent;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [name, variables, parameter, replicates, samples @ ..] = arguments.as_slice() else {
-        return Err("wanted: LIMIT_STATE VARIABLES PARAMETER REPLICATES [SAMPLES]".into());
+        return Err("usage: time_rare LIMIT_STATE VARIABLES PARAMETER REPLICATES [SAMPLES]".into());
     };
     let (variables, parameter): (usize, f64) = (variables.parse()?, parameter.parse()?);
     let samples = samples.first().map(|samples| samples.parse::<usize>()).transpose()?;

@@ -1,8 +1,8 @@
 //! Times reading a file: `cargo run --release -p asperity-benchmarks --bin time_read -- FILE [REPEATS] [HEIGHTS.npy]`.
 //!
-//! Prints `rows columns best median` with times in second, and writes the heights as NPY when told to. The first read
-//! is not counted: it brings the file into the page cache.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "the times are what this program is for")]
+//! Prints `rows columns best median` with times in second, and writes the heights to HEIGHTS.npy if it is given. The first read
+//! is not timed, because it loads the file into the page cache.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "prints times")]
 
 use std::{env, error::Error, hint::black_box, path::PathBuf, process::ExitCode, time::Instant};
 
@@ -18,7 +18,7 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = env::args().skip(1);
-    let file = PathBuf::from(arguments.next().ok_or("name a file")?);
+    let file = PathBuf::from(arguments.next().ok_or("usage: time_read FILE [REPEATS] [HEIGHTS.npy]")?);
     let repeats: usize = arguments.next().map_or(Ok(5), |count| count.parse())?;
     let scan = asperity_formats::read(&file)?;
     if let Some(heights) = arguments.next() {

@@ -1,10 +1,10 @@
-//! Seconds of polynomial-chaos regressions, as JSON, with their results beside them for a check from outside.
+//! Times polynomial-chaos regressions, and prints JSON. It can write the results to a file for an independent check.
 //!
-//! `cargo run --release -p asperity-benchmarks --bin time_regression -- CASE key=value …`; all files hold little-endian doubles, row by
+//! `cargo run --release -p asperity-benchmarks --bin time_regression -- CASE key=value …`; all files contain little-endian doubles, row by
 //! row. A basis has total degree `degree` in `variables` variables, the first `hermite` of them (default all) standard normal
 //! and the others uniform on [−1, 1].
 //!
-//! | case | keys | what is timed |
+//! | case | keys | timed work |
 //! |---|---|---|
 //! | `solve` | basis, `points`, `samples`, `responses`, `count` | design matrix, factorisation, all responses |
 //! | `fit` | the same | the same, with leave-one-out errors |
@@ -13,10 +13,10 @@
 //!
 //! | key | default | meaning |
 //! |---|---|---|
-//! | `repeats`, `warm_up` | 5, 1 | runs that are timed, and that are not and come first |
+//! | `repeats`, `warm_up` | 5, 1 | timed runs, and runs before them that are not timed |
 //! | `threads` | 1 | of the pool |
 //! | `output` | | file for coefficients (`[coefficients, responses]`) or values |
-#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ fn points_of(words: &mut Words, samples: usize, basis: &Basis) -> Result<Vec<Vec
     Ok(values.chunks(variables).map(<[f64]>::to_vec).collect())
 }
 
-/// How often, and on what.
+/// Numbers of runs, and the thread pool.
 struct Runs {
     repeats: usize,
     warm_up: usize,
@@ -57,12 +57,12 @@ struct Runs {
 }
 
 impl Runs {
-    /// Seconds of each run that counts, and what the last gave.
+    /// Returns the seconds of each timed run and the result of the last.
     fn time<T: Send>(&self, run: impl Fn() -> Result<T> + Sync) -> Result<(Vec<f64>, T)> {
         let mut seconds = Vec::new();
         let mut last = None;
         for number in 0..self.warm_up + self.repeats.max(1) {
-            // The memory of the last result is given back first.
+            // Free the memory of the last result first.
             drop(last.take());
             let start = Instant::now();
             let result = self.pool.install(|| run().map_err(|error| error.to_string()))?;
@@ -87,7 +87,7 @@ fn main() -> Result<()> {
         "fit" => solve(words, &runs, true)?,
         "evaluate" => evaluate(words, &runs)?,
         "select" => select(words, &runs)?,
-        other => return Err(format!("{other} is no case").into()),
+        other => return Err(format!("{other} is not a case").into()),
     };
     if let Some(path) = output {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
@@ -145,7 +145,7 @@ fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
         "omp" => SparseMethod::OrthogonalMatchingPursuit,
         "lars" => SparseMethod::LeastAngle,
         "sp" => SparseMethod::SubspacePursuit,
-        other => return Err(format!("method={other} is none of omp, lars and sp").into()),
+        other => return Err(format!("method={other} is not one of omp, lars and sp").into()),
     };
     let default = SparseRegression::default();
     let regression = SparseRegression {
@@ -184,7 +184,7 @@ fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
     Ok((answer, fit.dense(columns)))
 }
 
-/// Most memory that the process ever had resident, where the system says so.
+/// Returns the peak resident memory of the process, or `None` if the system does not report it.
 fn peak_memory_bytes() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -195,7 +195,7 @@ fn read(path: &Path, count: usize) -> Result<Vec<f64>> {
     let bytes = std::fs::read(path)?;
     let (values, rest) = bytes.as_chunks::<8>();
     if values.len() != count || !rest.is_empty() {
-        return Err(format!("{} holds {} bytes, wanted {count} doubles", path.display(), bytes.len()).into());
+        return Err(format!("{} has {} bytes, expected {count} doubles", path.display(), bytes.len()).into());
     }
     Ok(values.iter().map(|value| f64::from_le_bytes(*value)).collect())
 }

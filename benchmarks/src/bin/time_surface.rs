@@ -1,10 +1,10 @@
-//! Best and median seconds of the surface analysis of one map: `time_surface MAP.npy [REPEATS [ONLY [FOLDER]]]`.
+//! Prints best and median seconds of the surface analyses of one map: `time_surface MAP.npy [REPEATS [ONLY [FOLDER]]]`.
 //!
-//! ONLY names the lines to run, by a part of their names. In FOLDER, where it is named, the radial spectrum is left as CSV.
+//! ONLY is a part of the names of the lines to run. If FOLDER is given, the radial spectrum is written there as CSV.
 //! The map's heights are in metre; without a pixel size in the file the pixels are 1 µm wide. `RAYON_NUM_THREADS` sets the
 //! number of threads. Each line is one analysis, from the heights in memory to its numbers.
 
-#![expect(clippy::print_stdout, reason = "the times are the program's output")]
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ use asperity::surface::{areal, fractal};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let file = arguments.next().ok_or("usage: time_surface MAP.npy [REPEATS]")?;
+    let file = arguments.next().ok_or("usage: time_surface MAP.npy [REPEATS [ONLY [FOLDER]]]")?;
     let repeats = arguments.next().map_or(Ok(7), |count| count.parse())?;
     let only = arguments.next().unwrap_or_default();
     let folder = arguments.next().map(PathBuf::from);

@@ -1,26 +1,26 @@
-//! Seconds of the stick-slip solver, as JSON, with what it found beside them for a check from outside.
+//! Times the stick-slip solver, and prints seconds and results as JSON.
 //!
-//! `cargo run --release -p asperity-benchmarks --bin time_vibration -- CASE key=value …`; the mass on the belt has the paper's law.
+//! `cargo run --release -p asperity-benchmarks --bin time_vibration -- CASE key=value …`; the mass on the belt has the friction law of the paper.
 //!
-//! | case | what is timed |
+//! | case | timed work |
 //! |---|---|
 //! | `cycle` | `cycles` deterministic cycles of one mass |
-//! | `lockstep` | `cycles` deterministic cycles of each of `machines` masses at once, damping ratios evenly over ±10 % |
+//! | `lockstep` | `cycles` deterministic cycles of each of `machines` masses in one batch, damping ratios evenly over ±10 % |
 //! | `path` | `paths` trajectories of `duration` under stochastic friction, one after the other, the noise included |
-//! | `ensemble` | the same at once, with the law of what they count |
-//! | `sweep` | `paths` trajectories at each of `dampings` damping ratios from 0.14 to 0.30, at once |
+//! | `ensemble` | the same in one batch, with the distributions of their counts |
+//! | `sweep` | `paths` trajectories at each of `dampings` damping ratios from 0.14 to 0.30, in one batch |
 //!
 //! | key | default | meaning |
 //! |---|---|---|
 //! | `friction`, `decay`, `damping`, `velocity` | 0.1, 4.2, 0.17, 0.003 | μ_st, a, ζ, V |
 //! | `cycles`, `machines`, `paths`, `dampings` | 1000, 256, 400, 12 | see above |
 //! | `duration` | 637.2 | τ of a trajectory |
-//! | `std`, `length` | 0.001, 0.01 | of the friction process: Beta(2.1, 5), 20 knots per correlation length |
+//! | `std`, `length` | 0.001, 0.01 | of the friction process: Beta(2.1, 5), 20 grid points per correlation length |
 //! | `seed` | 1 | of the friction process |
-//! | `repeats`, `warm_up` | 5, 1 | runs that are timed, and that are not and come first |
+//! | `repeats`, `warm_up` | 5, 1 | timed runs, and runs before them that are not timed |
 //! | `threads` | 1 | of the pool; 0: all |
-//! | `knots` | | file for the knots of all paths, little-endian doubles, path by path (`path`) |
-#![expect(clippy::print_stdout, reason = "the times are what this program is for")]
+//! | `knots` | | file for the grid values of all paths, little-endian doubles, path by path (`path`) |
+#![expect(clippy::print_stdout, reason = "prints times")]
 
 use std::error::Error;
 use std::hint::black_box;
@@ -37,7 +37,7 @@ use serde_json::{Value, json};
 
 type Result<T> = std::result::Result<T, Box<dyn Error + Send + Sync>>;
 
-/// What is to be done.
+/// Settings of the timed work.
 struct Job {
     damping: f64,
     oscillator: Oscillator,
@@ -54,7 +54,7 @@ struct Job {
 }
 
 impl Job {
-    /// Seconds of the runs that count, and what the last gave.
+    /// Returns the seconds of the timed runs and the result of the last.
     fn timed<T>(&self, mut run: impl FnMut() -> Result<T>) -> Result<(Vec<f64>, T)> {
         for _ in 0..self.warm_up {
             run()?;
@@ -74,7 +74,7 @@ impl Job {
         TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::default() }
     }
 
-    /// Time in which a mass from the default start finishes at least `cycles` cycles.
+    /// Returns a duration in which a mass from the default start finishes at least `cycles` cycles.
     fn long_enough(&self, cycles: usize) -> Result<f64> {
         let regime = limit_cycle(&self.oscillator)?;
         let period = regime.cycle().ok_or("there is no cycle at this damping ratio")?.period;
@@ -107,13 +107,13 @@ impl Job {
             }
             Ok(cycles)
         })?;
-        // The period from the ends of the first and a later slip, which only counts tell.
+        // The batch returns counts alone, so the period follows from bisected ends of the first and a later cycle.
         let later = self.cycles.min(100);
         let (first, last) = (self.end_of_cycle(1)?, self.end_of_cycle(1 + later)?);
         Ok(json!({ "seconds": seconds, "cycles": cycles, "period": (last - first) / later as f64 }))
     }
 
-    /// When lanes finish cycle `number`: the least duration in which they count so many.
+    /// Returns the time at which the batch finishes cycle `number`: the shortest duration with this count.
     fn end_of_cycle(&self, number: usize) -> Result<f64> {
         let machines = vec![self.oscillator.clone(); 8];
         let (mut before, mut after) = (0.0, self.long_enough(number)?);
@@ -147,7 +147,7 @@ impl Job {
         Ok(answer)
     }
 
-    /// As many knots as a mass that never moved back would pass, and some more.
+    /// Writes the grid values that a mass passes if it never moves backwards, and a few more.
     fn write_knots(&self) -> Result<()> {
         let farthest = self.oscillator.belt_velocity() * self.duration + 2.0 * self.oscillator.static_friction();
         let count = (farthest / self.process.step()) as usize + 2;
@@ -169,8 +169,8 @@ impl Job {
     }
 
     fn sweep(&self) -> Result<Value> {
-        let share = |i: usize| i as f64 / (self.dampings - 1).max(1) as f64;
-        let dampings: Vec<f64> = (0..self.dampings).map(|i| 0.14 + 0.16 * share(i)).collect();
+        let fraction = |i: usize| i as f64 / (self.dampings - 1).max(1) as f64;
+        let dampings: Vec<f64> = (0..self.dampings).map(|i| 0.14 + 0.16 * fraction(i)).collect();
         let settings = EnsembleSettings::new(self.paths, self.duration, self.seed);
         let (seconds, found) =
             self.timed(|| Ok(damping_sweep(&self.oscillator, &dampings, &self.process, &settings, &Silent)?))?;
@@ -183,14 +183,14 @@ impl Job {
     }
 }
 
-/// When the mass stuck again.
+/// Returns the times at which the mass sticks again.
 fn ends(events: &[Event]) -> Vec<f64> {
     events.iter().filter(|event| event.kind == EventKind::Restick).map(|event| event.tau).collect()
 }
 
 fn main() -> Result<()> {
     let mut words = std::env::args().skip(1);
-    let case = words.next().ok_or("name a case")?;
+    let case = words.next().ok_or("usage: time_vibration CASE key=value …")?;
     let mut words = Words::parse(words)?;
     let damping = words.or("damping", 0.17)?;
     let (friction, decay, velocity) =
@@ -218,7 +218,7 @@ fn main() -> Result<()> {
         "path" => job.path(),
         "ensemble" => job.ensemble(),
         "sweep" => job.sweep(),
-        _ => Err(format!("{case} is no case").into()),
+        _ => Err(format!("{case} is not a case").into()),
     })?;
     println!("{answer}");
     Ok(())

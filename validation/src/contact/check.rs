@@ -1,4 +1,4 @@
-//! Solution of random problems, and checks of each answer from its pressure alone.
+//! Solutions of random problems, each checked from its pressure alone.
 
 use std::error::Error;
 
@@ -85,7 +85,7 @@ impl CheckedSolution {
         })
     }
 
-    /// Returns the largest difference between the residuals claimed and found.
+    /// Returns the largest difference between the residuals that the solver reports and those evaluated here.
     pub fn difference(&self) -> f64 {
         let miss = |found: f64| (self.claimed.frank_wolfe - found).abs();
         let frank_wolfe = miss(self.found.frank_wolfe);
@@ -93,7 +93,7 @@ impl CheckedSolution {
         let load = self.found.load - self.claimed.load;
         match self.control {
             // Gaps are relative to the plane if the solver searches for it, otherwise to the smallest gap. Overlaps within
-            // the tolerance enter the claimed mean gap in two ways, of which the solver reports the worse.
+            // the tolerance enter the reported mean gap in two ways, of which the solver reports the larger error.
             Control::MeanGap { .. } => frank_wolfe.min(miss(self.from_plane)).max(overlap).max(load),
             _ => frank_wolfe.max(overlap).max(load.abs()),
         }

@@ -1,7 +1,7 @@
-//! Regression of values that are known within bounds only.
+//! Censored regression: regression of values that are only known within bounds.
 //!
-//! The latent value is y* = Σ c_j ψ_j + σ ε with a standard normal ε; seen is y* within the bounds, and the bound beyond them.
-//! In c/σ and 1/σ the log-likelihood is concave, so Newton's method finds its maximum from anywhere.
+//! The latent value is y* = Σ c_j ψ_j + σ ε with a standard normal ε. The observed value is y* clamped to the bounds.
+//! In c/σ and 1/σ the log-likelihood is concave, so Newton's method finds its maximum from any start.
 //!
 //! # References
 //! J. Tobin, *Econometrica* **26** (1958) 24, <https://doi.org/10.2307/1907382>.
@@ -12,13 +12,13 @@ use ndarray::{Array1, Array2, ArrayView2};
 use super::newton::{Local, maximise};
 use asperity::distribution::{standard_normal_cdf, standard_normal_pdf};
 
-/// Least and largest ratio of the scale of the values to σ. Values all of which lie on bounds, on either, end at the least, an
-/// exact fit at the largest.
+/// Smallest and largest ratio of the scale of the values to σ. The fit ends at the smallest if all values lie on bounds, and at the
+/// largest if the fit is exact.
 const PRECISION: [f64; 2] = [1e-3, 1e5];
-/// Below it the tail is that of the asymptotic series.
+/// Argument below which the tail is computed by the asymptotic series.
 const TAIL: f64 = -30.0;
 
-/// A latent value.
+/// Fitted model of the latent value.
 #[derive(Debug, Clone)]
 pub(crate) struct Censored {
     pub(crate) coefficients: Vec<f64>,
@@ -26,7 +26,7 @@ pub(crate) struct Censored {
     pub(crate) log_likelihood: f64,
 }
 
-/// Fits `values` within `bounds` at the rows of the design. There has to be a value above the lower bound.
+/// Fits `values` within `bounds` at the rows of the design. At least one value must lie above the lower bound.
 pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2]) -> Censored {
     let terms = design.ncols();
     let seen = values.iter().filter(|y| **y > bounds[0]);
@@ -74,7 +74,7 @@ pub(crate) fn fit(design: ArrayView2<'_, f64>, values: &[f64], bounds: [f64; 2])
     Censored { coefficients: place[..terms].iter().map(|delta| delta * sigma).collect(), sigma, log_likelihood }
 }
 
-/// ln Φ(z), and φ(z)/Φ(z).
+/// Returns ln Φ(z) and φ(z)/Φ(z).
 fn log_normal_cdf(z: f64) -> (f64, f64) {
     if z > TAIL {
         let below = standard_normal_cdf(z);
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use asperity::random::{standard_normal, stream};
 
-    /// The design of a line, and values with normal errors.
+    /// Returns the design of a line, and values with normal errors.
     fn line(samples: usize) -> (Array2<f64>, Vec<f64>) {
         let xi = standard_normal(&mut stream(4, "censored", 0), 2 * samples);
         let design = Array2::from_shape_fn((samples, 2), |(i, j)| if j == 0 { 1.0 } else { xi[i] });
@@ -100,7 +100,7 @@ mod tests {
         (design, values)
     }
 
-    /// Expectation and maximisation in turn: each censored value is replaced by its moments given the bound.
+    /// Fits a line by expectation maximisation: replaces each censored value by its moments given the bound.
     fn by_expectation_maximisation(design: &Array2<f64>, values: &[f64], [low, high]: [f64; 2]) -> ([f64; 2], f64) {
         let (mut c, mut sigma) = ([0.0, 0.0], 1e6);
         for _ in 0..4000 {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn newton_finds_what_expectation_maximisation_finds() {
+    fn newton_agrees_with_expectation_maximisation() {
         let (design, latent) = line(300);
         for bounds in [[0.0, f64::INFINITY], [0.0, 1.2e6]] {
             let values: Vec<f64> = latent.iter().map(|y| y.clamp(bounds[0], bounds[1])).collect();
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_line_ends_at_the_least_spread() {
+    fn an_exact_line_ends_at_the_smallest_sigma() {
         let (design, _) = line(100);
         let values: Vec<f64> = design.rows().into_iter().map(|row| (2e6 * row[1] - 3e5).max(0.0)).collect();
         let found = fit(design.view(), &values, [0.0, f64::INFINITY]);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tail_of_the_normal_law_is_continuous() {
+    fn the_tail_of_the_normal_distribution_is_continuous() {
         let (above, below) = (log_normal_cdf(TAIL + 1e-12), log_normal_cdf(TAIL));
         assert!((above.0 - below.0).abs() < 1e-6 && (above.1 / below.1 - 1.0).abs() < 1e-6);
         assert!((log_normal_cdf(0.0).0 - 0.5_f64.ln()).abs() < 1e-15);

@@ -1,10 +1,12 @@
-//! Polynomials of variables that are not extrapolated.
+//! Polynomials without extrapolation: variables are clamped to the range of the samples.
 
 use ndarray::{Array2, ArrayView1};
 
 use asperity::chaos::{Basis, BasisError, number_of_terms};
 
-/// Hermite polynomials of variables kept within the range of the samples; the constant alone of degree 0 or no variables.
+/// Hermite polynomials of variables that are clamped to the range of the samples.
+///
+/// Only the constant for degree 0 or without variables.
 #[derive(Debug, Clone)]
 pub(crate) struct Functions {
     basis: Option<Basis>,
@@ -12,7 +14,7 @@ pub(crate) struct Functions {
 }
 
 impl Functions {
-    /// Those of total degree `degree` in the variables of the rows.
+    /// Creates the polynomials of total degree `degree` in the variables of the rows.
     pub(crate) fn new(rows: &[Vec<f64>], degree: usize) -> Result<Self, BasisError> {
         let variables = rows.first().map_or(0, Vec::len);
         let basis = if degree == 0 || variables == 0 { None } else { Some(Basis::hermite(variables, degree)?) };
@@ -23,12 +25,12 @@ impl Functions {
         Ok(Self { basis, ranges: (0..variables).map(range).collect() })
     }
 
-    /// Number of functions.
+    /// Returns the number of functions.
     pub(crate) fn len(&self) -> usize {
         self.basis.as_ref().map_or(1, Basis::len)
     }
 
-    /// Degrees up to `most` of which `samples` samples determine all coefficients with some to spare.
+    /// Returns the degrees up to `most` with at least `per_term` of `samples` samples per coefficient; 0 is always included.
     pub(crate) fn degrees(
         variables: usize,
         most: usize,
@@ -41,7 +43,7 @@ impl Functions {
         0..=largest
     }
 
-    /// All functions, shape `[rows, functions]`. Rows may be longer than those of the samples.
+    /// Returns all functions at the rows, shape `[rows, functions]`. Rows may be longer than those of the samples.
     pub(crate) fn matrix(&self, rows: &[Vec<f64>]) -> Array2<f64> {
         let Some(basis) = &self.basis else { return Array2::ones((rows.len(), 1)) };
         let within = |row: &Vec<f64>| -> Vec<f64> {
@@ -50,7 +52,7 @@ impl Functions {
         basis.design_matrix(&rows.iter().map(within).collect::<Vec<_>>())
     }
 
-    /// The polynomial with the given coefficients at the rows.
+    /// Returns the polynomial with the given coefficients at the rows.
     pub(crate) fn predict(&self, rows: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
         self.matrix(rows).dot(&ArrayView1::from(coefficients)).to_vec()
     }

@@ -1,8 +1,8 @@
-//! The pressure continued below zero.
+//! Censored regression of a latent pressure.
 //!
-//! Out of contact the pressure is zero whatever the distance, at the hardness it is the hardness. A latent pressure is a
-//! polynomial of the variables with a normal error; seen is what lies between the two. The law is that of the latent
-//! pressure, cut off. Of the degrees that the samples allow the one of the least information criterion of Akaike is taken.
+//! Out of contact the pressure is zero at any distance, and in plastic contact it equals the hardness. The latent pressure is a
+//! polynomial of the variables plus a normal error, and is observed between these two bounds. The distribution of the pressure is that
+//! of the latent pressure, clamped to the bounds. Akaike's information criterion selects among the degrees that the samples allow.
 //!
 //! # References
 //! H. Akaike, *IEEE Trans. Autom. Control* **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>.
@@ -16,8 +16,9 @@ use asperity::distribution::standard_normal_quantile;
 use asperity::pressure::MethodError;
 use asperity::pressure::surrogate::{Fitted, PointMasses, RotatedSamples, Surrogate};
 
-/// Errors drawn for each fresh ξ, and for each sample that is held out.
+/// Number of errors drawn for each fresh ξ.
 const DRAWS: usize = 5;
+/// Number of errors drawn for each left-out sample.
 const DRAWS_HELD: usize = 20;
 
 /// Censored regression on the variables of the rotated ξ.
@@ -28,7 +29,7 @@ pub(crate) struct LatentOverlap<'a> {
 }
 
 impl<'a> LatentOverlap<'a> {
-    /// Of degree up to `degree`.
+    /// Creates the regression with degrees up to `degree`.
     pub(crate) fn new(samples: &'a RotatedSamples, degree: usize) -> Self {
         Self { samples, degree }
     }
@@ -57,16 +58,16 @@ impl Surrogate for LatentOverlap<'_> {
         };
         let coefficients = Array1::from(fit.coefficients);
         let means = |rows: &[Vec<f64>]| functions.matrix(rows).dot(&coefficients);
-        let law = |(i, mean): (usize, &f64), draws: usize, probability: f64| -> PointMasses {
+        let masses = |(i, mean): (usize, &f64), draws: usize, probability: f64| -> PointMasses {
             let error = |draw| fit.sigma * standard_normal_quantile((draw as f64 + golden(i)) / draws as f64);
             (0..draws).map(|draw| ((mean + error(draw)).clamp(0.0, largest), probability / draws as f64)).collect()
         };
         let fresh = &self.samples.fresh;
         let probability = 1.0 / fresh.len() as f64;
-        let held = means(&rows_but(self.samples, samples));
+        let left_out = means(&rows_but(self.samples, samples));
         Ok(Fitted {
-            distribution: means(fresh).iter().enumerate().flat_map(|mean| law(mean, DRAWS, probability)).collect(),
-            given: held.iter().enumerate().map(|mean| law(mean, DRAWS_HELD, 1.0)).collect(),
+            distribution: means(fresh).iter().enumerate().flat_map(|mean| masses(mean, DRAWS, probability)).collect(),
+            given: left_out.iter().enumerate().map(|mean| masses(mean, DRAWS_HELD, 1.0)).collect(),
             coefficients: coefficients.len() + 1,
             leave_one_out_error: None,
         })

@@ -3,23 +3,24 @@
 use asperity_base::numeric::dense_solution;
 use ndarray::{Array2, s};
 
-/// Steps at most, and halvings of one.
+/// Largest number of steps.
 const STEPS: usize = 100;
+/// Largest number of halvings of a step.
 const HALVINGS: i32 = 40;
-/// Rise that a step has to promise, as a share of the value.
+/// Smallest predicted rise of a step, relative to the value.
 const TOLERANCE: f64 = 1e-12;
-/// What is added to the curvature, as a share of its largest diagonal entry: it keeps steps finite where functions cannot be told apart.
+/// Damping of the curvature, relative to its largest diagonal entry. It keeps steps finite if functions are linearly dependent.
 const DAMPING: f64 = 1e-12;
 
-/// A function at a point: its value, its gradient, and the negative of its second derivatives.
+/// Value, gradient, and negative second derivatives of a function at a point.
 pub(crate) struct Local {
     pub(crate) value: f64,
     pub(crate) gradient: Vec<f64>,
     pub(crate) curvature: Array2<f64>,
 }
 
-/// The place of the maximum of a concave function whose last variable is kept within `bounds`; where it has none, the
-/// farthest place reached.
+/// Returns the maximum of a concave function whose last variable is kept within `bounds`, or the last point reached if there is no
+/// maximum.
 pub(crate) fn maximise(start: Vec<f64>, bounds: [f64; 2], function: impl Fn(&[f64]) -> Local) -> Vec<f64> {
     let mut place = start;
     let mut here = function(&place);
@@ -30,8 +31,8 @@ pub(crate) fn maximise(start: Vec<f64>, bounds: [f64; 2], function: impl Fn(&[f6
             break;
         }
         let tried = (0..HALVINGS).find_map(|halvings| {
-            let share = 0.5_f64.powi(halvings);
-            let there: Vec<f64> = place.iter().zip(&step).map(|(x, step)| x + share * step).collect();
+            let fraction = 0.5_f64.powi(halvings);
+            let there: Vec<f64> = place.iter().zip(&step).map(|(x, step)| x + fraction * step).collect();
             let local = function(&there);
             (local.value > here.value).then_some((there, local))
         });
@@ -41,8 +42,8 @@ pub(crate) fn maximise(start: Vec<f64>, bounds: [f64; 2], function: impl Fn(&[f6
     place
 }
 
-/// The way to the maximum of the quadratic function that agrees at a place, within the bounds of its last variable: beyond
-/// one of these the maximum lies on it.
+/// Returns the step to the maximum of the local quadratic approximation. If the last variable would leave its bounds, the maximum on
+/// the bound is used.
 fn step(here: &Local, last: f64, [least, largest]: [f64; 2]) -> Vec<f64> {
     let n = here.gradient.len();
     let damping = DAMPING * (0..n).map(|i| here.curvature[[i, i]]).fold(0.0, f64::max);

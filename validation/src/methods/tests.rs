@@ -11,7 +11,7 @@ use asperity::surface::{KarhunenLoeve, ModesRoute, SpectralField};
 
 const FRESH: usize = 4000;
 
-/// Samples of p(x, η) with standard normal x and noise η.
+/// Returns samples of p(x, η) with standard normal x and noise η.
 fn samples(count: usize, largest_pa: f64, pressure: impl Fn(f64, f64) -> f64) -> RotatedSamples {
     let xi = standard_normal(&mut stream(7, "surrogate test", 0), 2 * count);
     RotatedSamples {
@@ -31,7 +31,7 @@ fn by_two_parts(samples: &RotatedSamples) -> Result<PressureEstimate, MethodErro
 }
 
 #[test]
-fn a_clipped_normal_pressure_has_its_law_by_the_latent_pressure() {
+fn the_latent_pressure_gives_a_clipped_normal_distribution() {
     let (mean, std, hardness) = (-0.3, 1.25_f64.sqrt(), 1.5);
     let samples = samples(400, hardness, |x, eta| (mean + x + 0.5 * eta).clamp(0.0, hardness));
     let found = by_latent(&samples).unwrap();
@@ -59,23 +59,23 @@ fn a_clipped_normal_pressure_has_its_law_by_the_latent_pressure() {
     assert!((found.mean_pa - wanted).abs() < 4.0 * found.mean_se_pa, "{} {wanted} {}", found.mean_pa, found.mean_se_pa);
     let contact = 1.0 - cdf(0.0);
     assert!(found.contact_probability_interval.unwrap().contains(contact), "{:?}", found.contact_probability_interval);
-    // The sign of x alone says nearly whether there is contact: better known than by counting.
+    // The sign of x nearly determines contact, so the error is smaller than that of counting.
     let counted = (contact * (1.0 - contact) / 400.0_f64).sqrt();
     assert!(found.contact_probability_se < counted, "{} {counted}", found.contact_probability_se);
     assert_eq!(found.coefficients, Some(3));
 }
 
 #[test]
-fn a_logistic_lognormal_pressure_has_its_law_in_two_parts() {
+fn the_two_part_model_gives_a_logistic_lognormal_distribution() {
     let odds = |x: f64| 1.0 / (1.0 + (-0.4 - 1.5 * x).exp());
-    // The noise says both whether there is contact and, by what is left of it, how much pressure.
+    // The noise determines contact, and its remainder the pressure.
     let pressure = |x: f64, eta: f64| {
         let u = standard_normal_cdf(eta);
         if u < odds(x) { (14.0 + 0.5 * x + 0.4 * (u / odds(x) - 0.5)).exp() } else { 0.0 }
     };
     let samples = samples(600, f64::INFINITY, pressure);
     let found = by_two_parts(&samples).unwrap();
-    // By a fine rule in x.
+    // Quadrature on a fine grid in x.
     let nodes: Vec<f64> = (0..2000).map(|k| -5.0 + 0.005 * (f64::from(k) + 0.5)).collect();
     let over = |f: &dyn Fn(f64) -> f64| nodes.iter().map(|x| 0.005 * standard_normal_pdf(*x) * f(*x)).sum::<f64>();
     let contact = over(&odds);
@@ -93,7 +93,7 @@ fn a_logistic_lognormal_pressure_has_its_law_in_two_parts() {
 }
 
 #[test]
-fn nobody_in_contact_is_a_reason() {
+fn no_sample_in_contact_is_an_error() {
     let samples = samples(50, f64::INFINITY, |_, _| 0.0);
     let wanted = MethodError::TooFewSamples { samples: 0, wanted: LEAST_IN_CONTACT };
     assert_eq!(by_latent(&samples), Err(wanted.clone()));
@@ -101,7 +101,7 @@ fn nobody_in_contact_is_a_reason() {
 }
 
 #[test]
-fn with_everybody_in_contact_probability_is_one_and_the_interval_is_wilsons() {
+fn with_all_samples_in_contact_the_probability_is_one_and_the_interval_is_wilsons() {
     let samples = samples(80, f64::INFINITY, |x, eta| 1e6 * (0.2 * x + 0.1 * eta).exp());
     for found in [by_latent(&samples).unwrap(), by_two_parts(&samples).unwrap()] {
         assert!(found.contact_probability > 1.0 - 1e-3, "{}", found.contact_probability);
@@ -126,7 +126,7 @@ fn fewer_samples_than_coefficients_lower_the_degree() {
 }
 
 #[test]
-fn samples_that_occur_twice_change_the_law_little_and_nothing_breaks() {
+fn duplicate_samples_change_the_distribution_little() {
     let once = samples(200, f64::INFINITY, |x, eta| (0.3 + x + 0.5 * eta).max(0.0));
     let mut twice = once.clone();
     twice.rows.extend(once.rows.clone());
@@ -135,7 +135,7 @@ fn samples_that_occur_twice_change_the_law_little_and_nothing_breaks() {
     assert!((first.mean_pa - second.mean_pa).abs() < first.mean_se_pa);
     let (first, second) = (by_two_parts(&once).unwrap(), by_two_parts(&twice).unwrap());
     assert!((first.mean_pa - second.mean_pa).abs() < first.mean_se_pa);
-    // All the same sample: no function can be told from another.
+    // All samples are equal, so the functions are linearly dependent.
     let one = RotatedSamples { rows: vec![vec![0.5]; 60], pressures_pa: vec![2.0; 60], ..once };
     for found in [by_latent(&one).unwrap(), by_two_parts(&one).unwrap()] {
         assert!((found.mean_pa - 2.0).abs() < 1e-4, "{}", found.mean_pa);
@@ -143,7 +143,7 @@ fn samples_that_occur_twice_change_the_law_little_and_nothing_breaks() {
 }
 
 #[test]
-fn variables_that_are_zero_or_missing_leave_the_law_without_them() {
+fn variables_that_are_zero_or_missing_have_no_effect() {
     let plain = samples(300, f64::INFINITY, |_, eta| (0.3 + eta).max(0.0));
     let cdf = |p: f64| if p < 0.0 { 0.0 } else { standard_normal_cdf(p - 0.3) };
     let left = |p: f64| if p <= 0.0 { 0.0 } else { cdf(p) };
@@ -160,8 +160,8 @@ fn variables_that_are_zero_or_missing_leave_the_law_without_them() {
 }
 
 #[test]
-fn a_pressure_that_does_not_vary_is_an_atom() {
-    // Elastic, always the same; and plastic, the hardness in every contact.
+fn a_constant_pressure_is_a_point_mass() {
+    // Elastic with a constant pressure; plastic with the hardness in every contact.
     let elastic = samples(60, f64::INFINITY, |_, _| 5e8);
     for found in [by_latent(&elastic).unwrap(), by_two_parts(&elastic).unwrap()] {
         assert!(
@@ -175,12 +175,12 @@ fn a_pressure_that_does_not_vary_is_an_atom() {
         assert!((found.contact_probability - 0.5).abs() < 4.0 * found.contact_probability_se + 0.01);
         assert!(found.distribution.quantile(1.0) <= 2e9);
     }
-    // Without an elastic contact the two-part model has nothing between its atoms.
+    // Without an elastic contact, the two-part model consists of two point masses.
     assert_eq!(by_two_parts(&plastic).unwrap().distribution.values(), [0.0, 2e9]);
 }
 
 #[test]
-fn the_two_part_model_has_the_atom_at_the_hardness() {
+fn the_two_part_model_has_the_point_mass_at_the_hardness() {
     // p = e^{y/2} capped at H, y = x + η/2 + ½, in contact for y > 0: P(p = H) = P(y ≥ 2 ln H).
     let (mean, std, hardness) = (0.5, 1.25_f64.sqrt(), 2.0_f64);
     let pressure = |x: f64, eta: f64| {
@@ -189,19 +189,22 @@ fn the_two_part_model_has_the_atom_at_the_hardness() {
     };
     let samples = samples(600, hardness, pressure);
     let found = by_two_parts(&samples).unwrap();
-    let atom = 1.0 - standard_normal_cdf((2.0 * hardness.ln() - mean) / std);
+    let plastic = 1.0 - standard_normal_cdf((2.0 * hardness.ln() - mean) / std);
     let own = 1.0 - found.distribution.cdf_left(hardness);
-    // Logistic odds stand in for normal ones; six hundred samples alone have a standard error of .02.
-    assert!(atom > 0.2 && (own - atom).abs() < 4.0 * (atom * (1.0 - atom) / 600.0).sqrt(), "{own} {atom}");
-    // Just below there is as little as the law has.
-    let below = |law: f64| standard_normal_cdf((2.0 * (law * hardness).ln() - mean) / std);
+    // The model is logistic, the truth normal; six hundred samples alone have a standard error of .02.
+    assert!(
+        plastic > 0.2 && (own - plastic).abs() < 4.0 * (plastic * (1.0 - plastic) / 600.0).sqrt(),
+        "{own} {plastic}"
+    );
+    // Just below the hardness the probability is as small as in the exact distribution.
+    let below = |fraction: f64| standard_normal_cdf((2.0 * (fraction * hardness).ln() - mean) / std);
     let gap = found.distribution.cdf_left(hardness) - found.distribution.cdf(0.95 * hardness);
     assert!((gap - (below(1.0) - below(0.95))).abs() < 0.03, "{gap}");
     assert_eq!(found.distribution.quantile(1.0), hardness);
 }
 
 #[test]
-fn a_wrong_model_tells_its_bias_and_intervals_hold_the_truth() {
+fn a_wrong_model_reports_its_bias_and_intervals_contain_the_truth() {
     // Uniform pressures that no variable predicts: the latent pressure is not normal.
     let truth = |p: f64| if p < 0.0 { 0.0 } else { (0.3 + 0.7 * p).min(1.0) };
     let samples = samples(1500, f64::INFINITY, |_, eta| ((standard_normal_cdf(eta) - 0.3) / 0.7).max(0.0));
@@ -215,7 +218,7 @@ fn a_wrong_model_tells_its_bias_and_intervals_hold_the_truth() {
         let [low, high] = band.simultaneous(i);
         assert!(low <= truth(*value) && truth(*value) <= high);
     }
-    // Known to about what 1,500 samples know, and no better.
+    // The standard error is about that of counting 1,500 samples.
     let counted = (0.3_f64 * 0.7 / 1500.0).sqrt();
     assert!((found.contact_probability_se / counted - 1.0).abs() < 0.1, "{}", found.contact_probability_se);
     let mean = found.mean_interval_pa().unwrap();

@@ -1,8 +1,8 @@
-//! Whether there is contact, whether it is plastic, and the pressure where it is not.
+//! Two-part model of the pressure: the probabilities of contact and of plastic contact, and the pressure in elastic contact.
 //!
-//! P(contact) is logistic in a polynomial of the variables; so is under a hardness H the probability that a contact has it. In elastic
-//! contact ln(p/(1 − p/H)), which is ln p without a hardness and never leaves 0 < p < H, is another polynomial plus an error drawn
-//! from the leave-one-out errors of samples with similar predictions.
+//! P(contact) is logistic in a polynomial of the variables. With a hardness H, so is the probability that a contact is plastic. In
+//! elastic contact, ln(p/(1 − p/H)) is another polynomial plus an error drawn from the leave-one-out errors of samples with similar
+//! predictions. This transform keeps 0 < p < H, and equals ln p without a hardness.
 
 use ndarray::{Array1, ArrayView2};
 
@@ -13,16 +13,17 @@ use asperity::chaos::{LeastSquares, RegressionError};
 use asperity::pressure::MethodError;
 use asperity::pressure::surrogate::{Fitted, PointMasses, RotatedSamples, Surrogate};
 
-/// Penalty ½ λ c² of all coefficients of the log odds but the constant: it keeps them finite where the samples of either
-/// kind are separate.
+/// Factor λ of the penalty ½ λ c² of all coefficients of the log odds except the constant. It keeps them finite if the two kinds of
+/// samples are separable.
 const RIDGE: f64 = 1e-2;
-/// Errors drawn for each fresh ξ, and for each sample that is held out.
+/// Number of errors drawn for each fresh ξ.
 const DRAWS: usize = 5;
+/// Number of errors drawn for each left-out sample.
 const DRAWS_HELD: usize = 20;
-/// Samples in a group of neighbouring predictions that share one law of errors.
+/// Number of samples in a group of neighbouring predictions, which have one distribution of errors.
 const GROUP: usize = 50;
 
-/// The parts on the variables of the rotated ξ.
+/// Two-part model in the variables of the rotated ξ.
 #[derive(Debug)]
 pub(crate) struct TwoPart<'a> {
     samples: &'a RotatedSamples,
@@ -30,7 +31,8 @@ pub(crate) struct TwoPart<'a> {
 }
 
 impl<'a> TwoPart<'a> {
-    /// Of degrees up to `degree`: that of log odds by Akaike's criterion, that of the pressure by its leave-one-out error.
+    /// Creates the model with degrees up to `degree`. Akaike's criterion selects the degree of the log odds, the leave-one-out error
+    /// that of the pressure.
     pub(crate) fn new(samples: &'a RotatedSamples, degree: usize) -> Self {
         Self { samples, degree }
     }
@@ -51,34 +53,34 @@ impl Surrogate for TwoPart<'_> {
         let touches = Chance::fit(self.samples, samples, self.degree, |p| p > 0.0)?;
         let yields = Chance::fit(self.samples, &contact, self.degree, |p| p >= largest)?;
         let pressed = Elastic::fit(self.samples, &elastic, self.degree)?;
-        let laws = |rows: &[Vec<f64>], draws: usize| -> Vec<PointMasses> {
+        let masses_of = |rows: &[Vec<f64>], draws: usize| -> Vec<PointMasses> {
             let (touches, yields) = (touches.of(rows), yields.of(rows));
             let values = pressed.as_ref().map(|pressed| pressed.functions.predict(rows, &pressed.coefficients));
-            let law = |i: usize| {
-                // Contacts that are all plastic leave nothing for the rest.
+            let masses_at = |i: usize| {
+                // If all contacts are plastic, there is no elastic part.
                 let plastic = if values.is_some() { yields[i] } else { 1.0 };
-                let mut atoms = vec![(0.0, 1.0 - touches[i]), (largest, touches[i] * plastic)];
+                let mut masses = vec![(0.0, 1.0 - touches[i]), (largest, touches[i] * plastic)];
                 if let (Some(pressed), Some(values)) = (&pressed, &values) {
                     for draw in 0..draws {
                         let error = pressed.errors.pick(values[i], (draw as f64 + golden(i)) / draws as f64);
-                        let share = touches[i] * (1.0 - plastic) / draws as f64;
-                        atoms.push((pressure_pa(values[i] + error, largest), share));
+                        let probability = touches[i] * (1.0 - plastic) / draws as f64;
+                        masses.push((pressure_pa(values[i] + error, largest), probability));
                     }
                 }
-                atoms.retain(|(_, probability)| *probability > 0.0);
-                atoms
+                masses.retain(|(_, probability)| *probability > 0.0);
+                masses
             };
-            (0..rows.len()).map(law).collect()
+            (0..rows.len()).map(masses_at).collect()
         };
         let fresh = &self.samples.fresh;
-        let share = 1.0 / fresh.len() as f64;
+        let weight = 1.0 / fresh.len() as f64;
         Ok(Fitted {
-            distribution: laws(fresh, DRAWS)
+            distribution: masses_of(fresh, DRAWS)
                 .into_iter()
                 .flatten()
-                .map(|(p, probability)| (p, share * probability))
+                .map(|(p, probability)| (p, weight * probability))
                 .collect(),
-            given: laws(&rows_but(self.samples, samples), DRAWS_HELD),
+            given: masses_of(&rows_but(self.samples, samples), DRAWS_HELD),
             coefficients: touches.coefficients.len()
                 + if yields.varies() { yields.coefficients.len() } else { 0 }
                 + pressed.as_ref().map_or(0, |pressed| pressed.coefficients.len()),
@@ -87,12 +89,12 @@ impl Surrogate for TwoPart<'_> {
     }
 }
 
-/// ln(p/(1 − p/H)).
+/// Returns ln(p/(1 − p/H)).
 fn logarithm(pressure_pa: f64, largest_pa: f64) -> f64 {
     pressure_pa.ln() - (-pressure_pa / largest_pa).ln_1p()
 }
 
-/// Its inverse.
+/// Returns the pressure from its [`logarithm`].
 fn pressure_pa(logarithm: f64, largest_pa: f64) -> f64 {
     1.0 / ((-logarithm).exp() + 1.0 / largest_pa)
 }
@@ -101,14 +103,14 @@ fn logistic(odds: f64) -> f64 {
     1.0 / (1.0 + (-odds).exp())
 }
 
-/// The probability of something, logistic in a polynomial.
+/// Probability of an event, logistic in a polynomial.
 struct Chance {
     functions: Functions,
     coefficients: Vec<f64>,
 }
 
 impl Chance {
-    /// That `happens` at the pressures of some samples.
+    /// Fits the probability that `happens` is true for the pressure, from the chosen samples.
     fn fit(
         samples: &RotatedSamples,
         chosen: &[usize],
@@ -136,18 +138,18 @@ impl Chance {
         best.map(|(_, chance)| chance).ok_or(MethodError::TooFewSamples { samples: seen.len(), wanted })
     }
 
-    /// At some rows.
+    /// Returns the probabilities at some rows.
     fn of(&self, rows: &[Vec<f64>]) -> Vec<f64> {
         self.functions.predict(rows, &self.coefficients).iter().map(|odds| logistic(*odds)).collect()
     }
 
-    /// Whether it is neither never nor always.
+    /// Returns whether the probability is neither 0 nor 1 everywhere.
     fn varies(&self) -> bool {
         self.coefficients[0].is_finite()
     }
 }
 
-/// Coefficients of the log odds, and their penalised log-likelihood.
+/// Returns the coefficients of the log odds and their penalised log-likelihood.
 fn log_odds(design: ArrayView2<'_, f64>, seen: &[bool]) -> (Vec<f64>, f64) {
     let likelihood = |place: &[f64]| -> Local {
         let odds = design.dot(&Array1::from(place.to_vec()));
@@ -177,7 +179,7 @@ fn log_odds(design: ArrayView2<'_, f64>, seen: &[bool]) -> (Vec<f64>, f64) {
     (place, value)
 }
 
-/// The pressure in elastic contact.
+/// Model of the pressure in elastic contact.
 struct Elastic {
     functions: Functions,
     coefficients: Vec<f64>,
@@ -186,7 +188,7 @@ struct Elastic {
 }
 
 impl Elastic {
-    /// None without such samples.
+    /// Fits the model to the chosen samples; `None` without samples.
     fn fit(samples: &RotatedSamples, chosen: &[usize], degree: usize) -> Result<Option<Self>, MethodError> {
         let rows = rows_of(samples, chosen);
         let values: Vec<f64> = chosen.iter().map(|i| logarithm(samples.pressures_pa[*i], samples.largest_pa)).collect();
@@ -200,7 +202,7 @@ impl Elastic {
             let found = LeastSquares::new(design).and_then(|squares| squares.fit(&values));
             let fit = match found {
                 Ok(fit) => fit,
-                // A degree whose functions the samples cannot tell apart is no candidate.
+                // The samples do not determine all coefficients of this degree.
                 Err(RegressionError::RankDeficient { .. }) => continue,
                 Err(error) => return Err(error.into()),
             };
@@ -218,7 +220,7 @@ impl Elastic {
     }
 }
 
-/// Errors in groups of samples with neighbouring predictions.
+/// Errors of the samples, in groups with neighbouring predictions.
 struct Residuals {
     /// Least prediction of each group after the first.
     bounds: Vec<f64>,
@@ -243,10 +245,10 @@ impl Residuals {
         }
     }
 
-    /// The error at a share 0 to 1 of those around a prediction.
-    fn pick(&self, prediction: f64, share: f64) -> f64 {
+    /// Returns the quantile of the errors near a prediction.
+    fn pick(&self, prediction: f64, probability: f64) -> f64 {
         let group = &self.groups[self.bounds.partition_point(|bound| *bound <= prediction)];
-        group[((share * group.len() as f64) as usize).min(group.len() - 1)]
+        group[((probability * group.len() as f64) as usize).min(group.len() - 1)]
     }
 }
 
@@ -273,10 +275,10 @@ mod tests {
             let penalty = if j == 0 { 0.0 } else { RIDGE * c[1] };
             assert!((score - penalty).abs() < 1e-6, "{j} {score} {penalty}");
         }
-        // Without variables the share itself.
+        // Without variables, the probability is the fraction of the samples.
         let (c, _) = log_odds(Array2::ones((400, 1)).view(), &seen);
-        let share = seen.iter().filter(|seen| **seen).count() as f64 / 400.0;
-        assert!((logistic(c[0]) - share).abs() < 1e-9);
+        let fraction = seen.iter().filter(|seen| **seen).count() as f64 / 400.0;
+        assert!((logistic(c[0]) - fraction).abs() < 1e-9);
     }
 
     #[test]
@@ -298,11 +300,11 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_picked_by_their_share_among_similar_predictions() {
+    fn errors_are_quantiles_among_similar_predictions() {
         let predictions: Vec<f64> = (0..100).map(f64::from).collect();
         let errors: Vec<f64> = (0..100).map(|i| if i < 50 { f64::from(i % 2) } else { f64::from(i) }).collect();
         let residuals = Residuals::new(&predictions, &errors);
-        assert_eq!([0.1, 0.49, 0.51, 1.0].map(|share| residuals.pick(20.0, share)), [0.0, 0.0, 1.0, 1.0]);
-        assert_eq!([0.0, 0.5, 1.0].map(|share| residuals.pick(50.0, share)), [50.0, 75.0, 99.0]);
+        assert_eq!([0.1, 0.49, 0.51, 1.0].map(|p| residuals.pick(20.0, p)), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!([0.0, 0.5, 1.0].map(|p| residuals.pick(50.0, p)), [50.0, 75.0, 99.0]);
     }
 }

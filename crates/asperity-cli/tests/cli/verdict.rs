@@ -301,7 +301,8 @@ fn machines_without_an_answer_are_counted_and_left_out() {
     let wanted = asperity::distribution::standard_normal_cdf(-(steepest / 0.1).ln() / 1.2);
     assert!((failed as f64 / sampled as f64 - wanted).abs() < 2.0 / sampled as f64, "{failed} of {sampled}, {wanted}");
     assert!(found["first_failure"].as_str().unwrap().contains("must stay positive"), "{found}");
-    let warnings: Vec<&str> = found["warnings"].as_array().unwrap().iter().map(|warning| warning.as_str().unwrap()).collect();
+    let warnings: Vec<&str> =
+        found["warnings"].as_array().unwrap().iter().map(|warning| warning.as_str().unwrap()).collect();
     assert!(warnings[0].starts_with(&format!("{failed} sampled machines have no answer")), "{warnings:?}");
     assert!(warnings.iter().enumerate().all(|(i, warning)| !warnings[..i].contains(warning)), "{warnings:?}");
     // The interval has no other error than that of the sampled machines.

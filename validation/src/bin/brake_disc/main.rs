@@ -9,7 +9,7 @@
 //! on a worn disc. A tilt, grooves along the sliding direction, spikes of an optical instrument, and patches without a reading
 //! are added.
 
-#![expect(clippy::print_stderr, reason = "this is a program, and it talks to its user")]
+#![expect(clippy::print_stderr, reason = "prints errors")]
 
 use std::path::PathBuf;
 use std::process::ExitCode;

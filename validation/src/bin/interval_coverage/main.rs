@@ -1,14 +1,14 @@
-//! How often the 95 % intervals of a map's statistics hold those of its surface.
+//! Counts how often the 95 % intervals of the statistics of a map contain the values of its surface.
 //!
 //! `cargo run --release -p asperity-validation --bin interval_coverage -- [MAPS [ONLY [POINTS]]]`
 //!
-//! draws MAPS maps (1000) of each case, 30 correlation lengths a side and POINTS points (4) to a length, and counts. ONLY names
-//! the cases to run, by a part of their names. For each statistic: the truth, the mean of the estimates, their spread, the mean
-//! standard error over it, the mean number of blocks, the share of maps with an interval, the share of these intervals that
-//! hold the truth, and the shares that lie above and below it; then the same share for the correlation at some lags along x.
-//! The last table is that of `docs/validation/intervals.md`.
+//! draws MAPS maps (default 1000) of each case, with 30 correlation lengths a side and POINTS points (default 4) per length. ONLY is a part
+//! of the names of the cases to run. For each statistic, the program prints the true value, the mean of the estimates, their standard
+//! deviation, the mean standard error over it, the mean number of blocks, the fraction of maps with an interval, the fraction of these
+//! intervals that contain the true value, and the fractions above and below it; then the coverage of the correlation at some lags along x.
+//! The last table is the table of `docs/validation/intervals.md`.
 
-#![expect(clippy::print_stdout, reason = "tables for people")]
+#![expect(clippy::print_stdout, reason = "prints tables")]
 
 use asperity::correlation::{Autocorrelation, CorrelationModel, Covariance, StationaryCovariance};
 use asperity::distribution::Marginal;
@@ -24,7 +24,7 @@ use ndarray::{Array2, s};
 use rand::RngExt;
 use rayon::prelude::*;
 
-/// Correlation lengths a side, the geometric mean of those along x and y.
+/// Number of correlation lengths a side; the length is the geometric mean of those along x and y.
 const LENGTHS: f64 = 30.0;
 /// Seed of heights and of holes.
 const SEED: u64 = 1;
@@ -34,13 +34,13 @@ type Failure = Box<dyn std::error::Error + Send + Sync>;
 type Found = (Estimates, Vec<Option<Interval>>);
 
 struct Case {
-    /// Points to the correlation length along y.
+    /// Points per correlation length along y.
     points: f64,
     law: &'static str,
     model: CorrelationModel,
     /// Correlation length along x over that along y.
     stretch: f64,
-    /// Share of the points that are missing.
+    /// Fraction of missing points.
     missing: f64,
     level: Level,
 }
@@ -49,7 +49,7 @@ const fn case(law: &'static str, model: CorrelationModel, level: Level) -> Case 
     Case { points: 4.0, law, model, stretch: 1.0, missing: 0.0, level }
 }
 
-/// Lags along x whose correlation is looked at, in quarters of the correlation length along y.
+/// Lags along x of the tested correlations, in quarters of the correlation length along y.
 const QUARTERS: [usize; 5] = [1, 4, 8, 16, 40];
 
 const LOGNORMAL: &str = "lognormal:0,0.5";
@@ -76,7 +76,7 @@ const CASES: [Case; 14] = {
     ]
 };
 
-/// A covariance stretched along x.
+/// Covariance that is stretched along x.
 struct Lay {
     covariance: Covariance,
     stretch: f64,
@@ -111,9 +111,9 @@ impl Case {
         (LENGTHS * self.points * self.stretch.sqrt()).round() as usize
     }
 
-    /// Estimates and intervals of the correlation at the lags.
+    /// Returns the estimates, and the intervals of the correlation at the lags, of `count` maps.
     fn estimates(&self, count: u64) -> Result<Vec<Found>, Failure> {
-        // Fifteen lengths beyond the map, opposite edges of the periodic field no longer know of each other.
+        // Fifteen lengths beyond the map, so that opposite edges are uncorrelated in the periodic field.
         let side = self.side();
         let domain = side + (15.0 * self.points * self.stretch) as usize;
         let field = SpectralField::periodic(&self.covariance()?, Grid::new(domain, domain, 1.0, 1.0)?);
@@ -137,13 +137,13 @@ impl Case {
         QUARTERS.map(|quarters| (0.25 * self.points * quarters as f64).round() as usize)
     }
 
-    /// The surface's own correlation at the lags.
+    /// Returns the correlation of the surface at the lags.
     fn correlations(&self) -> Result<[f64; 5], Failure> {
         let (translation, covariance) = (Translation::new(&self.law()?)?, self.covariance()?);
         Ok(self.lags().map(|lag| translation.correlation(covariance.correlation(lag as f64, 0.0))))
     }
 
-    /// The surface's own statistics, in the order of [`Estimates::named`].
+    /// Returns the statistics of the surface, in the order of [`Estimates::named`].
     fn truths(&self) -> Result<[f64; 11], Failure> {
         let (law, covariance) = (self.law()?, self.covariance()?);
         let count = 2_000_000;
@@ -185,31 +185,31 @@ fn main() -> Result<(), Failure> {
         for (k, truth) in truths.into_iter().enumerate() {
             let name = maps[0].0.named()[k].0;
             let found: Vec<Estimate> = maps.iter().filter_map(|(m, _)| m.named()[k].1).collect();
-            let share =
+            let fraction =
                 |of: &dyn Fn(&Estimate) -> bool| found.iter().filter(|e| of(e)).count() as f64 / found.len() as f64;
             let spread = Moments::new(&found.iter().map(|e| e.surface).collect::<Vec<f64>>());
             let mean = |of: &dyn Fn(&Estimate) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
-            let covered = share(&|e| e.interval.contains(truth));
+            let covered = fraction(&|e| e.interval.contains(truth));
             println!(
-                "  {name:22} truth {truth:8.4} mean {:8.4} spread {:.4} se/spread {:.3} blocks {:5.1} given {:.3} covered \
+                "  {name:22} truth {truth:8.4} mean {:8.4} sd {:.4} se/sd {:.3} blocks {:5.1} with interval {:.3} covered \
                  {covered:.3} (above {:.3}, below {:.3})",
                 spread.mean,
                 spread.std,
                 mean(&|e| e.standard_error) / spread.std,
                 mean(&|e| e.blocks),
                 found.len() as f64 / count as f64,
-                share(&|e| e.interval.low > truth),
-                share(&|e| e.interval.high < truth),
+                fraction(&|e| e.interval.low > truth),
+                fraction(&|e| e.interval.high < truth),
             );
-            // Fewer than half say nothing of the rest.
+            // No entry if fewer than half of the maps have an interval.
             table += &if 2 * found.len() < maps.len() { " – |".into() } else { format!(" {:.1} |", 100.0 * covered) };
         }
         for (k, truth) in case.correlations()?.into_iter().enumerate() {
             let found: Vec<Interval> = maps.iter().filter_map(|(_, correlation)| correlation[k]).collect();
-            let held = found.iter().filter(|interval| interval.contains(truth)).count() as f64 / found.len() as f64;
+            let covered = found.iter().filter(|interval| interval.contains(truth)).count() as f64 / found.len() as f64;
             let half = found.iter().map(|i| 0.5 * (i.high - i.low)).sum::<f64>() / found.len() as f64;
-            println!("  correlation at lag {:2}: truth {truth:7.4}, ± {half:.4}, covered {held:.3}", case.lags()[k]);
-            table += &format!(" {:.1} |", 100.0 * held);
+            println!("  correlation at lag {:2}: truth {truth:7.4}, ± {half:.4}, covered {covered:.3}", case.lags()[k]);
+            table += &format!(" {:.1} |", 100.0 * covered);
         }
         table += "\n";
     }

@@ -45,7 +45,7 @@ pub(crate) fn functions() -> Result<String> {
         cases.iter().map(|(name, function, _)| format!("{name}: {}", function.name)).collect::<Vec<_>>().join("; ");
     Ok(format!(
         "## Ishigami, borehole and Sobol’ G\n\nExpansions by least squares over Sobol’ points. The first and the last function have closed forms; the statistics of the \
-         borehole are known to five digits. The G function has kinks, so its series is slow: degree 6 misses 0.6 % of the variance of |x|. {works}.\n\n{}",
+         borehole are known to five digits. The G function has kinks, so its series converges slowly: degree 6 misses 0.6 % of the variance of |x|. {works}.\n\n{}",
         table(&headers, rows)
     ))
 }

@@ -55,8 +55,8 @@ pub(crate) fn hertz() -> Result<String> {
     Ok(format!(
         "## Hertz\n\nA parabola of revolution pressed into a free half-space at a given load: highest pressure p₀ = 3F/2πa², approach a²/R and contact \
          radius a = (3FR/4E*)^(1/3) (Johnson, *Contact Mechanics*, 1985, §4.2, <https://doi.org/10.1017/CBO9781139171731>). The map is 2.5 a \
-         wide. The radius is that of the area with the perimeter correction, which counts cells and has no smooth order. The test asks for \
-         2.2e-4·(128/n)² of p₀ and for order 2 ± 0.1.\n\n{}",
+         wide. The radius follows from the contact area with the perimeter correction; since the area counts cells, its error has no smooth order. The test requires \
+         errors of p₀ below 2.2e-4·(128/n)² and an order of 2 ± 0.1.\n\n{}",
         table(&headers, rows)
     ))
 }
@@ -112,7 +112,7 @@ pub(crate) fn westergaard() -> Result<String> {
         ["points", "width, p̄/p* = 0.1", "p_max", "width, 0.25", "p_max", "width, 0.5", "p_max", "width, 0.75", "p_max"];
     Ok(format!(
         "## Westergaard\n\nOne wave pressed flat: p̄/p* = sin²(πa/λ) and p_max = 2√(p̄p*) (Westergaard, *J. Appl. Mech.* 6 (1939) A49). The error of the \
-         width 2a/λ is absolute; a width changes by whole cells, and the test asks for one cell, 1/points.\n\n{}",
+         width 2a/λ is absolute; a width changes by whole cells, and the test allows an error of one cell, 1/points.\n\n{}",
         table(&headers, rows)
     ))
 }
@@ -148,8 +148,8 @@ pub(crate) fn light_load() -> Result<String> {
     let headers = ["p̄/(E*h′)", "κ, 128²", "256²", "512²"];
     Ok(format!(
         "## Slope of the contact area at light load\n\nκ = A/A₀ · E*h′/p̄ on self-affine maps (Hurst exponent 0.8, roll-off at a third of the side, slopes up to the \
-         pitch; mean of {maps} maps). Persson's theory has √(8/π) = 1.596 (<https://doi.org/10.1063/1.1388626>), Bush, Gibson and Thomas \
-         √(2π) = 2.507 (<https://doi.org/10.1016/0043-1648(75)90145-3>); both are limits, and the test asks for values between them. Waves as short as the pitch are not \
+         pitch; mean of {maps} maps). Persson's theory gives √(8/π) = 1.596 (<https://doi.org/10.1063/1.1388626>), Bush, Gibson and Thomas \
+         √(2π) = 2.507 (<https://doi.org/10.1016/0043-1648(75)90145-3>); both are limits, and the test requires values between them. Waves as short as the pitch are not \
          resolved, which is why κ still depends on the grid.\n\n{}",
         table(&headers, rows)
     ))

@@ -1,8 +1,8 @@
-//! Errors against closed forms and published values, as Markdown, with the solutions and functions that the tests use.
+//! Prints errors against closed forms and published values as Markdown. The solutions and functions are those of the tests.
 //!
-//! `cargo run --release -p asperity-validation --bin validate_closed_forms` prints what `docs/validation/closed-forms.md` holds; `just
-//! validate` writes it.
-#![expect(clippy::print_stdout, reason = "the tables are what this program is for")]
+//! `cargo run --release -p asperity-validation --bin validate_closed_forms` prints `docs/validation/closed-forms.md`; `just validate`
+//! writes the file.
+#![expect(clippy::print_stdout, reason = "prints tables")]
 
 mod chaos;
 mod contact;
@@ -12,8 +12,8 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 const HEAD: &str = "# Closed forms and published values
 
-`just validate` writes this page, with the solutions and functions of the tests. After it you know the error of each link where the truth is
-known, and how it falls with the effort. Errors are relative unless a column says otherwise.
+After this page you know the error of each link of the chain where the exact answer is known, and how the error falls with the effort. `just
+validate` writes this page, with the solutions and functions of the tests. Errors are relative unless a column header states otherwise.
 ";
 
 fn main() -> Result<()> {

@@ -1,4 +1,4 @@
-//! Residuals against iterations, as SVG. The library may not depend on what draws the reports.
+//! Figure of residuals against iterations, as SVG. The library may not depend on the crate that draws the reports.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -9,12 +9,12 @@ use crate::tables::History;
 /// Colours that differ for colour-blind readers and in grey (Okabe and Ito), by load.
 const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#000000"];
 const PANEL: (f64, f64) = (480.0, 420.0);
-/// Where the axes of a panel lie: left, right, top, bottom.
+/// Position of the axes in a panel: left, right, top, bottom.
 const PLOT: [f64; 4] = [78.0, 466.0, 36.0, 362.0];
 /// Decades of the residual.
 const DECADES: (i32, i32) = (-13, 1);
 
-/// One panel for each grid, dashed where there is a hardness.
+/// Writes one panel for each grid. Lines of problems with a hardness are dashed.
 pub(crate) fn write(file: &Path, histories: &[History]) -> Result<()> {
     let most = histories.iter().map(|history| history.residuals.len()).max().unwrap_or(1);
     let most = most.div_ceil(10) * 10;
@@ -109,7 +109,7 @@ fn panel(svg: &mut String, members: &[History], most: usize) -> Result<()> {
     Ok(())
 }
 
-/// How the line of a history is drawn.
+/// Returns the SVG attributes of the line of a history.
 fn pen(history: &History) -> String {
     let dashes = if history.yields { " stroke-dasharray=\"6 4\"" } else { "" };
     format!("fill=\"none\" stroke=\"{}\" stroke-width=\"2\"{dashes}", COLOURS[history.load])

@@ -1,12 +1,12 @@
-//! Validates the contact solver and writes what it found: `just validate`, or
+//! Validates the contact solver on random problems and writes the results as a page with a figure.
 //!
 //! `cargo run --release -p asperity-validation --bin validate_contact -- FOLDER`
 //!
-//! solves 1,000 problems drawn at random, checks each answer from its pressure alone, and tells how answers depend on tolerance
-//! and grid and how the residual falls; into `FOLDER/validation/contact.md` and `FOLDER/figures/contact_convergence.svg`.
-//! `--quick` instead of a folder solves 60 problems and writes nothing. It fails when any answer does.
+//! solves 1,000 random problems, checks each solution from its pressure alone, and tabulates how solutions depend on tolerance and grid
+//! and how the residual falls. It writes `FOLDER/validation/contact.md` and `FOLDER/figures/contact_convergence.svg`; `just validate` runs
+//! it for `docs`. With `--quick` instead of a folder, it solves 60 problems and writes nothing. It fails if any solution is wrong.
 
-#![expect(clippy::print_stderr, reason = "progress for people")]
+#![expect(clippy::print_stderr, reason = "prints progress")]
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -22,7 +22,7 @@ mod figure;
 mod tables;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
-/// Names the group that a problem falls into.
+/// Function that returns the group of a problem.
 type Group<'a> = dyn Fn(&CheckedSolution) -> &'static str + 'a;
 
 fn main() -> Result<()> {
@@ -46,7 +46,7 @@ fn main() -> Result<()> {
     )
 }
 
-/// Solves that many problems; fails with the first answer that is wrong.
+/// Solves `count` problems; fails if any solution is wrong.
 fn solve(count: u64) -> Result<Vec<CheckedSolution>> {
     let solver = Solver::default();
     let done = AtomicU64::new(0);
@@ -69,20 +69,20 @@ fn solve(count: u64) -> Result<Vec<CheckedSolution>> {
     if failures.is_empty() {
         Ok(solved)
     } else {
-        Err(format!("{} of {count} answers are wrong", failures.len()).into())
+        Err(format!("{} of {count} solutions are wrong", failures.len()).into())
     }
 }
 
 fn write(file: &Path, sections: &[String]) -> Result<()> {
-    let head = "# The contact solver: what was counted
+    let head = "# Validation of the contact solver
 
 `just validate` writes this page. Counts of iterations may differ by a few on processors whose Fourier transforms round
-differently; nothing else here depends on the machine. What the numbers mean is in [the solver's theory](../contact-solver.md).
+differently; nothing else here depends on the machine. [The solver's theory](../contact-solver.md) explains the quantities.
 ";
     Ok(fs::write(file, format!("{head}\n{}", sections.join("\n")))?)
 }
 
-/// The section on random problems.
+/// Returns the section on random problems.
 fn random_problems(checked: &[CheckedSolution]) -> String {
     let worst = |part: &dyn Fn(&CheckedSolution) -> f64| checked.iter().map(part).fold(0.0, f64::max);
     let dense = checked.iter().filter(|c| c.from_dense.is_some()).count();
@@ -92,16 +92,16 @@ fn random_problems(checked: &[CheckedSolution]) -> String {
 
 Nine kinds of surface on grids of 16 × 16 to 256 × 256 cells, also of odd and prime sides and eight times as long as wide, with
 cells up to eight times as long as wide; free and periodic boundaries, five controls, with a hardness and without. Lengths, heights
-and moduli are drawn over decades, contact from none to all of the cells: between 0.1 and 99 % in {} of the problems. Solved cold to
-the default tolerance of 1e-8.
+and moduli are drawn over decades, contact from none to all of the cells: between 0.1 and 99 % in {} of the problems. Solves start cold
+and end at the default tolerance of 1e-8.
 
-Every answer is checked from its pressure p alone. Other transforms (of twice the patch, with all of Love's coefficients, or of the
-patch) give the displacement, and the definitions the residuals; on grids of up to 600 cells ({dense} problems) the displacement is
-also summed up over all pairs of cells.
+Every solution is checked from its pressure p alone. Independent transforms (of twice the patch, with all of Love's coefficients, or of
+the patch) give the displacement, and the residuals are evaluated by their definitions. On grids of up to 600 cells ({dense} problems) the
+displacement is also summed directly over all pairs of cells.
 
 - All {} converged, and in all of them 0 ≤ p ≤ H holds exactly.
-- Worst residuals found: Frank–Wolfe {:.1e}, overlap {:.1e}, what is prescribed {:.1e}.
-- Largest difference between a residual claimed and found: {:.1e}.
+- Largest residuals: Frank–Wolfe {:.1e}, overlap {:.1e}, prescribed quantity {:.1e}.
+- Largest difference between a residual that the solver reports and the one evaluated here: {:.1e}.
 - Largest difference from the direct sum, over the largest displacement: {:.1e}.
 ",
         checked.len(),
@@ -154,8 +154,8 @@ also summed up over all pairs of cells.
         checked.iter().partition(|c| control(c) == "mean gap, plane sought");
     text += &grouped(checked.iter(), "control", &control);
     text += &format!(
-        "\nUnder a mean gap whose plane has to be sought, iterations are those under all planes tried together. These {} problems are left
-out of what follows.\n",
+        "\nIf the solver has to search for the plane of a mean gap, the iterations under all planes are added up. The following tables leave out
+these {} problems.\n",
         sought.len()
     );
     let tables: [(&str, &Group<'_>); 5] = [
@@ -171,7 +171,7 @@ out of what follows.\n",
     text
 }
 
-/// The groups that problems may fall into, in the order of tables; others come first, by name.
+/// Order of the groups in tables. Groups that are not listed come first, by name.
 const ORDER: [&str; 16] = [
     "none",
     "below 1 %",
@@ -191,7 +191,7 @@ const ORDER: [&str; 16] = [
     "mean gap, plane sought",
 ];
 
-/// A table of iterations and residuals by group.
+/// Returns a table of iterations and residuals by group.
 fn grouped<'a>(checked: impl Iterator<Item = &'a CheckedSolution>, title: &str, group: &Group<'_>) -> String {
     let place = |name: &str| ORDER.iter().position(|other| *other == name);
     let mut groups: BTreeMap<(Option<usize>, &str), Vec<&CheckedSolution>> = BTreeMap::new();
@@ -204,7 +204,7 @@ fn grouped<'a>(checked: impl Iterator<Item = &'a CheckedSolution>, title: &str, 
     for ((_, name), members) in groups {
         let mut iterations: Vec<usize> = members.iter().map(|c| c.iterations).collect();
         iterations.sort_unstable();
-        let quantile = |share: f64| iterations[(share * (iterations.len() - 1) as f64).round() as usize];
+        let quantile = |probability: f64| iterations[(probability * (iterations.len() - 1) as f64).round() as usize];
         let worst = |part: fn(&CheckedSolution) -> f64| members.iter().map(|c| part(c)).fold(0.0, f64::max);
         text += &format!(
             "| {name} | {} | {} | {} | {} | {} | {} | {} |\n",

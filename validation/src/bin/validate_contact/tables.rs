@@ -1,4 +1,4 @@
-//! How answers depend on tolerance and grid, and how residuals fall.
+//! Tables of how solutions depend on tolerance and grid, and of how residuals fall.
 
 use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver, SolverStop};
 use asperity::map::Grid;
@@ -9,16 +9,16 @@ use crate::Result;
 
 /// Mean pressures over E* h′ for about 1, 11 and 57 % of contact.
 const LOADS: [f64; 3] = [0.004, 0.047, 0.335];
-/// A hardness over E* h′.
+/// Hardness over E* h′.
 const HARDNESS: f64 = 0.6;
-/// Shortest wave of the surface that grids are compared on, in cycles per side.
+/// Shortest wave of the surface in the comparison of grids, in cycles per side.
 const CYCLES: f64 = 32.0;
-/// Points at which that surface is made.
+/// Points per side at which this surface is generated.
 const FINEST: usize = 1024;
-/// Iterations of a history.
+/// Largest number of iterations of a history.
 const MOST_ITERATIONS: usize = 100;
 
-/// One load on a surface of unit side, modulus and rms gradient, so that pressures are over E* h′.
+/// Load on a surface of unit side, modulus and rms gradient, so that pressures are relative to E* h′.
 #[derive(Debug, Clone, Copy)]
 struct State {
     load: f64,
@@ -47,7 +47,7 @@ impl State {
         format!("{:.1} %, {body}", 100.0 * contact)
     }
 
-    /// μ of the corrected contact area in units of τ/(E*h′); no less than the hardness allows.
+    /// Returns μ of the corrected contact area in units of τ/(E*h′), at least that of fully plastic contact.
     fn friction(self, solution: &Solution) -> f64 {
         let least = self.hardness.map_or(0.0, |hardness| self.load / hardness);
         solution.corrected_contact_fraction().max(least) / self.load
@@ -58,18 +58,18 @@ fn to(tolerance: f64) -> Solver {
     Solver { tolerance, max_iterations: 2000 }
 }
 
-/// One digit; nothing where there is no difference at all.
+/// Formats a value with one digit, and zero as `0`.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.0e}") }
 }
 
-/// Mean of ½pu − pz.
+/// Returns the mean of ½pu − pz.
 fn energy(solution: &Solution, heights: &Array2<f64>) -> f64 {
     let fields = solution.pressure_pa().iter().zip(solution.displacement_m()).zip(heights);
     fields.map(|((p, u), z)| p * (0.5 * u - z)).sum::<f64>() / heights.len() as f64
 }
 
-/// The section on tolerances.
+/// Returns the section on tolerances.
 pub(crate) fn tolerances() -> Result<String> {
     let heights = rough(FINEST, CYCLES, FINEST / 256)?;
     let rms = (heights.mapv(|z| z * z).sum() / heights.len() as f64).sqrt();
@@ -77,9 +77,9 @@ pub(crate) fn tolerances() -> Result<String> {
     let mut text = "## Tolerance
 
 A periodic surface, self-affine with H = 0.8 from a quarter to 1/32 of its side and flat beyond, on 256 × 256 cells (8 to the shortest
-wave), under a prescribed mean pressure. Errors are against the answer at the tolerance 1e-12. Since the load is met exactly, that of
-μ = τ A_c/N is that of the corrected contact area A_c. *Energy* is the error of the energy over the bound on it, N times the
-Frank–Wolfe residual times h_rms.
+wave), under a prescribed mean pressure. Errors are relative to the solution at the tolerance 1e-12. Since the load is met exactly, μ = τ A_c/N and
+the corrected contact area A_c have the same error. *Energy* is the error of the energy over its bound, N times the Frank–Wolfe
+residual times h_rms.
 "
     .to_owned();
     let mut summary = vec![Vec::new(); ladder.len()];
@@ -133,12 +133,12 @@ Frank–Wolfe residual times h_rms.
     Ok(text)
 }
 
-/// The section on grids.
+/// Returns the section on grids.
 pub(crate) fn grids() -> Result<String> {
     let mut text = "## Grid
 
-The same surface on other grids: the same function at more or fewer points. Contact in percent by counting cells and corrected for the
-perimeter, and μ in units of τ/(E\\*h′).
+The same surface on other grids: the same function at more or fewer points. The contact is in percent, by counting cells and corrected
+for the perimeter; μ is in units of τ/(E\\*h′).
 
 | cells | per shortest wave | load over E\\*h′ | hardness | contact, counted | corrected | μ | against 1024² | counted, against 1024² corrected |
 |---:|---:|---:|---|---:|---:|---:|---:|---:|
@@ -173,7 +173,7 @@ perimeter, and μ in units of τ/(E\\*h′).
     Ok(text)
 }
 
-/// The residual after each iteration.
+/// Residuals of a solve after each iteration.
 #[derive(Debug)]
 pub(crate) struct History {
     pub(crate) cells: usize,
@@ -184,7 +184,7 @@ pub(crate) struct History {
     pub(crate) residuals: Vec<f64>,
 }
 
-/// Solves each state anew with one iteration more, down to 1e-12.
+/// Solves each state again with one more iteration each time, down to a residual of 1e-12.
 pub(crate) fn histories() -> Result<Vec<History>> {
     let mut histories = Vec::new();
     for (cells, heights) in [(256, rough(FINEST, CYCLES, FINEST / 256)?), (512, rough(512, 64.0, 1)?)] {
@@ -211,14 +211,14 @@ pub(crate) fn histories() -> Result<Vec<History>> {
     Ok(histories)
 }
 
-/// The section on convergence.
+/// Returns the section on convergence.
 pub(crate) fn convergence(histories: &[History]) -> String {
     let mut text = "## Convergence
 
 ![Largest residual against iterations](../figures/contact_convergence.svg)
 
-Periodic surfaces with eight cells to the shortest wave under a mean pressure, cold. An iteration applies the operator once. Iterations
-until the largest residual is below, with the residual evaluated afresh after each:
+Periodic surfaces with eight cells to the shortest wave under a mean pressure, from a cold start. An iteration applies the operator once.
+The table states the iterations until the largest residual is below a value; the residual is evaluated anew after each iteration.
 
 | cells | contact | plastic | 1e-2 | 1e-4 | 1e-6 | 1e-8 | 1e-10 | 1e-12 |
 |---:|---:|---:|---:|---:|---:|---:|---:|---:|
@@ -233,5 +233,5 @@ until the largest residual is below, with the residual evaluated afresh after ea
         text +=
             &format!("| {cells}² | {:.1} % | {:.0} % | {} |\n", 100.0 * contact, 100.0 * plastic, counts.join(" | "));
     }
-    text + "\n*Plastic* is the share of the contact at the hardness of 0.6 E\\*h′; 0 is elastic.\n"
+    text + "\n*Plastic* is the percentage of the contact at the hardness of 0.6 E\\*h′; 0 is elastic.\n"
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::Result;
 use super::field::{Field, averaged};
 
-/// The part on correlation, as Markdown.
+/// Returns the section on correlation, as Markdown.
 pub(crate) fn section(runs: usize) -> Result<String> {
     let mut text = String::from("## Correlation\n");
     text += &lengths(runs)?;
@@ -23,8 +23,8 @@ pub(crate) fn section(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// Planted marginal laws.
-fn laws() -> Result<Vec<(&'static str, Option<Marginal>)>> {
+/// Returns the marginal distributions of the processes, with their names; `None` is normal.
+fn marginals() -> Result<Vec<(&'static str, Option<Marginal>)>> {
     Ok(vec![
         ("normal", None),
         ("Beta(2.1, 5)", Some(Marginal::beta(2.1, 5.0, 0.0, 1.0)?)),
@@ -32,7 +32,7 @@ fn laws() -> Result<Vec<(&'static str, Option<Marginal>)>> {
     ])
 }
 
-/// How 200 ℓ are laid out in strips.
+/// Layouts of 200 ℓ in strips: name, number of strips, and ends.
 const LAYOUTS: [(&str, usize, RecordEnds); 5] = [
     ("1 free", 1, RecordEnds::Free),
     ("3 free", 3, RecordEnds::Free),
@@ -41,20 +41,20 @@ const LAYOUTS: [(&str, usize, RecordEnds); 5] = [
     ("2 periodic", 2, RecordEnds::Periodic),
 ];
 
-/// Cells in ℓ = 250 µm.
+/// Number of cells in ℓ = 250 µm.
 const LENGTH: usize = 160;
 
 fn lengths(runs: usize) -> Result<String> {
     let mut text = String::from(
-        "\n### Length of 200 ℓ of record\n\nℓ = 250 µm, W = 25 µm moved by W/16.\n\n| marginal | strips | coverage % (95 %) | \
+        "\n### Length of 200 ℓ of record\n\nℓ = 250 µm; the window W = 25 µm moves by W/16.\n\n| marginal | strips | coverage % (95 %) | \
          bias % | sd % | mean width/4sd | dispersion |\n|---|---|---|---:|---:|---:|---:|\n",
     );
-    for (name, law) in laws()? {
+    for (name, marginal) in marginals()? {
         for (layout, strips, ends) in LAYOUTS {
             let cells = 200 * LENGTH / strips;
             let field = match ends {
-                RecordEnds::Periodic => Field::new(LENGTH as f64, cells, law.clone())?,
-                RecordEnds::Free => Field::new(LENGTH as f64, 1 << 16, law.clone())?,
+                RecordEnds::Periodic => Field::new(LENGTH as f64, cells, marginal.clone())?,
+                RecordEnds::Free => Field::new(LENGTH as f64, 1 << 16, marginal.clone())?,
             };
             let run = |run: usize| -> Result<LengthFit> {
                 let records: Vec<Vec<f64>> = match ends {
@@ -90,15 +90,15 @@ fn lengths(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// W, W/2, W/4 and W/8 on the same strips, fitted jointly.
+/// Returns the section on joint fits to windows W, W/2, W/4 and W/8 on the same strips.
 fn window_study(runs: usize) -> Result<String> {
     let mut text = String::from(
-        "\n### Window study\n\nFour windows W, W/2, W/4, W/8 (three where W/8 holds fewer than four cells) on the same free \
-         strips, 200 ℓ in all (of uncorrelated cells 400 W), ℓ = 250 µm.\n\n| marginal | W/ℓ | strips | coverage % (95 %) | \
+        "\n### Window study\n\nFour windows W, W/2, W/4, W/8 (three if W/8 has fewer than four cells) on the same free \
+         strips, 200 ℓ in all (400 W for uncorrelated cells), ℓ = 250 µm.\n\n| marginal | W/ℓ | strips | coverage % (95 %) | \
          bias % | sd % | mean width/4sd | dispersion |\n|---|---:|---:|---|---:|---:|---:|---:|\n",
     );
-    for (name, law) in laws()?.into_iter().take(2) {
-        let field = Field::new(LENGTH as f64, 1 << 16, law)?;
+    for (name, marginal) in marginals()?.into_iter().take(2) {
+        let field = Field::new(LENGTH as f64, 1 << 16, marginal)?;
         for (ratio, window) in [("0.1", 16), ("1", 160), ("2.4", 384)] {
             for strips in [2, 5, 20] {
                 let cells = 200 * LENGTH / strips;
@@ -111,8 +111,7 @@ fn window_study(runs: usize) -> Result<String> {
             }
         }
     }
-    text +=
-        "\n| uncorrelated cells, strips | window only % (95 %) | mean ℓ/W | mean upper end/W |\n|---:|---|---:|---:|\n";
+    text += "\n| uncorrelated cells, strips | due to the window alone % (95 %) | mean ℓ/W | mean upper end/W |\n|---:|---|---:|---:|\n";
     for strips in [2, 5, 20] {
         let window = 64;
         let cells = 400 * window / strips;
@@ -130,7 +129,7 @@ fn window_study(runs: usize) -> Result<String> {
         writeln!(
             text,
             "| {strips} | {} | {:.3} | {:.3} |",
-            share(only, runs),
+            percentage(only, runs),
             mean(&|fit| fit.length_m) / window_m,
             mean(&|fit| fit.interval.high) / window_m
         )?;
@@ -138,7 +137,7 @@ fn window_study(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// Cell in metre.
+/// Size of a cell in metre.
 const CELL_M: f64 = 250e-6 / LENGTH as f64;
 
 fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
@@ -164,20 +163,20 @@ fn joint(strips: &[&[f64]], window: usize) -> Result<LengthFit> {
 /// Mean and scale at a position from 0 to 1.
 type Drift = fn(f64) -> (f64, f64);
 
-/// A record without drift: mean and scale along it.
+/// Returns mean 0 and scale 1: no drift.
 fn still(_: f64) -> (f64, f64) {
     (0.0, 1.0)
 }
 
-/// A mean that rises by one and a half standard deviations from end to end.
+/// Returns a mean that rises by one and a half standard deviations from end to end, and scale 1.
 fn rising(x: f64) -> (f64, f64) {
     (1.5 * x, 1.0)
 }
 
-/// Shares of runs in which the tests of stationarity call out.
+/// Returns the section on how often the tests of stationarity are significant.
 fn drifts(runs: usize) -> Result<String> {
     let mut text = String::from(
-        "\n### Stationarity\n\nShare of runs, in per cent, in which a test at 5 % calls out: 200 ℓ, W = ℓ/10, normal.\n\n\
+        "\n### Stationarity\n\nPercentage of runs in which a test is significant at 5 %: 200 ℓ, W = ℓ/10, normal.\n\n\
          | process | strips | trend | mean of halves | ends | variance | wander |\n|---|---:|---:|---:|---:|---:|---:|\n",
     );
     let field = Field::new(LENGTH as f64, 1 << 16, None)?;
@@ -198,8 +197,8 @@ fn drifts(runs: usize) -> Result<String> {
                 let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
                 Ok(Stationarity::new(&views, 1, CELL_M * LENGTH as f64 / 40.0)?)
             })?;
-            let rate = |called: &dyn Fn(&Stationarity) -> bool| {
-                100.0 * found.iter().filter(|tests| called(tests)).count() as f64 / runs as f64
+            let rate = |significant: &dyn Fn(&Stationarity) -> bool| {
+                100.0 * found.iter().filter(|tests| significant(tests)).count() as f64 / runs as f64
             };
             let wander = if found.iter().any(|tests| tests.wander.is_some()) {
                 format!("{:.1}", rate(&|tests| tests.wander.is_some_and(|wander| wander.significant())))
@@ -219,7 +218,7 @@ fn drifts(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// Coverage of the cross-correlation at lag zero.
+/// Returns the section on the coverage of the cross-correlation at lag zero.
 fn cross(runs: usize) -> Result<String> {
     let mut text = String::from(
         "\n### Cross-correlation\n\nTwo normal processes of ℓ = 250 µm under W = 25 µm, 200 ℓ in all.\n\n| ρ | strips | \
@@ -241,21 +240,21 @@ fn cross(runs: usize) -> Result<String> {
                 let views: Vec<(&[f64], &[f64])> = records.iter().map(|(a, b)| (a.as_slice(), b.as_slice())).collect();
                 Ok(cross_correlation(&views, 1, CELL_M * LENGTH as f64 / 40.0, 0)?.interval.contains(rho))
             })?;
-            writeln!(text, "| {rho} | {strips} | {} |", share(hits.iter().filter(|hit| **hit).count(), runs))?;
+            writeln!(text, "| {rho} | {strips} | {} |", percentage(hits.iter().filter(|hit| **hit).count(), runs))?;
         }
     }
     Ok(text)
 }
 
-/// Every run's answer, in order.
+/// Returns the results of all runs, in order.
 fn all<T: Send>(runs: usize, run: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let found: std::result::Result<Vec<T>, String> =
         (0..runs).into_par_iter().map(|index| run(index).map_err(|error| error.to_string())).collect();
     Ok(found?)
 }
 
-/// Share with its Wilson interval, in per cent.
-fn share(hits: usize, runs: usize) -> String {
+/// Formats a percentage with its Wilson interval.
+fn percentage(hits: usize, runs: usize) -> String {
     let interval = wilson_interval(hits, runs);
     format!("{:.1} ({:.1}–{:.1})", 100.0 * hits as f64 / runs as f64, 100.0 * interval.low, 100.0 * interval.high)
 }
@@ -269,7 +268,7 @@ fn summary(fits: &[LengthFit], truth_m: f64) -> String {
     let dispersion = fits.iter().map(|fit| fit.dispersion).sum::<f64>() / runs as f64;
     format!(
         "{} | {:.1} | {:.1} | {:.2} | {:.2}",
-        share(hits, runs),
+        percentage(hits, runs),
         100.0 * (mean / truth_m - 1.0),
         100.0 * sd / truth_m,
         width / (3.92 * sd),

@@ -1,4 +1,4 @@
-//! Synthetic processes of known correlation and marginal law on cells, and windows that slide over them.
+//! Synthetic processes of known correlation and marginal distribution on cells, and windows that slide over them.
 
 use asperity::distribution::Marginal;
 use asperity::distribution::translation::Translation;
@@ -7,17 +7,18 @@ use asperity::random;
 
 use super::Result;
 
-/// A periodic process of correlation e^{−s/ℓ} and a given law, on cells of length 1.
+/// Periodic process of correlation e^{−s/ℓ} with a given marginal distribution, on cells of length 1.
 pub(crate) struct Field {
-    law: Option<Marginal>,
+    marginal: Option<Marginal>,
     fft: RealFft2,
     /// Standard deviations of the Fourier coefficients of the normal process.
     amplitudes: Vec<f64>,
 }
 
 impl Field {
-    /// A process of ℓ = `length` cells on `cells` cells, all periods of e^{−s/ℓ} added up, and normal without a law.
-    pub(crate) fn new(length: f64, cells: usize, law: Option<Marginal>) -> Result<Self> {
+    /// Creates a process of ℓ = `length` cells on `cells` cells; its correlation is the sum of e^{−s/ℓ} over all periods. It is normal
+    /// without a marginal distribution.
+    pub(crate) fn new(length: f64, cells: usize, marginal: Option<Marginal>) -> Result<Self> {
         let fft = RealFft2::new(cells, 1);
         // Σ e^{−|s + mP|/ℓ} over all periods is a ratio of cosh.
         let half = cells as f64 / 2.0;
@@ -25,7 +26,7 @@ impl Field {
             let x = half - lag.min(cells as f64 - lag);
             ((x - half) / length).exp() * (1.0 + (-2.0 * x / length).exp()) / (1.0 + (-2.0 * half / length).exp())
         };
-        let translation = law.as_ref().map(Translation::new).transpose()?;
+        let translation = marginal.as_ref().map(Translation::new).transpose()?;
         let mut lags = Vec::with_capacity(cells);
         for lag in 0..cells {
             let target = wrapped(lag as f64);
@@ -34,10 +35,10 @@ impl Field {
         let (mut spectrum, mut work) = (fft.spectrum(), fft.workspace());
         fft.forward(&lags, &mut spectrum, &mut work);
         let amplitudes = spectrum.iter().map(|value| value.re.max(0.0).sqrt()).collect();
-        Ok(Self { law, fft, amplitudes })
+        Ok(Self { marginal, fft, amplitudes })
     }
 
-    /// One realisation.
+    /// Returns one realisation.
     pub(crate) fn draw(&self, stage: &str, index: u64) -> Vec<f64> {
         let n = self.fft.nx();
         let mut values = random::standard_normal(&mut random::stream(77, stage, index), n);
@@ -47,14 +48,14 @@ impl Field {
             *value = Complex64::new(value.re * amplitude, value.im * amplitude);
         }
         self.fft.inverse(&mut spectrum, &mut values, &mut work);
-        if let Some(law) = &self.law {
-            values.iter_mut().for_each(|value| *value = law.translate(*value));
+        if let Some(marginal) = &self.marginal {
+            values.iter_mut().for_each(|value| *value = marginal.translate(*value));
         }
         values
     }
 }
 
-/// Means over windows of `window` cells moved by `step` cells; a periodic record goes round.
+/// Returns means over windows of `window` cells moved by `step` cells. Windows wrap around the end of a periodic record.
 pub(crate) fn averaged(cells: &[f64], window: usize, step: usize, periodic: bool) -> Vec<f64> {
     let mut sums = vec![0.0];
     let extra = if periodic { window } else { 0 };

@@ -1,8 +1,8 @@
-//! How often the intervals and tests of the friction stage tell the truth, over many runs, as Markdown.
+//! Counts the coverage of the intervals and the rejections by the tests of the friction stage over many runs, and prints both as Markdown.
 //!
-//! `cargo run --release -p asperity-validation --bin validate_friction -- [RUNS [ONLY]]` prints what `docs/validation/friction.md`
-//! holds; `just validate` writes it.
-#![expect(clippy::print_stdout, reason = "the tables are what this program is for")]
+//! `cargo run --release -p asperity-validation --bin validate_friction -- [RUNS [ONLY]]` prints `docs/validation/friction.md`; `just
+//! validate` writes the file.
+#![expect(clippy::print_stdout, reason = "prints tables")]
 
 mod correlation;
 mod field;
@@ -18,8 +18,8 @@ fn main() -> Result<()> {
     let runs: usize = arguments.next().map_or(Ok(1000), |word| word.parse())?;
     let only = arguments.next().unwrap_or_default();
     println!(
-        "# Friction as a process: do the intervals hold?\n\n`just validate` writes this page. Every row stands for {runs} \
-         independent runs on synthetic processes whose truth is known. A coverage of 95 % is known to ±{:.1} % (one standard error).",
+        "# Friction as a process: coverage of the intervals\n\n`just validate` writes this page. Every row summarises {runs} \
+         independent runs on synthetic processes whose true values are known. A coverage of 95 % has a standard error of {:.1} %.",
         100.0 * (0.95 * 0.05 / runs as f64).sqrt()
     );
     let wanted = |part: &str| part.contains(&only);
@@ -33,7 +33,7 @@ fn main() -> Result<()> {
         println!("\n{}", correlation::section(runs)?);
     }
     if wanted("observed") {
-        // A run fits some forty models.
+        // A run fits about forty models.
         println!("\n{}", observed::section((runs / 10).max(10))?);
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Marginal laws: how often intervals hold their parameters, and how often tests refuse a law that is right.
+//! Marginal distributions: coverage of the intervals of their parameters, and how often tests reject the right family.
 
 use std::fmt::Write;
 
@@ -9,17 +9,17 @@ use rayon::prelude::*;
 
 use crate::planted::Planted;
 
-/// Draws behind a p-value.
+/// Number of draws for a p-value.
 const DRAWS: usize = 299;
 
 pub(crate) fn section(runs: usize) -> String {
     let mut text = String::from(
-        "## Marginal laws\n\nBeta(2.1, 5) records are fitted again. *Holds* is the share of the 95 % intervals that hold the \
-         parameter, with the shares that lie above and below it; *bias* is in standard deviations of the estimate, *se* the \
-         standard error over it. Bounds by likelihood \
-         are irregular where a shape is at most 2: the end is then known to n^{−1/shape}, has no interval, and counts as known in \
-         those of the shapes; just above 2 it is hardly regular. From 200 ℓ their intervals are too narrow (b, high), and tests \
-         of goodness refuse too seldom; from 2,000 ℓ they nearly hold.\n\n| process | fit | parameter | intervals | holds | bias | se |\n|---|---|---|---|---|---|---|\n",
+        "## Marginal distributions\n\nFamilies of distributions are fitted to records of known distributions. *Holds* is the percentage \
+         of the 95 % intervals that contain the parameter, with the percentages above and below it in brackets; *bias* is in standard \
+         deviations of the estimate, and *se* is the standard error over this standard deviation. The likelihood of a bound is irregular if \
+         the shape parameter at this end is at most 2: the error of the bound is then of order n^{−1/shape}, the bound has no interval, and \
+         the intervals of the shapes treat it as known. Just above 2 it is hardly regular: with 200 ℓ the intervals of b and of the high \
+         bound are too narrow, and tests of goodness of fit reject too seldom; with 2,000 ℓ both are nearly right.\n\n| process | fit | parameter | intervals | holds | bias | se |\n|---|---|---|---|---|---|---|\n",
     );
     let known = Family::Beta { low: 0.0, high: 1.0 };
     let of = |law, strips, periodic| Planted { law, lengths: 200, strips, periodic, window: 0.0 };
@@ -35,7 +35,7 @@ pub(crate) fn section(runs: usize) -> String {
     parameters(&mut text, of("weibull:3,0.3", 20, false), Family::Weibull, &[3.0, 0.3], runs);
 
     text.push_str(
-        "\nShare of the records of a right law that a test refuses at 5 %, and at 10 %.\n\n| process | fit | order | \
+        "\nPercentage of the records of the right family that a test rejects at 5 %, and at 10 %.\n\n| process | fit | order | \
          Kolmogorov–Smirnov | Anderson–Darling |\n|---|---|---|---|---|\n",
     );
     for (planted, family) in [
@@ -54,7 +54,7 @@ pub(crate) fn section(runs: usize) -> String {
     text
 }
 
-/// A family as the page calls it.
+/// Returns the name of a family on the page.
 fn in_words(family: Family) -> String {
     match family {
         Family::Beta { .. } => "Beta, known bounds".to_owned(),
@@ -85,7 +85,7 @@ fn parameters(text: &mut String, planted: Planted, family: Family, truth: &[f64]
     for (k, truth) in truth.iter().enumerate() {
         let values = Moments::from_values(found.iter().map(|p| p[k].value));
         let with: Vec<_> = found.iter().filter_map(|p| p[k].estimate).collect();
-        let share = |f: &dyn Fn(f64, f64) -> bool| {
+        let percentage = |f: &dyn Fn(f64, f64) -> bool| {
             100.0 * with.iter().filter(|e| f(e.interval.low, e.interval.high)).count() as f64 / with.len() as f64
         };
         let se = Moments::from_values(with.iter().map(|e| e.standard_error.powi(2))).mean.sqrt();
@@ -97,9 +97,9 @@ fn parameters(text: &mut String, planted: Planted, family: Family, truth: &[f64]
             found.first().map_or("", |p| p[k].name),
             100.0 * with.len() as f64 / found.len() as f64,
             found.len(),
-            share(&|low, high| low <= *truth && *truth <= high),
-            share(&|low, _| low > *truth),
-            share(&|_, high| high < *truth),
+            percentage(&|low, high| low <= *truth && *truth <= high),
+            percentage(&|low, _| low > *truth),
+            percentage(&|_, high| high < *truth),
             (values.mean - truth) / values.std,
             se / values.std
         );

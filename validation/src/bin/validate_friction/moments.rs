@@ -1,4 +1,4 @@
-//! Moments: how often 95 % intervals hold the truth.
+//! Moments: coverage of the 95 % intervals.
 
 use std::fmt::Write;
 
@@ -11,15 +11,15 @@ use rayon::prelude::*;
 
 use crate::planted::Planted;
 
-/// Correlation lengths in the records of a run.
+/// Number of correlation lengths in the records of a run.
 const LENGTHS: usize = 200;
 
 pub(crate) fn section(runs: usize) -> String {
     let mut text = format!(
         "## Moments\n\n{runs} runs of {LENGTHS} ℓ each of a translated Ornstein–Uhlenbeck process, ten steps to ℓ, in 1, 3 and 20 \
-         records, as it is or averaged over a window W. A cell tells how many of the 95 % intervals hold the truth, and in \
-         brackets how many lie above and below it; where some runs have no interval, the share that has. The truth is that of \
-         the law, under a window the moments of 400,000 ℓ.\n\n\
+         records, without a window or averaged over a window W. A cell states the percentage of the 95 % intervals that contain the true value, in \
+         brackets the percentages above and below it, and the percentage of runs that have an interval if some have none. The true values \
+         are those of the distribution, or with a window the moments of a record of 400,000 ℓ.\n\n\
          | process | mean | std | CoV | skewness | kurtosis |\n|---|---|---|---|---|---|\n"
     );
     for law in ["normal:3,1", "beta:2.1,5"] {
@@ -31,8 +31,8 @@ pub(crate) fn section(runs: usize) -> String {
         }
     }
     text.push_str(
-        "\nThe moving-block bootstrap (200 resamples, percentiles, blocks of twice the correlation time), which is offered beside \
-         them:\n\n| process | mean | std |\n|---|---|---|\n",
+        "\nThe moving-block bootstrap (200 resamples, percentiles, blocks of twice the correlation time), for \
+         comparison:\n\n| process | mean | std |\n|---|---|---|\n",
     );
     for (strips, law) in [(1, "normal:3,1"), (20, "normal:3,1"), (1, "beta:2.1,5"), (20, "beta:2.1,5")] {
         bootstrap(&mut text, Planted { law, lengths: LENGTHS, strips, periodic: false, window: 0.0 }, runs.div_ceil(4));
@@ -47,22 +47,23 @@ fn row(text: &mut String, planted: Planted, runs: usize) {
     let _ = write!(text, "| {} ", planted.name());
     for (k, truth) in truth.iter().enumerate() {
         let present: Vec<Interval> = found.iter().filter_map(|e| e[k]).map(|e| e.interval).collect();
-        let _ = write!(text, "| {} ", held(&present, *truth));
-        let share = 100.0 * present.len() as f64 / found.len() as f64;
-        if share < 99.5 {
-            let _ = write!(text, "of {share:.0} % ");
+        let _ = write!(text, "| {} ", coverage(&present, *truth));
+        let percentage = 100.0 * present.len() as f64 / found.len() as f64;
+        if percentage < 99.5 {
+            let _ = write!(text, "of {percentage:.0} % ");
         }
     }
     text.push_str("|\n");
 }
 
-/// Shares of the intervals that hold the truth, lie above and below.
-fn held(intervals: &[Interval], truth: f64) -> String {
-    let share = |f: &dyn Fn(&Interval) -> bool| {
+/// Formats the percentages of the intervals that contain the truth, lie above it, and lie below it.
+fn coverage(intervals: &[Interval], truth: f64) -> String {
+    let percentage = |f: &dyn Fn(&Interval) -> bool| {
         100.0 * intervals.iter().filter(|interval| f(interval)).count() as f64 / intervals.len() as f64
     };
-    let [holds, above, below] = [share(&|i| i.contains(truth)), share(&|i| i.low > truth), share(&|i| i.high < truth)];
-    format!("{holds:.1} % ({above:.1}, {below:.1})")
+    let covering = percentage(&|i| i.contains(truth));
+    let [above, below] = [percentage(&|i| i.low > truth), percentage(&|i| i.high < truth)];
+    format!("{covering:.1} % ({above:.1}, {below:.1})")
 }
 
 fn estimates(planted: Planted, run: u64) -> [Option<ProcessEstimate>; 5] {
@@ -83,8 +84,8 @@ fn truth(planted: Planted) -> [f64; 5] {
     [m.mean, m.std, m.coefficient_of_variation(), m.skewness, m.excess_kurtosis]
 }
 
-/// The 95 % percentile interval of 200 resamples in moving blocks, which stay within records; none for blocks longer than all
-/// records.
+/// Returns the 95 % percentile interval of 200 resamples in moving blocks, which stay within records; `None` if a block is longer than
+/// all records together.
 fn moving_blocks(records: &[&[f64]], block: usize, seed: u64, statistic: fn(Moments) -> f64) -> Option<Interval> {
     let total: usize = records.iter().map(|record| record.len()).sum();
     let starts = |record: &[f64]| (record.len() + 1).saturating_sub(block).max(usize::from(!record.is_empty()));
@@ -123,6 +124,6 @@ fn bootstrap(text: &mut String, planted: Planted, runs: usize) {
             [moving_blocks(&views, block, run, |m| m.mean), moving_blocks(&views, block, run, |m| m.std)]
         })
         .collect();
-    let column = |k: usize| held(&found.iter().filter_map(|f| f[k]).collect::<Vec<_>>(), truth[k]);
+    let column = |k: usize| coverage(&found.iter().filter_map(|f| f[k]).collect::<Vec<_>>(), truth[k]);
     let _ = writeln!(text, "| {} | {} | {} |", planted.name(), column(0), column(1));
 }

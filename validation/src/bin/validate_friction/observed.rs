@@ -14,13 +14,14 @@ use rayon::prelude::*;
 
 use super::Result;
 
-/// Length in steps, and values of a record.
+/// Correlation length in steps.
 const LENGTH: f64 = 20.0;
+/// Number of values of a record.
 const VALUES: usize = 4000;
-/// Parts of a step that an integrating converter takes the mean of.
+/// Number of parts of a step that an integrating converter averages.
 const PARTS: usize = 16;
 
-/// The part on records of instruments, as Markdown.
+/// Returns the section on records of instruments, as Markdown.
 pub(crate) fn section(runs: usize) -> Result<String> {
     let mut text = format!("## Records of instruments\n\n{runs} runs each.\n");
     text += &lengths(runs)?;
@@ -28,7 +29,7 @@ pub(crate) fn section(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// A stationary record of the correlation e^{−lag/ℓ}.
+/// Returns a stationary record of the correlation e^{−lag/ℓ}.
 fn exponential(length: f64, values: usize, name: &str, run: usize) -> Vec<f64> {
     autoregressive((-1.0 / length).exp(), values, &mut random::stream(79, name, run as u64))
 }
@@ -37,7 +38,7 @@ fn means(values: &[f64], count: usize) -> Vec<f64> {
     values.chunks_exact(count).map(|part| part.iter().sum::<f64>() / count as f64).collect()
 }
 
-/// The Gaussian mean line of ISO 16610-21.
+/// Returns the Gaussian mean line of ISO 16610-21.
 fn mean_line(values: &[f64], cutoff: f64) -> Vec<f64> {
     let reach = (1.5 * cutoff) as usize;
     let alpha = (2.0_f64.ln() / PI).sqrt();
@@ -59,10 +60,10 @@ type Case = (&'static str, RecordHistory, Box<dyn Fn(usize) -> Vec<f64> + Sync>)
 fn cases() -> Vec<Case> {
     let plain = |run| exponential(LENGTH, VALUES, "plain", run);
     let decimated = |count: usize| RecordHistory { decimation: count, ..RecordHistory::default() };
-    let noisy = move |share: f64| {
+    let noisy = move |fraction: f64| {
         move |run: usize| {
             let noise = random::standard_normal(&mut random::stream(79, "noise", run as u64), VALUES);
-            plain(run).iter().zip(noise).map(|(value, noise)| value + share * noise).collect()
+            plain(run).iter().zip(noise).map(|(value, noise)| value + fraction * noise).collect()
         }
     };
     let chi_square = |run| {
@@ -110,11 +111,11 @@ fn cases() -> Vec<Case> {
 
 fn lengths(runs: usize) -> Result<String> {
     let mut text = String::from(
-        "\n### Length of a record of 4,000 values and 200 ℓ, exponential, whose making is found beside it\n\n“Points taken for granted” is the bias \
-         of the fit that takes the values for those at points. Noise and averages are those found; “narrowed”: no model fits \
-         all wavenumbers, and the upper ones were left out; “refused”: none fits even then.\n\n\
-         | record | coverage % (95 %) | bias % | sd % | points taken for granted, bias % | noise found % of runs | \
-         its mean share of variance % | means or moving average % of runs | narrowed % | refused % |\n\
+        "\n### Length of a record of 4,000 values and 200 ℓ, exponential, with an estimated model of the instrument\n\n“Assuming points” is the \
+         bias of a fit that treats the values as values at points. “Noise” and “means or moving average” count the runs whose fitted model \
+         includes them; “narrowed”: no model fits all wavenumbers, and the fit leaves out the upper ones; “refused”: no model fits even then.\n\n\
+         | record | coverage % (95 %) | bias % | sd % | assuming points, bias % | noise % of runs | \
+         mean variance of the noise % | means or moving average % of runs | narrowed % | refused % |\n\
          |---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n",
     );
     for (name, history, record) in cases() {
@@ -137,7 +138,7 @@ fn lengths(runs: usize) -> Result<String> {
         writeln!(
             text,
             "| {name} | {} | {:.1} | {:.1} | {:.0} | {:.0} | {:.2} | {:.0} | {:.0} | {:.0} |",
-            share(hits, runs),
+            percentage(hits, runs),
             100.0 * (length / LENGTH - 1.0),
             100.0 * sd / LENGTH,
             100.0 * (naive / LENGTH - 1.0),
@@ -151,10 +152,10 @@ fn lengths(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// Intervals of records from ten lengths on.
+/// Returns the section on intervals of short records.
 fn short(runs: usize) -> Result<String> {
     let mut text = String::from(
-        "\n### Short records\n\nCoverage in per cent of the intervals of one measured record, normal, ℓ = 20 values.\n\n\
+        "\n### Short records\n\nCoverage in percent of the intervals of one measured record, normal, ℓ = 20 values.\n\n\
          | record | accepted % | mean | std | ℓ |\n|---|---:|---|---|---|\n",
     );
     for lengths in [15_usize, 20, 40, 90, 200] {
@@ -180,7 +181,7 @@ fn short(runs: usize) -> Result<String> {
         let accepted: Vec<&FittedRecord> = found.iter().flatten().collect();
         let covered = |of: &dyn Fn(&FittedRecord) -> Option<[f64; 2]>, truth: f64| {
             let stated: Vec<[f64; 2]> = accepted.iter().filter_map(|found| of(found)).collect();
-            share(stated.iter().filter(|ends| ends[0] <= truth && truth <= ends[1]).count(), stated.len())
+            percentage(stated.iter().filter(|ends| ends[0] <= truth && truth <= ends[1]).count(), stated.len())
         };
         writeln!(
             text,
@@ -194,15 +195,15 @@ fn short(runs: usize) -> Result<String> {
     Ok(text)
 }
 
-/// Every run's answer, in order.
+/// Returns the results of all runs, in order.
 fn all<T: Send>(runs: usize, run: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let found: std::result::Result<Vec<T>, String> =
         (0..runs).into_par_iter().map(|index| run(index).map_err(|error| error.to_string())).collect();
     Ok(found?)
 }
 
-/// Share with its Wilson interval, in per cent.
-fn share(hits: usize, runs: usize) -> String {
+/// Formats a percentage with its Wilson interval.
+fn percentage(hits: usize, runs: usize) -> String {
     let interval = wilson_interval(hits, runs);
     format!("{:.1} ({:.1}–{:.1})", 100.0 * hits as f64 / runs as f64, 100.0 * interval.low, 100.0 * interval.high)
 }

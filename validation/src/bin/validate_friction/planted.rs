@@ -1,19 +1,19 @@
-//! Records of a process that is known: a translated Ornstein–Uhlenbeck process, seen as it is or through a window.
+//! Records of a known process: a translated Ornstein–Uhlenbeck process, with or without a window.
 
-#![expect(clippy::expect_used, reason = "the laws are written in this program")]
+#![expect(clippy::expect_used, reason = "the distributions are constants of this program")]
 
 use asperity::distribution::Marginal;
 use asperity::random;
 use asperity_testing::autoregressive;
 
-/// Steps to a correlation length.
+/// Number of steps per correlation length.
 pub(crate) const STEPS: usize = 10;
 
-/// Records of one run.
+/// Process and layout of the records of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Planted {
     pub(crate) law: &'static str,
-    /// Correlation lengths in all records together.
+    /// Number of correlation lengths in all records together.
     pub(crate) lengths: usize,
     pub(crate) strips: usize,
     pub(crate) periodic: bool,
@@ -29,15 +29,15 @@ impl Planted {
     }
 
     pub(crate) fn law(&self) -> Marginal {
-        self.law.parse().expect("a law")
+        self.law.parse().expect("a distribution")
     }
 
-    /// Values to a window.
+    /// Returns the number of values in a window.
     pub(crate) fn cells(&self) -> usize {
         ((self.window * STEPS as f64) as usize).max(1)
     }
 
-    /// The records of a run.
+    /// Returns the records of a run.
     pub(crate) fn records(&self, run: u64) -> Vec<Vec<f64>> {
         let law = self.law();
         let n = self.lengths * STEPS / self.strips;
@@ -48,7 +48,7 @@ impl Planted {
                 let long = if self.periodic { circle(n, seed) } else { line(n + cells - 1, seed) };
                 let values: Vec<f64> = long.iter().map(|g| law.translate(*g)).collect();
                 let mean = |start: usize| (start..start + cells).map(|i| values[i % values.len()]).sum::<f64>();
-                // A sixteenth of the window is less than a step here: every position is kept.
+                // A sixteenth of the window is less than a step, so every position is kept.
                 (0..n).map(|start| mean(start) / cells as f64).collect()
             })
             .collect()
@@ -63,12 +63,12 @@ fn line(n: usize, index: u64) -> Vec<f64> {
     autoregressive(phi(), n, &mut random::stream(7, "planted", index))
 }
 
-/// The same going round: correlation (φᵏ + φⁿ⁻ᵏ)/(1 + φⁿ).
+/// Returns a periodic record, with the correlation (φᵏ + φⁿ⁻ᵏ)/(1 + φⁿ).
 fn circle(n: usize, index: u64) -> Vec<f64> {
     let phi = phi();
     let noise = random::standard_normal(&mut random::stream(7, "planted", index), n);
     let closed = 1.0 - phi.powi(n as i32);
-    // One turn from nothing ends where the path is, but for the turns before, a geometric series.
+    // One period from zero ends at the value of the path, except for the earlier periods, which add a geometric series.
     let mut last = noise.iter().fold(0.0, |last, e| phi * last + e) / closed;
     let scale = ((1.0 - phi * phi) * closed / (1.0 + phi.powi(n as i32))).sqrt();
     noise

@@ -1,9 +1,9 @@
-//! A verdict compared with machines whose whole chain is solved, as Markdown.
+//! Compares a verdict with machines whose whole chain is solved, and prints the result as Markdown.
 //!
-//! `cargo run --release -p asperity-validation --bin validate_verdict -- [MACHINES]` prints what `docs/validation/verdict.md` holds;
-//! `just validate` writes it. The chain of a machine is put together here from the links, without the verdict's expansion of friction: strips of
-//! other random numbers, the friction coefficient, the limit of damping.
-#![expect(clippy::print_stdout, reason = "the table is what this program is for")]
+//! `cargo run --release -p asperity-validation --bin validate_verdict -- [MACHINES]` prints `docs/validation/verdict.md`; `just validate`
+//! writes the file. This program combines the links to the chain of a machine without the verdict's expansion of friction: strips of other
+//! random numbers, the friction coefficient, and the limit of damping.
+#![expect(clippy::print_stdout, reason = "prints a table")]
 
 use std::sync::Arc;
 
@@ -30,9 +30,9 @@ use asperity_validation::brake_disc::brake_disc;
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 const STUDY: &str = include_str!("study.toml");
-/// Seed of the strips; that of the study is another one.
+/// Seed of the strips, different from the seed of the study.
 const SEED: u64 = 77;
-/// Values of `[friction]`, `[material]` and `[vibration]` that the study states as exact.
+/// Points and pitch of a strip. This and the following values are exact in the study.
 const GRID: (usize, usize, f64) = (3072, 80, 2e-6);
 const WINDOW_M: f64 = 600e-6;
 const STRIPS: usize = 8;
@@ -48,7 +48,7 @@ fn main() -> Result<()> {
     let bytes = write_x3p(&brake_disc()?, X3pData::Int16)?;
     std::fs::write(folder.path().join("brake_disc.x3p"), &bytes)?;
     let outcome = Study::parse(STUDY, "study.toml")?.run(folder.path(), Some(Stage::Verdict), &Silent)?;
-    let verdict = outcome.results.verdict.ok_or("the study has a verdict")?;
+    let verdict = outcome.results.verdict.ok_or("the study has no verdict")?;
     let samples = &outcome.tables[VERDICT_SAMPLES];
     let column = |name: &str| samples.column(name).ok_or_else(|| format!("no column {name}"));
     let [hardness_pa, strength_pa, modulus_pa] =
@@ -115,32 +115,32 @@ fn friction(
     let generated = model.strip(grid, true, XiOrder::Wavevector)?;
     let strips = problem.strips(generated.surface.as_ref(), STRIPS, SEED);
     let solved = strips.solve(&[Control::MeanPressure { pascal: pressure_pa }], &Silent)?;
-    let solved = solved.into_iter().next().ok_or("one level")??;
+    let solved = solved.into_iter().next().ok_or("no level was solved")??;
     Ok(MomentReplicates::from_mean_load(&solved, problem.window.step_m()).all.mean)
 }
 
 fn print(verdict: &VerdictResult, errors: &[f64], [solved, predicted, agree]: [usize; 3]) {
     let count = errors.len() as f64;
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
     let [low, high] = verdict.probability_interval;
-    let share = solved as f64 / count;
-    let standard_error = (share * (1.0 - share) / count).sqrt().hypot(0.5 * (high - low) / NORMAL_95);
+    let probability = solved as f64 / count;
+    let standard_error = (probability * (1.0 - probability) / count).sqrt().hypot(0.5 * (high - low) / NORMAL_95);
     let error = Moments::new(errors);
     println!(
-        "# The verdict beside machines whose whole chain is solved\n\n`just validate` writes this page. The scan of the quickstart \
-         study, six uncertain values (modulus, hardness and shear strength of the pad, damping ratio, load, Stribeck coefficient). The verdict \
-         learns friction from a few solved points; here strips of other random numbers ({STRIPS} of them) are solved for each of the first \
-         {count} machines, and their limit of damping is computed from the solved friction.\n\n| | |\n|-|-|\n\
+        "# The verdict compared with machines whose whole chain is solved\n\n`just validate` writes this page. The study has the scan of the quickstart \
+         and six uncertain values (modulus, hardness and shear strength of the pad, damping ratio, load, Stribeck coefficient). The verdict \
+         learns friction from a few solved points. Here, {STRIPS} strips of other random numbers are solved for each of the first \
+         {count} machines, and their limits of damping are computed from the solved friction.\n\n| | |\n|-|-|\n\
          | probability, verdict | {} [{}, {}] |\n| probability, {count} solved machines | {} |\n\
          | difference over its standard error | {:.2} |\n| the same machines, learnt friction | {} |\n\
          | machines with the same answer | {} |\n| friction, learnt over solved: mean of the logarithm | {} |\n\
-         | standard deviation of the logarithm | {} |\n| standard error that the verdict states | {} |\n\
-         | solved points, of them near the limit | {}, {} |",
+         | standard deviation of the logarithm | {} |\n| standard error of the verdict | {} |\n\
+         | solved points, and those near the limit | {}, {} |",
         percent(verdict.probability),
         percent(low),
         percent(high),
-        percent(share),
-        (share - verdict.probability) / standard_error,
+        percent(probability),
+        (probability - verdict.probability) / standard_error,
         percent(predicted as f64 / count),
         percent(agree as f64 / count),
         percent(error.mean),
