@@ -148,8 +148,6 @@ pub(super) fn run(
         by_margin: true,
     })?;
     let evaluations = estimator.evaluations;
-    // Both probabilities may have the same reason.
-    estimator.warnings.dedup();
     output.warnings.append(&mut estimator.warnings);
     if let Some((source, _)) = sources.first().filter(|_| 0.5 * (interval.high - interval.low) > study.half_width) {
         output.warnings.push(limit(source, study.half_width));

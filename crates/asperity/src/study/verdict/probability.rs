@@ -129,7 +129,11 @@ impl Estimator<'_> {
             Ok(SmallProbability::Bound(bound)) => Ok(Some((0.0, Interval { low: 0.0, high: bound.probability }))),
             Err(RareError::Cancelled) => Err(Cancelled.into()),
             Err(error) => {
-                self.warnings.push(format!("the interval of the small probability is wide: {error}"));
+                // Both probabilities, and each shift of friction, may fail for one reason.
+                let warning = format!("the interval of the small probability is wide: {error}");
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
                 Ok(None)
             }
         }
