@@ -10,19 +10,12 @@ mod kernel;
 
 use std::ops::Range;
 
-use self::kernel::{Consts, Cuts, Expansion, LANES, States};
+use self::kernel::{Consts, Cuts, Expansion, LANES, NOISY, STEADY, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, Integrator, Oscillator, Slips, TrajectorySettings, VelocityLaw, VibrationError};
 use asperity_base::monitor::Silent;
-use asperity_base::wide::{Kernel, wide};
 use asperity_process::{Cell, Fluctuation};
-
-/// Numbers of coefficients and relative tolerances of a step: with grid points, which are close together, and without.
-const NOISY: usize = 12;
-const NOISY_TOLERANCE: f64 = 1e-13;
-const STEADY: usize = 22;
-const STEADY_TOLERANCE: f64 = 1e-12;
 
 /// Trajectory to simulate.
 pub(super) struct Task<F, W> {
@@ -121,7 +114,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Locks
     }
 
     fn run(&mut self, to_the_end: bool, done: Done<'_, W>) {
-        wide::<Advance, _>((self, to_the_end, done));
+        self.advance(to_the_end, done);
     }
 }
 
@@ -257,12 +250,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
                 return;
             }
             loop {
-                let Self { consts, states, cuts, expansion, .. } = self;
-                if N == STEADY {
-                    expansion.step::<false>(consts, states, self.duration, STEADY_TOLERANCE, cuts);
-                } else {
-                    expansion.step::<true>(consts, states, self.duration, NOISY_TOLERANCE, cuts);
-                }
+                self.expansion.step(&self.consts, &mut self.states, self.duration, &mut self.cuts);
                 let mut one_ended = false;
                 for lane in 0..LANES {
                     let outcome = self.finish_step(lane);
@@ -401,19 +389,6 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
         trajectory.reached_backward |= from > 0.0 && states.fastest[lane] > 1.0;
         trajectory.finish_slip(EventKind::Restick, tau, passed, e, 1.0);
         self.stick(lane, e)
-    }
-}
-
-struct Advance;
-
-impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer>
-    Kernel<(&mut Batch<N, EXPONENTIAL, F, W>, bool, Done<'_, W>)> for Advance
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run((batch, to_the_end, done): (&mut Batch<N, EXPONENTIAL, F, W>, bool, Done<'_, W>)) {
-        batch.advance(to_the_end, done);
     }
 }
 

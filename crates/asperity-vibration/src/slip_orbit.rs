@@ -71,7 +71,8 @@ pub(super) fn first_minimum_from(
             return Ok(Some(Minimum { time, w }));
         }
         falling = acceleration < 0.0;
-        if scaled.amplitude == 0.0 && (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED {
+        let settled = (w - 1.0).abs() < SETTLED && acceleration.abs() < SETTLED;
+        if scaled.amplitude == 0.0 && (settled || weakening.creeps(w, acceleration)) {
             return Ok(None);
         }
     }

@@ -168,6 +168,21 @@ impl Weakening {
         self.linear + slope
     }
 
+    /// Returns whether a motion without forcing and fluctuation at W ≥ 0 and the rate W′ ends in steady sliding without
+    /// crossing W = 1. Under strong damping this saves the many short steps to steady sliding.
+    ///
+    /// With the distance u = |W − 1|, u″ = −u − c·u′, and c ≥ 2 all the way, no motion leaves −u ≤ u′ ≤ 0: on u′ = −u,
+    /// (u′ + u)′ = (c − 2)u ≥ 0, and on u′ = 0, u″ < 0.
+    pub(super) fn creeps(&self, w: f64, rate: f64) -> bool {
+        let (distance, approach) = ((w - 1.0).abs(), (1.0 - w).signum() * rate);
+        // dW′/dW = −c falls with W, except for a table.
+        let largest_slope = || match &self.table {
+            Some((table, _)) => self.linear + table.steepest(),
+            None => self.slope(w.min(1.0)),
+        };
+        self.linear <= -2.0 && (0.0..=distance).contains(&approach) && largest_slope() <= -2.0
+    }
+
     /// Returns the largest |dW′/dW| at W ≥ 0; none if unknown.
     #[inline(always)]
     pub(super) fn steepest(&self) -> Option<f64> {
@@ -318,5 +333,63 @@ impl<const N: usize> Recurrence<N> for CubicTerms<N> {
     fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
         self.square[n] = cross(w, w, n);
         self.derivatives[2] * self.square[n] + self.derivatives[3] * cross(w, &self.square, n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Parameters;
+    use asperity_base::random;
+
+    #[test]
+    fn an_orbit_that_creeps_never_reaches_the_section() {
+        let rng = &mut random::stream(31, "test", 0);
+        let mut counts = [0, 0];
+        for i in 0..300 {
+            let g = random::standard_normal(rng, 6);
+            let (kinetic, reach) = (0.3 * g[0].exp(), 0.1 * g[1].exp());
+            let wave = |v: f64| kinetic * (1.5 + f64::cos(v / reach));
+            let points: Vec<_> = (0..20).map(|i| 0.7 * reach * f64::from(i)).map(|v| [v, wave(v)]).collect();
+            let law = match i % 3 {
+                0 => VelocityLaw::Stribeck { kinetic, decay: 1.0 / reach },
+                1 => VelocityLaw::Exponential { kinetic, high_speed: 0.3 * kinetic, stribeck_velocity: reach },
+                _ => VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap()),
+            };
+            let (belt_velocity, damping_ratio) = (reach * g[2].exp(), 1.0 + g[3].abs());
+            let static_friction = 3.0 * kinetic;
+            let parameters =
+                Parameters { static_friction, law: law.clone(), damping_ratio, belt_velocity, forcing: None };
+            let weakening = Weakening::new(&Oscillator::new(parameters).unwrap());
+            // A start in the wedge −u ≤ u′ ≤ 0, on either side of the section W = 1.
+            let side = if g[4] > 0.0 { 1.0 } else { -1.0 };
+            let u = if side > 0.0 { g[4] } else { (-g[4]).min(1.0) };
+            let mut state = [u, -u * g[5].abs().fract()];
+            let creeps = weakening.creeps(1.0 + side * u, side * state[1]);
+            counts[usize::from(creeps)] += 1;
+            // Classical Runge–Kutta method.
+            let rate = |[u, v]: [f64; 2]| {
+                let weakening = law.weakening(belt_velocity * (1.0 + side * u));
+                [v, -u - (2.0 * damping_ratio - weakening) * v]
+            };
+            let along = |[u, v]: [f64; 2], [du, dv]: [f64; 2], h: f64| [u + h * du, v + h * dv];
+            let h = 0.02 / damping_ratio;
+            while creeps && state[0] > 1e-4 * u {
+                let k1 = rate(state);
+                let k2 = rate(along(state, k1, 0.5 * h));
+                let k3 = rate(along(state, k2, 0.5 * h));
+                let k4 = rate(along(state, k3, h));
+                let mean = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
+                state = along(state, [mean(0), mean(1)], h);
+                assert!(-state[0] <= state[1] && state[1] <= 0.0, "{state:?} of {weakening:?}");
+            }
+        }
+        assert!(counts.iter().all(|&n| n > 60), "{counts:?}");
+        // Just outside the wedge an orbit of Coulomb friction crosses: u′ = −1.1u at critical damping, and u′ > 0 turns.
+        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+        let parameters =
+            Parameters { static_friction: 0.3, law, damping_ratio: 1.0, belt_velocity: 1.0, forcing: None };
+        let weakening = Weakening::new(&Oscillator::new(parameters).unwrap());
+        assert_eq!([-1.1, -1.0, 0.0, 0.1].map(|rate| weakening.creeps(2.0, rate)), [false, true, true, false]);
     }
 }

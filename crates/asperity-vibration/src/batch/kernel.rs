@@ -6,10 +6,17 @@ use super::super::Oscillator;
 use super::super::polynomial;
 use super::super::series::{RECIPROCAL, exponential_step};
 use super::super::weakening::{Curve, Weakening};
+use asperity_base::wide::{Kernel, wide};
 use asperity_process::Cell;
 
 /// Number of trajectories that advance together: four registers of four numbers, or two of eight.
 pub(crate) const LANES: usize = 16;
+
+/// Numbers of coefficients and relative tolerances of a step: with grid points, which are close together, and without.
+pub(super) const NOISY: usize = 12;
+const NOISY_TOLERANCE: f64 = 1e-13;
+pub(super) const STEADY: usize = 22;
+const STEADY_TOLERANCE: f64 = 1e-12;
 
 /// One number per lane.
 pub(super) type Lane = [f64; LANES];
@@ -457,20 +464,17 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     /// positive at the end, it has exactly one zero. If W is positive at the end and the extremum is a maximum, it has
     /// none. Two extrema are at least π/√(κ + δ) apart: Z = W′ obeys Z″ + (pZ)′ + κZ = 0 with p = 2ζ − dr/dW, whose
     /// zeros are at least as far apart (Sturm) with δ = max p′/2 ≤ (weakening gain × curvature) × max |W′|.
+    pub(super) fn step(&mut self, consts: &Consts, states: &mut States, until: f64, cuts: &mut Cuts) {
+        wide::<Step, _>((self, consts, states, until, cuts));
+    }
+
     #[inline(always)]
-    pub(super) fn step<const HAS_GRID: bool>(
-        &mut self,
-        consts: &Consts,
-        states: &mut States,
-        until: f64,
-        tolerance: f64,
-        cuts: &mut Cuts,
-    ) {
+    fn step_in_place(&mut self, consts: &Consts, states: &mut States, until: f64, cuts: &mut Cuts) {
         self.expand(consts, states);
         let (w0, slope0) = (self.w[0], self.w[1]);
         let remaining = each(|l| until - states.tau[l]);
         let left = each(|l| states.span[l] - states.passed[l]);
-        let reach = self.reach(states, tolerance);
+        let reach = self.reach(states, if N == STEADY { STEADY_TOLERANCE } else { NOISY_TOLERANCE });
         let quickest = each(|l| slope0[l].abs() + 2.0 * (1.0 + states.kappa[l].abs()) * (1.0 + w0[l]));
         let mut cap = each(|l| {
             let stiffness = larger(states.kappa[l] + consts.softening[l] * quickest[l], 0.1);
@@ -483,7 +487,7 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         }
         (cuts.trial, cuts.tau, cuts.passed, cuts.excess) = (cap, states.tau, states.passed, states.e);
         let (mut h, mut crossed) = (cap, [0.0; LANES]);
-        if HAS_GRID {
+        if N == NOISY {
             let (t, found) = self.crossing(&left, &cap);
             crossed = found;
             h = each(|l| choose(found[l], t[l], cap[l]));
@@ -582,6 +586,27 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
         let slope = polynomial::derivative(&w);
         let leading = slope.iter().take(2).take_while(|c| **c == 0.0).count();
         polynomial::first_zero(&slope[leading..N - 1], h).map_or(0.0, |t| polynomial::value(&w, t))
+    }
+}
+
+struct Step;
+
+impl<const N: usize, const EXPONENTIAL: bool>
+    Kernel<(&mut Expansion<N, EXPONENTIAL>, &Consts, &mut States, f64, &mut Cuts)> for Step
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(
+        (expansion, consts, states, until, cuts): (
+            &mut Expansion<N, EXPONENTIAL>,
+            &Consts,
+            &mut States,
+            f64,
+            &mut Cuts,
+        ),
+    ) {
+        expansion.step_in_place(consts, states, until, cuts);
     }
 }
 

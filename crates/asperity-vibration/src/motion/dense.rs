@@ -96,10 +96,11 @@ impl<F: Fluctuation> Motion<F> {
             && self.weakening.acceleration(self.w, self.e) > 0.0
     }
 
-    /// Returns whether the mass is at rest in space within the tolerance: W = 1, W′ = 0.
+    /// Returns whether the mass, without forcing and fluctuation, slides steadily within the tolerance (W = 1, W′ = 0)
+    /// or creeps there.
     pub(crate) fn has_settled(&self, tolerance: f64) -> bool {
-        self.phase == Phase::Slip
-            && (self.w - 1.0).abs() < tolerance
-            && self.weakening.acceleration(self.w, self.e).abs() < tolerance
+        let rate = self.weakening.acceleration(self.w, self.e);
+        let settled = (self.w - 1.0).abs() < tolerance && rate.abs() < tolerance;
+        self.phase == Phase::Slip && (settled || self.weakening.creeps(self.w, rate))
     }
 }

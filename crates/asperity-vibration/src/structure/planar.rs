@@ -141,7 +141,9 @@ impl Planar {
                 w = level;
             }
             fresh = false;
-            if (w - 1.0).abs() < SETTLED * size && weakening.acceleration(w, e).abs() < SETTLED * size {
+            let rate = weakening.acceleration(w, e);
+            let settled = (w - 1.0).abs() < SETTLED * size && rate.abs() < SETTLED * size;
+            if settled || weakening.creeps(w, rate) {
                 return Ok(Half::Settles);
             }
         }
