@@ -37,13 +37,17 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
         // the slip orbit from a detachment returns to its start.
         return Ok(CriticalDamping { critical_damping_ratio: hopf_damping_ratio.max(0.0), hopf_damping_ratio });
     }
+    let too_large = VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" };
+    if hopf_damping_ratio > MAX_DAMPING {
+        return Err(too_large);
+    }
     let free = oscillator.with_forcing(None)?;
     let guess = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
     let critical_damping_ratio = match grazing_damping(&free, 0.0, guess, MAX_DAMPING)? {
         Some(damping) => damping,
         // Friction that rises with the speed damps the motion, or weakening and jump are below rounding.
         None if first_minimum(&free.with_damping(0.0)?, 0.0)?.is_none_or(|m| m.w >= 0.0) => hopf_damping_ratio.max(0.0),
-        None => return Err(VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" }),
+        None => return Err(too_large),
     };
     Ok(CriticalDamping { critical_damping_ratio, hopf_damping_ratio })
 }
@@ -263,5 +267,15 @@ mod tests {
             }
         }
         assert!(folds > 0, "no fold of slip cycles");
+    }
+
+    #[test]
+    fn a_critical_damping_above_the_largest_damping_ratio_is_named() {
+        // ζ_H = μ_k·a/(2(1 + aV)²) is 1250.
+        let law = VelocityLaw::Stribeck { kinetic: 0.1, decay: 1e5 };
+        let parameters =
+            Parameters { static_friction: 2.1, law, damping_ratio: 0.1, belt_velocity: 1e-5, forcing: None };
+        let error = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap_err();
+        assert_eq!(error, VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" });
     }
 }
