@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let points_s = least(|| (0..samples).for_each(|i| drop(black_box(design.xi(i)))));
         designs.push(serde_json::json!({
             "method": name, "samples": samples, "dimensions": dimensions,
-            "first_seconds": first_s, "seconds": again_s, "germs_seconds": points_s,
+            "first_seconds": first_s, "seconds": again_s, "points_seconds": points_s,
         }));
     }
     let threads = rayon::current_num_threads();

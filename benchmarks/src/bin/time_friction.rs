@@ -142,7 +142,7 @@ fn parts(strips: &Strips<'_>, controls: &[Control], count: usize) -> Result<Valu
     }
     let per = |seconds: f64| seconds / count.max(1) as f64;
     Ok(json!({
-        "germ_s": per(xi_s), "map_s": per(maps_s), "windows_s": per(windows_s) / controls.len() as f64,
+        "normal_variables_s": per(xi_s), "map_s": per(maps_s), "windows_s": per(windows_s) / controls.len() as f64,
         "levels": by_level.iter().map(|[cold_s, cold, warm_s, warm]| json!({
             "cold_s": per(*cold_s), "cold_iterations": per(*cold), "warm_s": per(*warm_s), "warm_iterations": per(*warm),
         })).collect::<Vec<_>>(),

@@ -36,7 +36,7 @@ type Found = (Estimates, Vec<Option<Interval>>);
 struct Case {
     /// Points per correlation length along y.
     points: f64,
-    law: &'static str,
+    distribution: &'static str,
     model: CorrelationModel,
     /// Correlation length along x over that along y.
     stretch: f64,
@@ -45,8 +45,8 @@ struct Case {
     level: Level,
 }
 
-const fn case(law: &'static str, model: CorrelationModel, level: Level) -> Case {
-    Case { points: 4.0, law, model, stretch: 1.0, missing: 0.0, level }
+const fn case(distribution: &'static str, model: CorrelationModel, level: Level) -> Case {
+    Case { points: 4.0, distribution, model, stretch: 1.0, missing: 0.0, level }
 }
 
 /// Lags along x of the tested correlations, in quarters of the correlation length along y.
@@ -96,11 +96,11 @@ impl Case {
     fn name(&self) -> String {
         let lay = if self.stretch == 1.0 { String::new() } else { format!(", l_x = {} l_y", self.stretch) };
         let holes = if self.missing > 0.0 { format!(", {} % missing", 100.0 * self.missing) } else { String::new() };
-        format!("{} {}, {} removed{lay}{holes}", self.law, self.model.name(), self.level)
+        format!("{} {}, {} removed{lay}{holes}", self.distribution, self.model.name(), self.level)
     }
 
-    fn law(&self) -> Result<Marginal, Failure> {
-        Ok(self.law.parse::<Marginal>()?.standardised(0.0, 1.0)?)
+    fn distribution(&self) -> Result<Marginal, Failure> {
+        Ok(self.distribution.parse::<Marginal>()?.standardised(0.0, 1.0)?)
     }
 
     fn covariance(&self) -> Result<Lay, Failure> {
@@ -117,7 +117,7 @@ impl Case {
         let side = self.side();
         let domain = side + (15.0 * self.points * self.stretch) as usize;
         let field = SpectralField::periodic(&self.covariance()?, Grid::new(domain, domain, 1.0, 1.0)?);
-        let field = Translated::new(field, self.law()?)?;
+        let field = Translated::new(field, self.distribution()?)?;
         let grid = Grid::new(side, side, 1.0, 1.0)?;
         let uncertainty = Uncertainty { removed_terms: removed_terms(self.level), ..Uncertainty::default() };
         let of_map = |index: u64| -> Result<Found, Failure> {
@@ -139,20 +139,20 @@ impl Case {
 
     /// Returns the correlation of the surface at the lags.
     fn correlations(&self) -> Result<[f64; 5], Failure> {
-        let (translation, covariance) = (Translation::new(&self.law()?)?, self.covariance()?);
+        let (translation, covariance) = (Translation::new(&self.distribution()?)?, self.covariance()?);
         Ok(self.lags().map(|lag| translation.correlation(covariance.correlation(lag as f64, 0.0))))
     }
 
     /// Returns the statistics of the surface, in the order of [`Estimates::named`].
     fn truths(&self) -> Result<[f64; 11], Failure> {
-        let (law, covariance) = (self.law()?, self.covariance()?);
+        let (distribution, covariance) = (self.distribution()?, self.covariance()?);
         let count = 2_000_000;
-        let quantile = |i: i32| law.quantile((f64::from(i) + 0.5) / f64::from(count));
+        let quantile = |i: i32| distribution.quantile((f64::from(i) + 0.5) / f64::from(count));
         let heights: Vec<f64> = (0..count).map(quantile).collect();
         let moments = Moments::new(&heights);
         let sa = heights.iter().map(|z| (z - moments.mean).abs()).sum::<f64>() / f64::from(count);
         let core = MaterialRatio::of(&heights).core(EquivalentLine::LeastSquares);
-        let translation = Translation::new(&law)?;
+        let translation = Translation::new(&distribution)?;
         let rho = |x: f64, y: f64| translation.correlation(covariance.correlation(x, y));
         let falls_to = |level: f64, turn: f64| {
             let (mut near, mut far) = (0.0, 1e3 * self.points);
@@ -165,7 +165,7 @@ impl Case {
         let inverse_e = (-1.0_f64).exp();
         let across = std::f64::consts::FRAC_PI_2;
         let (length_x, length_y) = (falls_to(inverse_e, 0.0), falls_to(inverse_e, across));
-        let (skew, kurtosis) = (law.skewness(), law.excess_kurtosis() + 3.0);
+        let (skew, kurtosis) = (distribution.skewness(), distribution.excess_kurtosis() + 3.0);
         let sdq = (4.0 - 2.0 * rho(1.0, 0.0) - 2.0 * rho(0.0, 1.0)).sqrt();
         Ok([sa, 1.0, skew, kurtosis, sdq, falls_to(0.2, across), core.sk_m, core.spk_m, core.svk_m, length_x, length_y])
     }

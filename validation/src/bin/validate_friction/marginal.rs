@@ -22,7 +22,7 @@ pub(crate) fn section(runs: usize) -> String {
          bound are too narrow, and tests of goodness of fit reject too seldom; with 2,000 ℓ both are nearly right.\n\n| process | fit | parameter | intervals | holds | bias | se |\n|---|---|---|---|---|---|---|\n",
     );
     let known = Family::Beta { low: 0.0, high: 1.0 };
-    let of = |law, strips, periodic| Planted { law, lengths: 200, strips, periodic, window: 0.0 };
+    let of = |distribution, strips, periodic| Planted { distribution, lengths: 200, strips, periodic, window: 0.0 };
     for (strips, periodic) in [(1, false), (3, false), (20, false), (20, true)] {
         parameters(&mut text, of("beta:2.1,5", strips, periodic), known, &[2.1, 5.0], runs);
     }

@@ -22,10 +22,10 @@ pub(crate) fn section(runs: usize) -> String {
          are those of the distribution, or with a window the moments of a record of 400,000 ℓ.\n\n\
          | process | mean | std | CoV | skewness | kurtosis |\n|---|---|---|---|---|---|\n"
     );
-    for law in ["normal:3,1", "beta:2.1,5"] {
+    for distribution in ["normal:3,1", "beta:2.1,5"] {
         for window in [0.0, 0.5, 2.4] {
             for (strips, periodic) in [(1, false), (3, false), (3, true), (20, false), (20, true)] {
-                let planted = Planted { law, lengths: LENGTHS, strips, periodic, window };
+                let planted = Planted { distribution, lengths: LENGTHS, strips, periodic, window };
                 row(&mut text, planted, runs);
             }
         }
@@ -34,8 +34,12 @@ pub(crate) fn section(runs: usize) -> String {
         "\nThe moving-block bootstrap (200 resamples, percentiles, blocks of twice the correlation time), for \
          comparison:\n\n| process | mean | std |\n|---|---|---|\n",
     );
-    for (strips, law) in [(1, "normal:3,1"), (20, "normal:3,1"), (1, "beta:2.1,5"), (20, "beta:2.1,5")] {
-        bootstrap(&mut text, Planted { law, lengths: LENGTHS, strips, periodic: false, window: 0.0 }, runs.div_ceil(4));
+    for (strips, distribution) in [(1, "normal:3,1"), (20, "normal:3,1"), (1, "beta:2.1,5"), (20, "beta:2.1,5")] {
+        bootstrap(
+            &mut text,
+            Planted { distribution, lengths: LENGTHS, strips, periodic: false, window: 0.0 },
+            runs.div_ceil(4),
+        );
     }
     text
 }
@@ -75,8 +79,14 @@ fn estimates(planted: Planted, run: u64) -> [Option<ProcessEstimate>; 5] {
 
 fn truth(planted: Planted) -> [f64; 5] {
     if planted.window == 0.0 {
-        let law = planted.law();
-        return [law.mean(), law.std(), law.std() / law.mean(), law.skewness(), law.excess_kurtosis()];
+        let distribution = planted.distribution();
+        return [
+            distribution.mean(),
+            distribution.std(),
+            distribution.std() / distribution.mean(),
+            distribution.skewness(),
+            distribution.excess_kurtosis(),
+        ];
     }
     let long = Planted { lengths: 20_000, strips: 1, periodic: false, ..planted };
     let values: Vec<f64> = (0..20).into_par_iter().flat_map(|run| long.records(1_000_000 + run).concat()).collect();

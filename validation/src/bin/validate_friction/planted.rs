@@ -12,7 +12,7 @@ pub(crate) const STEPS: usize = 10;
 /// Process and layout of the records of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Planted {
-    pub(crate) law: &'static str,
+    pub(crate) distribution: &'static str,
     /// Number of correlation lengths in all records together.
     pub(crate) lengths: usize,
     pub(crate) strips: usize,
@@ -25,11 +25,11 @@ impl Planted {
     pub(crate) fn name(&self) -> String {
         let ends = if self.periodic { "periodic" } else { "free" };
         let window = if self.window > 0.0 { format!(", W = {} ℓ", self.window) } else { String::new() };
-        format!("{}, {} × {} ℓ, {ends}{window}", self.law, self.strips, self.lengths / self.strips)
+        format!("{}, {} × {} ℓ, {ends}{window}", self.distribution, self.strips, self.lengths / self.strips)
     }
 
-    pub(crate) fn law(&self) -> Marginal {
-        self.law.parse().expect("a distribution")
+    pub(crate) fn distribution(&self) -> Marginal {
+        self.distribution.parse().expect("a distribution")
     }
 
     /// Returns the number of values in a window.
@@ -39,14 +39,14 @@ impl Planted {
 
     /// Returns the records of a run.
     pub(crate) fn records(&self, run: u64) -> Vec<Vec<f64>> {
-        let law = self.law();
+        let distribution = self.distribution();
         let n = self.lengths * STEPS / self.strips;
         (0..self.strips as u64)
             .map(|strip| {
                 let cells = self.cells();
                 let seed = run * 1000 + strip;
                 let long = if self.periodic { circle(n, seed) } else { line(n + cells - 1, seed) };
-                let values: Vec<f64> = long.iter().map(|g| law.translate(*g)).collect();
+                let values: Vec<f64> = long.iter().map(|g| distribution.translate(*g)).collect();
                 let mean = |start: usize| (start..start + cells).map(|i| values[i % values.len()]).sum::<f64>();
                 // A sixteenth of the window is less than a step, so every position is kept.
                 (0..n).map(|start| mean(start) / cells as f64).collect()
