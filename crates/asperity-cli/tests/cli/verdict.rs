@@ -88,7 +88,8 @@ fn more_mass_changes_nothing_if_every_machine_keeps_its_damper() {
         let lines = format!(
             "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
              damping_ratio = \"0.055 ± 0.005\"\n[verdict]\ntargets = [0.05]\n\
-             remedies = [{{ input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"], hold = \"{hold}\" }}]\n"
+             remedies = [{{ input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"], hold = \"{hold}\" }}, \
+             {{ input = \"vibration.linear_weakening\", range = [0.1, 0.2] }}]\n"
         );
         let machine = MACHINE.replace("\"1 kg\"", "\"1 ± 0.02 kg\"");
         fs::write(folder.path().join("study.toml"), format!("{machine}{lines}")).unwrap();
@@ -98,6 +99,10 @@ fn more_mass_changes_nothing_if_every_machine_keeps_its_damper() {
             None => assert!(value.is_null(), "{found}"),
             Some(wanted) => assert!((value.as_f64().unwrap() - wanted).abs() < 0.01, "{value}"),
         }
+        // In a row of the map the mass alone changes.
+        let first = &found["map"]["probability"][0];
+        let [light, heavy] = [0, 16].map(|column| first[column].as_f64().unwrap());
+        assert!(if wanted.is_none() { light == heavy } else { light > heavy + 0.1 }, "{hold}: {first}");
     }
 }
 
@@ -286,6 +291,26 @@ fn exact_values_vibrate_or_do_not() {
 }
 
 #[test]
+fn a_vibrating_machine_has_the_frequency_and_the_amplitudes_of_the_closed_form() {
+    // Coulomb friction without damping, Δ = μ_s − μ_k = .1 and V = .05: slip is a circle of the radius A = √(Δ² + V²) from which the
+    // belt cuts a chord at X′ = V.
+    let found = verdict(
+        "dimensionless_belt_velocity = 0.05\nvelocity_law = \"linear\"\nlinear_weakening = 0\nkinetic_share = 0.6666666666666666\ndamping_ratio = 0\n",
+    );
+    let (omega, jump, belt) = (316.0, 0.1_f64, 0.05);
+    let (radius, length) = (jump.hypot(belt), 2500.0 / (omega * omega));
+    let period = std::f64::consts::TAU + 2.0 * (jump / belt - (jump / belt).atan());
+    for (key, wanted) in [
+        ("frequency_hz", omega / period),
+        ("velocity_amplitude_m_per_s", 0.5 * (radius + belt) * length * omega),
+        ("displacement_amplitude_m", radius * length),
+    ] {
+        let number = found["if_vibrating"][key]["q50"].as_f64().unwrap();
+        assert!((number / wanted - 1.0).abs() < 1e-9, "{key}: {number} instead of {wanted}");
+    }
+}
+
+#[test]
 fn machines_without_an_answer_are_counted_and_left_out() {
     let folder = TempDir::new().unwrap();
     let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = { lognormal = [0.1, 1.2] }\n\
@@ -378,6 +403,12 @@ fn the_shear_strength_of_plastic_contacts_decides_through_the_whole_chain() {
     contains(&found["probability_interval"], 0.691_462_5);
     assert_eq!(found["drivers"][0]["input"], "material.shear_strength");
     assert!(found["drivers"][0]["first_order"].as_f64().unwrap() > 0.999, "{found}");
+    // Friction is learnt as a function of it. A hardness everywhere leaves hardly an error.
+    assert_eq!(found["friction"]["inputs"], serde_json::json!(["material.shear_strength"]));
+    assert!((0.0..1e-3).contains(&found["friction"]["standard_error"].as_f64().unwrap()), "{found}");
+    let statement = "The friction coefficient as a function of material.shear_strength is expanded from ";
+    let assumptions = found["assumptions"].as_array().unwrap();
+    assert!(assumptions.iter().any(|text| text.as_str().unwrap().starts_with(statement)), "{found}");
 }
 
 #[test]

@@ -245,3 +245,20 @@ fn limit(source: &str, half_width: f64) -> String {
         sentence::digits(100.0 * half_width)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::limit;
+
+    #[test]
+    fn a_wide_interval_names_the_key_that_narrows_it() {
+        for (source, remedy) in [
+            ("machines", "raise `evaluations` in [verdict]"),
+            ("strips", "raise `realisations` in [friction]"),
+            ("expansion", "state narrower distributions"),
+        ] {
+            let warning = limit(source, 0.02);
+            assert!(warning.contains("wider than ± 2 %") && warning.contains(remedy), "{warning}");
+        }
+    }
+}

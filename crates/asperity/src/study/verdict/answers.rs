@@ -82,3 +82,17 @@ fn sorted(mut margins: Vec<f64>) -> Vec<f64> {
     margins.sort_by(f64::total_cmp);
     margins
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_margins_leave_the_distance_of_the_probabilities() {
+        // Without it, a root search over central values would see zero everywhere.
+        let answers = Answers::with_fluctuation(vec![0.02; 3], &[1.0, 0.0, 0.5]);
+        for (probability, wanted) in [(0.75, 0.25), (0.5, 0.0), (0.05, -0.45)] {
+            assert!((answers.excess(probability) - wanted).abs() < 1e-15);
+        }
+    }
+}

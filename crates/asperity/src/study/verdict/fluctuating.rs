@@ -44,3 +44,40 @@ pub(super) fn vibrates(
     }
     Ok(None)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::friction::WindowFriction;
+    use crate::monitor::Silent;
+    use crate::study::Study;
+    use crate::study::check::FrictionSource;
+    use crate::study::verdict::machines::Machines;
+    use crate::vibration::Drive;
+
+    #[test]
+    fn a_machine_vibrates_if_the_mean_share_of_an_ensemble_with_its_drive_is_half() {
+        const DURATION_S: f64 = 0.6;
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
+                    friction_std = 0.003\nfriction_correlation_length = \"25 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
+                    damping_ratio = 0.62\nupscaling = \"paper\"\n";
+        // Friction that changes during stick, too, releases the mass early.
+        for (drive, name, wanted) in [(Drive::Time, "time", false), (Drive::Distance, "distance", true)] {
+            let study = Study::parse(&format!("{text}drive = \"{name}\"\n"), "study.toml").unwrap();
+            let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
+            let FrictionSource::Stated(stated) = &vibration.friction else { panic!() };
+            let area_m2 = vibration.nominal_contact().area_m2;
+            let window = WindowFriction::from_statement(stated.clone(), area_m2, Some(4.2));
+            let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
+            let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
+            let model =
+                machine.window.process_model(vibration.upscaling, vibration.generator, vibration.scales.length_m());
+            let settings = EnsembleSettings { drive, ..EnsembleSettings::new(128, DURATION_S * 316.0, 7) };
+            let process = FrictionProcess::new(model).unwrap();
+            let share = Ensemble::simulate(oscillator, &process, &settings, &Silent).unwrap().passages.late_share;
+            assert!((share.mean - 0.5).abs() > 3.0 * share.se && (share.mean > 0.5) == wanted, "{name}: {share:?}");
+            assert_eq!(vibrates(&machine, DURATION_S, 1, &Silent), Ok(Some(wanted)));
+        }
+    }
+}

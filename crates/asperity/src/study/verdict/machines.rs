@@ -295,3 +295,25 @@ fn scale(table: &mut Table, key: &str, factor: f64) {
         _ => {}
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+
+    #[test]
+    fn a_factor_of_friction_multiplies_the_mean_coefficient() {
+        let text = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndamping_ratio = 0.05\n\
+                    dimensionless_belt_velocity = 0.1\nstribeck = 4.2\n";
+        let study = Study::parse(&format!("seed = 1\n{text}"), "study.toml").unwrap();
+        let FrictionSource::Stated(stated) = &study.vibration.as_ref().unwrap().friction else { panic!() };
+        let window = WindowFriction::from_statement(stated.clone(), 833e-6, Some(4.2));
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).with_friction_factor(1.5);
+        let machine = machines.nominal().unwrap();
+        let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
+        for friction in [machine.window.mean, oscillator.static_friction()] {
+            assert!((friction - 0.45).abs() < 1e-15, "{friction}");
+        }
+    }
+}

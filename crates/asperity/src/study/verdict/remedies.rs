@@ -166,9 +166,7 @@ impl Changed<'_> {
         for (value, first) in side {
             // The first replicate excludes values that are far from the target.
             let here = match first.excess(probability) {
-                margin if margin < 0.0 && before.is_none_or(|[_, at]| at < 0.0) && !first.is_near(probability) => {
-                    margin
-                }
+                margin if margin < 0.0 && !first.is_near(probability) => margin,
                 _ => self.answers(*value, self.points.len())?.excess(probability),
             };
             match before {

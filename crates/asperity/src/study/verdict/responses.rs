@@ -307,3 +307,103 @@ fn learn_moment(
     let few = if strips > 1 { student_quantile(0.975, (strips - 1) as f64) / NORMAL_95 } else { 1.0 };
     Ok(Some((propagated.expansion, [few * propagated.noise.standard_error, unexplained])))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::distribution::Marginal;
+    use crate::friction::StatedFriction;
+    use crate::study::Study;
+
+    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
+                         marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 ± 30 MPa\"\n\
+                         [friction]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.2\n\
+                         normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\n\
+                         stribeck = 4.2\n";
+
+    /// Friction whose moments are powers of τ/(385 MPa).
+    fn moments(ratio: f64) -> LevelMoments {
+        LevelMoments {
+            mean: 0.2 * ratio,
+            std: 0.05 * ratio.powi(2),
+            coefficient_of_variation: 0.25 * ratio,
+            correlation_length_m: 2e-4 / ratio,
+            stiffness_pa_per_m: 1e12 * ratio.sqrt(),
+        }
+    }
+
+    #[test]
+    fn the_error_of_few_strips_is_that_of_the_jackknife_with_students_factor() {
+        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let verdict = study.verdict.as_ref().unwrap();
+        let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
+        let propagation = Propagation::new(vec![axes[0].parameter().unwrap()], 8, 1).unwrap();
+        // Without a strip, ln μ changes by ±d everywhere: the variance of the jackknife is 3/4·4d².
+        let (d, all) = (1e-3_f64, moments(1.0));
+        let without = [d, -d, d, -d].map(|change| LevelMoments { mean: all.mean * change.exp(), ..all }).to_vec();
+        let found = vec![Some(MomentReplicates { all, without }); 8];
+        let responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
+        let wanted = d * 3.0_f64.sqrt() * 3.182_446 / 1.959_964;
+        assert!((responses.strips_error / wanted - 1.0).abs() < 1e-3, "{} instead of {wanted}", responses.strips_error);
+    }
+
+    #[test]
+    fn an_error_of_friction_changes_the_answers_of_machines_within_1_96_errors() {
+        // Margins of −1/2 … 1/2 at equal distances; a change of ln μ by .1·1.96 moves the margin by twice that.
+        let margins: Vec<_> = (0..1000).map(|i| ((f64::from(i) + 0.5) / 1000.0 - 0.5, 2.0)).collect();
+        let near = Near { tables: Vec::new(), margins };
+        assert!((near.change(0.1) - 0.392).abs() < 1e-12, "{}", near.change(0.1));
+    }
+
+    #[test]
+    fn learnt_powers_of_a_value_are_predicted_within_its_range_and_beyond() {
+        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let verdict = study.verdict.as_ref().unwrap();
+        let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
+        let place = axes[0].place;
+        assert_eq!((axes.len(), place.name().as_str()), (1, "material.shear_strength"));
+        let propagation = Propagation::new(vec![axes[0].parameter().unwrap()], 8, 1).unwrap();
+        let found: Vec<_> = (0..8)
+            .map(|index| {
+                let all = moments(axes[0].value(propagation.point(index)[0]) / 385e6);
+                Some(MomentReplicates { all, without: vec![all; 4] })
+            })
+            .collect();
+        let responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
+        assert!(responses.errors().iter().all(|(_, error)| *error < 1e-9), "{:?}", responses.errors());
+        assert_eq!((responses.learnt.inputs[0].as_str(), responses.learnt.points), ("material.shear_strength", 8));
+        let stated = StatedFriction {
+            mean: 0.2,
+            std: 0.04,
+            length_m: 2e-4,
+            marginal: Marginal::STANDARD_NORMAL,
+            window_m: [1e-3; 2],
+        };
+        // The standard deviation 0.05 of all windows is 0.04 along the path and 0.03 between the parts of a slider.
+        for between_parts_std in [0.0, 0.03] {
+            let std = if between_parts_std > 0.0 { 0.04 } else { 0.05 };
+            let stated = StatedFriction { std, ..stated.clone() };
+            let window = WindowFriction {
+                between_parts_std,
+                stiffness_pa_per_m: Some(1e12),
+                ..WindowFriction::from_statement(stated, 64e-6, Some(4.2))
+            };
+            for ratio in [0.5, 0.9, 1.0, 1.2, 1.6] {
+                let mut table = verdict.central.clone();
+                place.set(&mut table, 385e6 * ratio);
+                let (at, wanted) = (responses.at(&table, &window), moments(ratio));
+                let parts = wanted.std / 0.05;
+                let length = if between_parts_std > 0.0 { 2e-4 } else { wanted.correlation_length_m };
+                for (found, wanted) in [
+                    (at.mean, wanted.mean),
+                    (at.std, std * parts),
+                    (at.length_m, length),
+                    (at.stiffness_pa_per_m.unwrap(), wanted.stiffness_pa_per_m),
+                ] {
+                    assert!((found / wanted - 1.0).abs() < 1e-6, "{found} instead of {wanted} at {ratio}");
+                }
+                assert!((at.between_parts_std - between_parts_std * parts).abs() < 1e-9, "{at:?}");
+            }
+        }
+    }
+}
