@@ -147,8 +147,35 @@ impl Sampled {
 mod tests {
     use super::*;
     use crate::distribution::standard_normal_cdf;
+    use crate::friction::WindowFriction;
+    use crate::monitor::Silent;
     use crate::random::{standard_normal, stream};
+    use crate::study::Study;
+    use crate::study::check::FrictionSource;
     use asperity_testing::covered;
+
+    #[test]
+    fn a_longer_duration_adds_the_machines_that_vibrate_later() {
+        // A machine vibrates if ζ − b/2 < 0, and later if it is below .005.
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
+        let study = Study::parse(text, "study.toml").unwrap();
+        let FrictionSource::Stated(stated) = &study.vibration.as_ref().unwrap().friction else { panic!() };
+        let window = WindowFriction::from_statement(stated.clone(), 833e-6, None);
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+        let sampled = Sampled::until(&machines, &evaluate, 1e-3, LATER, &Silent).unwrap();
+        assert_eq!(sampled.machines.len(), LATER);
+        let below = |limit: f64| {
+            let (below, all) = sampled.count(|machine| machine.margins.from_stick < limit);
+            below as f64 / all as f64
+        };
+        let vibrates =
+            |machine: &Machine, _: usize| Ok(Evaluated::constant_friction(machine)?.margins.from_stick < 0.005);
+        let later = sampled.later(&machines, &vibrates, &Silent).unwrap();
+        assert!((later - below(0.005)).abs() < 1e-12 && later > below(0.0) + 0.1, "{later} and {}", below(0.0));
+    }
 
     /// Returns the interval at which sampling stops, and the number of samples.
     fn stopped(probability: f64, half_width: f64, replicate: u64) -> (Interval, usize) {
