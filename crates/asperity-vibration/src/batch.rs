@@ -114,7 +114,33 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Locks
     }
 
     fn run(&mut self, to_the_end: bool, done: Done<'_, W>) {
-        self.advance(to_the_end, done);
+        loop {
+            for lane in 0..LANES {
+                while self.trajectories[lane].is_none() {
+                    let Some(trajectory) = self.queue.pop() else { break };
+                    let outcome = self.start(lane, trajectory);
+                    self.finish_lane(lane, outcome, done);
+                }
+            }
+            let all_empty = self.trajectories.iter().all(Option::is_none);
+            if all_empty || (!to_the_end && self.trajectories.iter().any(Option::is_none)) {
+                return;
+            }
+            loop {
+                self.expansion.step(&self.consts, &mut self.states, self.duration, &mut self.cuts);
+                let mut one_ended = false;
+                for lane in 0..LANES {
+                    let outcome = self.finish_step(lane);
+                    if !matches!(outcome, Outcome::Continues) {
+                        self.finish_lane(lane, outcome, done);
+                        one_ended = true;
+                    }
+                }
+                if one_ended {
+                    break;
+                }
+            }
+        }
     }
 }
 
@@ -232,37 +258,6 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
             expansion: Box::new(Expansion::NONE),
             trajectories: [const { None }; LANES],
             queue: Vec::with_capacity(LANES),
-        }
-    }
-
-    #[inline(always)]
-    fn advance(&mut self, to_the_end: bool, done: Done<'_, W>) {
-        loop {
-            for lane in 0..LANES {
-                while self.trajectories[lane].is_none() {
-                    let Some(trajectory) = self.queue.pop() else { break };
-                    let outcome = self.start(lane, trajectory);
-                    self.finish_lane(lane, outcome, done);
-                }
-            }
-            let all_empty = self.trajectories.iter().all(Option::is_none);
-            if all_empty || (!to_the_end && self.trajectories.iter().any(Option::is_none)) {
-                return;
-            }
-            loop {
-                self.expansion.step(&self.consts, &mut self.states, self.duration, &mut self.cuts);
-                let mut one_ended = false;
-                for lane in 0..LANES {
-                    let outcome = self.finish_step(lane);
-                    if !matches!(outcome, Outcome::Continues) {
-                        self.finish_lane(lane, outcome, done);
-                        one_ended = true;
-                    }
-                }
-                if one_ended {
-                    break;
-                }
-            }
         }
     }
 

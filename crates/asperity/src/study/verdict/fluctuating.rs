@@ -48,11 +48,10 @@ pub(super) fn vibrates(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::WindowFriction;
     use crate::monitor::Silent;
     use crate::study::Study;
-    use crate::study::check::FrictionSource;
     use crate::study::verdict::machines::Machines;
+    use crate::study::verdict::machines::tests::stated_window;
     use crate::vibration::Drive;
 
     #[test]
@@ -66,9 +65,7 @@ mod tests {
         for (drive, name, wanted) in [(Drive::Time, "time", false), (Drive::Distance, "distance", true)] {
             let study = Study::parse(&format!("{text}drive = \"{name}\"\n"), "study.toml").unwrap();
             let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
-            let FrictionSource::Stated(stated) = &vibration.friction else { panic!() };
-            let area_m2 = vibration.nominal_contact().area_m2;
-            let window = WindowFriction::from_statement(stated.clone(), area_m2, Some(4.2));
+            let window = stated_window(&study);
             let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
             let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
             let model =

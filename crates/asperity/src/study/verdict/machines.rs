@@ -297,8 +297,16 @@ fn scale(table: &mut Table, key: &str, factor: f64) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Returns the friction that a study states.
+    pub(in crate::study::verdict) fn stated_window(study: &Study) -> WindowFriction {
+        let vibration = study.vibration.as_ref().unwrap();
+        let FrictionSource::Stated(stated) = &vibration.friction else { panic!("{:?}", vibration.friction) };
+        let area_m2 = vibration.nominal_contact().area_m2;
+        WindowFriction::from_statement(stated.clone(), area_m2, vibration.dimensionless_stribeck())
+    }
     use crate::study::Study;
 
     #[test]
@@ -307,8 +315,7 @@ mod tests {
                     nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndamping_ratio = 0.05\n\
                     dimensionless_belt_velocity = 0.1\nstribeck = 4.2\n";
         let study = Study::parse(&format!("seed = 1\n{text}"), "study.toml").unwrap();
-        let FrictionSource::Stated(stated) = &study.vibration.as_ref().unwrap().friction else { panic!() };
-        let window = WindowFriction::from_statement(stated.clone(), 833e-6, Some(4.2));
+        let window = stated_window(&study);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).with_friction_factor(1.5);
         let machine = machines.nominal().unwrap();
         let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };

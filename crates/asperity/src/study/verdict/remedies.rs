@@ -244,9 +244,8 @@ impl Changed<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::WindowFriction;
     use crate::study::Study;
-    use crate::study::check::FrictionSource;
+    use crate::study::verdict::machines::tests::stated_window;
 
     #[test]
     #[ignore = "slow"]
@@ -262,10 +261,7 @@ mod tests {
         let (mut covered, mut all, mut widths) = (0, 0, [0.0; 2]);
         for seed in 1..=6 {
             let study = Study::parse(&format!("seed = {seed}\n{text}"), "study.toml").unwrap();
-            let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
-            let FrictionSource::Stated(stated) = &vibration.friction else { panic!() };
-            let area_m2 = vibration.nominal_contact().area_m2;
-            let window = WindowFriction::from_statement(stated.clone(), area_m2, None);
+            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
             let machines = Machines::new(verdict, &window, None, seed);
             let evaluate = |machine: &Machine, index: usize| {
                 let mut evaluated = Evaluated::constant_friction(machine)?;

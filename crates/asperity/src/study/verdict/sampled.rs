@@ -147,11 +147,10 @@ impl Sampled {
 mod tests {
     use super::*;
     use crate::distribution::standard_normal_cdf;
-    use crate::friction::WindowFriction;
     use crate::monitor::Silent;
     use crate::random::{standard_normal, stream};
     use crate::study::Study;
-    use crate::study::check::FrictionSource;
+    use crate::study::verdict::machines::tests::stated_window;
     use asperity_testing::covered;
 
     #[test]
@@ -161,8 +160,7 @@ mod tests {
                     nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
                     velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
         let study = Study::parse(text, "study.toml").unwrap();
-        let FrictionSource::Stated(stated) = &study.vibration.as_ref().unwrap().friction else { panic!() };
-        let window = WindowFriction::from_statement(stated.clone(), 833e-6, None);
+        let window = stated_window(&study);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
         let sampled = Sampled::until(&machines, &evaluate, 1e-3, LATER, &Silent).unwrap();
