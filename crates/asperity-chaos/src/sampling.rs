@@ -26,6 +26,7 @@ mod scrambled_sobol;
 use rand::Rng;
 use thiserror::Error;
 
+use asperity_base::blocks;
 use asperity_base::choice;
 use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::random::{Stream, stream};
@@ -33,8 +34,9 @@ use maximin::{MAX_SAMPLES, maximin_strata};
 use permutation::Permutation;
 use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 
-/// Largest number of variables whose permutations are kept; others are made anew for each point.
-const KEPT_PERMUTATIONS: usize = 64;
+/// Largest table of strata that a Latin hypercube keeps, in entries of two bytes; those of larger ones are computed anew for
+/// each point.
+const MAX_TABLE: usize = 1 << 21;
 
 choice! {
     /// Placement of the points of a design.
@@ -98,8 +100,8 @@ pub enum SamplingError {
 #[derive(Debug, Clone)]
 enum Placement {
     Independent,
-    /// Permutations of the strata of all variables, or of none: they need a kilobyte each.
-    Strata(Vec<Permutation>),
+    /// Strata that are computed for each point.
+    Strata,
     /// Strata of each sample, sample by sample.
     Table(Vec<u16>),
     Sobol(ScrambledSobol),
@@ -134,10 +136,12 @@ impl Design {
         let keys = format!("{stage}/keys");
         let placement = match method {
             SamplingMethod::MonteCarlo => Placement::Independent,
-            SamplingMethod::LatinHypercube => {
-                let kept = if dimensions <= KEPT_PERMUTATIONS { dimensions } else { 0 };
-                Placement::Strata((0..kept).map(|dimension| permutation(seed, stage, samples, dimension)).collect())
+            SamplingMethod::LatinHypercube
+                if samples <= usize::from(u16::MAX) && samples.saturating_mul(dimensions) <= MAX_TABLE =>
+            {
+                Placement::Table(latin_strata(seed, stage, samples, dimensions))
             }
+            SamplingMethod::LatinHypercube => Placement::Strata,
             SamplingMethod::MaximinLatinHypercube if samples > MAX_SAMPLES => {
                 return Err(SamplingError::TooManyForMaximin { samples, limit: MAX_SAMPLES });
             }
@@ -179,24 +183,21 @@ impl Design {
         self.dimensions
     }
 
-    /// Writes point `index` of the open unit cube into `point`.
+    /// Writes point `index` of the open unit cube into `point`, or its leading coordinates if `point` is shorter.
     ///
     /// # Panics
-    /// If the index or the length of `point` does not fit the design.
+    /// If the design has no such point, or `point` has more coordinates than it.
     pub fn fill_unit(&self, index: usize, point: &mut [f64]) {
         assert!(index < self.samples, "sample {index} of {}", self.samples);
-        assert_eq!(point.len(), self.dimensions, "a point of another dimension");
+        assert!(point.len() <= self.dimensions, "{} coordinates of {}", point.len(), self.dimensions);
         let mut within = stream(self.seed, &self.stage, index as u64);
         for (dimension, coordinate) in point.iter_mut().enumerate() {
             let jitter = open_unit(&mut within);
             let value = match &self.placement {
                 Placement::Independent => jitter,
-                Placement::Strata(permutations) => {
-                    let stratum = match permutations.get(dimension) {
-                        Some(permutation) => permutation.at(index as u64),
-                        None => permutation(self.seed, &self.stage, self.samples, dimension).at(index as u64),
-                    };
-                    (stratum as f64 + jitter) / self.samples as f64
+                Placement::Strata => {
+                    let permutation = permutation(self.seed, &self.stage, self.samples, dimension);
+                    (permutation.at(index as u64) as f64 + jitter) / self.samples as f64
                 }
                 Placement::Table(strata) => {
                     (f64::from(strata[index * self.dimensions + dimension]) + jitter) / self.samples as f64
@@ -211,7 +212,7 @@ impl Design {
     }
 
     /// Writes the standard normal variables ξ = Φ⁻¹(u) of sample `index` into `xi`, where u is the point of the unit
-    /// cube.
+    /// cube; only the leading variables if `xi` is shorter.
     ///
     /// # Panics
     /// See [`Design::fill_unit`].
@@ -231,10 +232,27 @@ impl Design {
 
     /// Returns the standard normal variables ξ of sample `index`.
     pub fn xi(&self, index: usize) -> Vec<f64> {
-        let mut xi = vec![0.0; self.dimensions];
+        self.leading_xi(index, self.dimensions)
+    }
+
+    /// Returns the leading `variables` entries of ξ of sample `index`, which take no time for the others.
+    ///
+    /// # Panics
+    /// See [`Design::fill_unit`].
+    pub fn leading_xi(&self, index: usize, variables: usize) -> Vec<f64> {
+        let mut xi = vec![0.0; variables];
         self.fill_xi(index, &mut xi);
         xi
     }
+}
+
+/// Returns the strata of each sample of a Latin hypercube, sample by sample.
+fn latin_strata(seed: u64, stage: &str, samples: usize, dimensions: usize) -> Vec<u16> {
+    let columns: Vec<Vec<u16>> = blocks::map(0..dimensions, |dimension| {
+        let permutation = permutation(seed, stage, samples, dimension);
+        (0..samples).map(|index| permutation.at(index as u64) as u16).collect()
+    });
+    (0..samples).flat_map(|index| columns.iter().map(move |column| column[index])).collect()
 }
 
 /// Returns the permutation of the strata of a variable of a Latin hypercube.

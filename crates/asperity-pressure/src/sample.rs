@@ -100,10 +100,15 @@ impl<'a> SamplePlan<'a> {
     }
 }
 
+/// Returns the leading `variables` normal variables ξ of a sample of several designs.
+fn leading_xi(designs: &[Design], index: usize, variables: usize) -> Vec<f64> {
+    let each = designs[0].samples();
+    designs[index / each].leading_xi(index % each, variables)
+}
+
 /// Returns the normal variables ξ of a sample of several designs.
 fn xi(designs: &[Design], index: usize) -> Vec<f64> {
-    let each = designs[0].samples();
-    designs[index / each].xi(index % each)
+    leading_xi(designs, index, designs[0].dimensions())
 }
 
 /// Pressures of a design of samples in index order, and the failed samples.
@@ -212,7 +217,7 @@ impl Samples {
 
     /// Returns the leading `variables` entries of ξ of every solved sample.
     pub fn leading_xi(&self, variables: usize) -> Vec<Vec<f64>> {
-        (0..self.len()).map(|position| self.xi(position)[..variables].to_vec()).collect()
+        self.indices.iter().map(|index| leading_xi(&self.designs, *index, variables)).collect()
     }
 
     /// Returns the number of independent randomisations.

@@ -331,7 +331,10 @@ impl Marginal {
 
     /// Returns the quantile F⁻¹(probability); NaN outside [0, 1].
     pub fn quantile(&self, probability: f64) -> f64 {
-        self.quantile_of_tails(probability, 1.0 - probability, || standard_normal_quantile(probability))
+        if !(0.0..=1.0).contains(&probability) {
+            return f64::NAN;
+        }
+        self.quantile_of_tails(|| probability, || 1.0 - probability, || standard_normal_quantile(probability))
     }
 
     /// Returns the translation F⁻¹(Φ(g)) of a standard normal value g, with full precision in both tails.
@@ -339,29 +342,32 @@ impl Marginal {
     /// # References
     /// Grigoriu, *Applied Non-Gaussian Processes*, Prentice Hall 1995, ch. 3.
     pub fn translate(&self, g: f64) -> f64 {
-        self.quantile_of_tails(standard_normal_cdf(g), standard_normal_cdf(-g), || g)
-    }
-
-    fn quantile_of_tails(&self, lower: f64, upper: f64, normal: impl Fn() -> f64) -> f64 {
-        if !(lower >= 0.0 && upper >= 0.0) {
+        if g.is_nan() {
             return f64::NAN;
         }
+        self.quantile_of_tails(|| standard_normal_cdf(g), || standard_normal_cdf(-g), || g)
+    }
+
+    /// Returns the quantile, of which the probabilities below and above and the standard normal quantile are computed only where
+    /// they are needed.
+    fn quantile_of_tails(&self, lower: impl Fn() -> f64, upper: impl Fn() -> f64, normal: impl Fn() -> f64) -> f64 {
         match self {
             Self::Normal { mean, std } => mean + std * normal(),
             Self::Lognormal { mu, sigma, shift } => shift + (mu + sigma * normal()).exp(),
             Self::Weibull { shape, scale, shift } => {
-                let exponential = if lower < 0.5 { -(-lower).ln_1p() } else { -upper.ln() };
+                let lower = lower();
+                let exponential = if lower < 0.5 { -(-lower).ln_1p() } else { -upper().ln() };
                 shift + scale * exponential.powf(1.0 / shape)
             }
-            Self::Gamma { shape, scale, shift } => shift + scale * gamma_quantile(*shape, lower, upper),
+            Self::Gamma { shape, scale, shift } => shift + scale * gamma_quantile(*shape, lower(), upper()),
             Self::Beta { a, b, low, high } => {
-                let unit = beta_quantile(*a, *b, lower, upper);
+                let unit = beta_quantile(*a, *b, lower(), upper());
                 // The ends are exact.
                 if unit <= 0.5 { low + (high - low) * unit } else { high - (high - low) * (1.0 - unit) }
             }
-            Self::Triangular { low, mode, high } => triangular::quantile([*low, *mode, *high], lower, upper),
+            Self::Triangular { low, mode, high } => triangular::quantile([*low, *mode, *high], lower(), upper()),
             Self::Johnson(johnson) => johnson.value_of(normal()),
-            Self::Empirical { sorted } => empirical::quantile(sorted, lower),
+            Self::Empirical { sorted } => empirical::quantile(sorted, lower()),
         }
     }
 

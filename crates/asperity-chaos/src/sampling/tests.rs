@@ -28,11 +28,23 @@ fn a_latin_hypercube_has_one_point_in_every_stratum_of_every_variable() {
 }
 
 #[test]
-fn many_variables_have_the_strata_of_few() {
-    let [few, many] =
-        [9, KEPT_PERMUTATIONS + 1].map(|n| Design::new(SamplingMethod::LatinHypercube, 5, "lhs", 7, n).unwrap());
-    assert_eq!(strata(&many, KEPT_PERMUTATIONS, 7), [1; 7]);
-    assert!((0..7).all(|sample| many.unit(sample)[..9] == few.unit(sample)));
+fn strata_of_a_table_equal_those_computed_for_each_point() {
+    let (few, many) = (9, MAX_TABLE / 7 + 1);
+    let [table, computed] = [few, many].map(|n| Design::new(SamplingMethod::LatinHypercube, 5, "lhs", 7, n).unwrap());
+    assert!(matches!((&table.placement, &computed.placement), (Placement::Table(_), Placement::Strata)));
+    for sample in 0..7 {
+        let mut point = vec![0.0; few];
+        computed.fill_unit(sample, &mut point);
+        assert_eq!(point, table.unit(sample));
+    }
+}
+
+#[test]
+fn leading_variables_equal_those_of_the_whole_point() {
+    for method in METHODS {
+        let design = Design::new(method, 3, "leading", 20, 12).unwrap();
+        assert!((0..20).all(|sample| design.leading_xi(sample, 5) == design.xi(sample)[..5]));
+    }
 }
 
 #[test]
