@@ -23,7 +23,8 @@ impl<'a, F> Cancellable<'a, F> {
 }
 
 impl<F: Fluctuation> Fluctuation for Cancellable<'_, F> {
-    #[inline]
+    // A cell in registers: one that is returned through memory stalls the loops over paths.
+    #[inline(always)]
     fn next_cell(&mut self) -> Option<Cell> {
         self.left -= 1;
         if self.left == 0 {

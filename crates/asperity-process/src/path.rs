@@ -98,6 +98,17 @@ impl<'a> Path<'a> {
     /// Returns m at the next grid point, the first at s = 0. A renewal process is sampled there.
     #[inline]
     pub fn next_value(&mut self) -> f64 {
+        if let Source::Autoregressive(recursion) = &mut self.source {
+            let normal = recursion.advance(StandardNormal.sample(&mut self.rng));
+            return self.limited.value(normal);
+        }
+        self.next_other_value()
+    }
+
+    /// Returns the next value of a process that is not autoregressive. These are rare and their code is long, so the loops over
+    /// paths call it.
+    #[inline(never)]
+    fn next_other_value(&mut self) -> f64 {
         let normal = match &mut self.source {
             Source::Autoregressive(recursion) => recursion.advance(StandardNormal.sample(&mut self.rng)),
             Source::Averaged(average) => average.advance(&mut self.rng),
@@ -119,7 +130,8 @@ impl<'a> Path<'a> {
 }
 
 impl Fluctuation for Path<'_> {
-    #[inline]
+    // As in [`Cancellable`](super::Cancellable).
+    #[inline(always)]
     fn next_cell(&mut self) -> Option<Cell> {
         if let Source::Renewal(renewal) = &mut self.source {
             return Some(renewal.cell(&mut self.rng, |normal| self.limited.value(normal)));

@@ -316,12 +316,13 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
         let states = &mut self.states;
         let Some(trajectory) = &mut self.trajectories[lane] else { return Outcome::Continues };
         let Some(cell) = trajectory.fluctuation.next_cell() else { return Outcome::Unsupported };
-        let jump = cell.left - trajectory.cell.right;
-        // The displacement is continuous where m jumps. A mass at relative rest there may stick or slip, which lanes do
-        // not decide.
-        states.e[lane] -= jump / trajectory.velocity;
-        if jump != 0.0 && states.w[lane] == 0.0 {
-            return Outcome::Unsupported;
+        if cell.left != trajectory.cell.right {
+            // The displacement is continuous where m jumps. A mass at relative rest there may stick or slip, which lanes
+            // do not decide.
+            states.e[lane] -= (cell.left - trajectory.cell.right) / trajectory.velocity;
+            if states.w[lane] == 0.0 {
+                return Outcome::Unsupported;
+            }
         }
         trajectory.start = trajectory.cell.end;
         trajectory.cell = cell;

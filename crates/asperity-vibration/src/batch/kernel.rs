@@ -385,15 +385,16 @@ impl<const N: usize, const EXPONENTIAL: bool> Expansion<N, EXPONENTIAL> {
     #[inline(always)]
     fn reach(&self, states: &States, tolerance: f64) -> Lane {
         let n = N - 1;
-        each(|l| {
-            let size = |w: f64, e: f64| larger(larger(w.abs(), e.abs()), 1e-280);
-            let allowed = tolerance * larger(size(states.w[l], states.e[l]), 1.0);
-            // The last two terms may both vanish by accident.
-            let earlier = larger(size(self.w[n - 1][l], self.e[0][l]), self.w[n - 2][l].abs() * RECIPROCAL[n - 1]);
-            let before = earlier * (RECIPROCAL[n] * RECIPROCAL[n + 1]);
-            let last = coarse_root(allowed / size(self.w[n][l], self.e[1][l]), RECIPROCAL[n]);
-            REACH * smaller(last, coarse_root(allowed / before, RECIPROCAL[n + 1]))
-        })
+        let size = |w: f64, e: f64| larger(larger(w.abs(), e.abs()), 1e-280);
+        let allowed = each(|l| tolerance * larger(size(states.w[l], states.e[l]), 1.0));
+        // The last two terms may both vanish by accident.
+        let earlier = each(|l| {
+            larger(size(self.w[n - 1][l], self.e[0][l]), self.w[n - 2][l].abs() * RECIPROCAL[n - 1])
+                * (RECIPROCAL[n] * RECIPROCAL[n + 1])
+        });
+        let last = each(|l| coarse_root(allowed[l] / size(self.w[n][l], self.e[1][l]), RECIPROCAL[n]));
+        let before = each(|l| coarse_root(allowed[l] / earlier[l], RECIPROCAL[n + 1]));
+        each(|l| REACH * smaller(last[l], before[l]))
     }
 
     /// Returns the time of the zero of W, W′ there, and whether it was found. W is positive at 0 and w ≤ 0 with slope
