@@ -237,7 +237,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
     }
 }
 
-/// Batch of a batch, and the queue of trajectories that wait for a free lane.
+/// Trajectories in the lanes, and the queue of those that wait for a free lane.
 struct Batch<const N: usize, const EXPONENTIAL: bool, F, W> {
     duration: f64,
     consts: Consts,
