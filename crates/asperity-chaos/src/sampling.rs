@@ -34,9 +34,10 @@ use maximin::{MAX_SAMPLES, maximin_strata};
 use permutation::Permutation;
 use scrambled_sobol::{MAX_DIMENSIONS, ScrambledSobol};
 
-/// Largest table of strata that a Latin hypercube keeps, in entries of two bytes; those of larger ones are computed anew for
-/// each point.
+/// Largest table of strata that a Latin hypercube keeps, in entries of two bytes.
 const MAX_TABLE: usize = 1 << 21;
+/// Largest number of variables whose permutations are kept where the table is too large; others are made anew for each point.
+const KEPT_PERMUTATIONS: usize = 64;
 
 choice! {
     /// Placement of the points of a design.
@@ -100,8 +101,8 @@ pub enum SamplingError {
 #[derive(Debug, Clone)]
 enum Placement {
     Independent,
-    /// Strata that are computed for each point.
-    Strata,
+    /// Permutations of the strata of all variables, or of none: they need a kilobyte each.
+    Strata(Vec<Permutation>),
     /// Strata of each sample, sample by sample.
     Table(Vec<u16>),
     Sobol(ScrambledSobol),
@@ -141,7 +142,10 @@ impl Design {
             {
                 Placement::Table(latin_strata(seed, stage, samples, dimensions))
             }
-            SamplingMethod::LatinHypercube => Placement::Strata,
+            SamplingMethod::LatinHypercube => {
+                let kept = if dimensions <= KEPT_PERMUTATIONS { dimensions } else { 0 };
+                Placement::Strata((0..kept).map(|dimension| permutation(seed, stage, samples, dimension)).collect())
+            }
             SamplingMethod::MaximinLatinHypercube if samples > MAX_SAMPLES => {
                 return Err(SamplingError::TooManyForMaximin { samples, limit: MAX_SAMPLES });
             }
@@ -195,9 +199,12 @@ impl Design {
             let jitter = open_unit(&mut within);
             let value = match &self.placement {
                 Placement::Independent => jitter,
-                Placement::Strata => {
-                    let permutation = permutation(self.seed, &self.stage, self.samples, dimension);
-                    (permutation.at(index as u64) as f64 + jitter) / self.samples as f64
+                Placement::Strata(permutations) => {
+                    let stratum = match permutations.get(dimension) {
+                        Some(permutation) => permutation.at(index as u64),
+                        None => permutation(self.seed, &self.stage, self.samples, dimension).at(index as u64),
+                    };
+                    (stratum as f64 + jitter) / self.samples as f64
                 }
                 Placement::Table(strata) => {
                     (f64::from(strata[index * self.dimensions + dimension]) + jitter) / self.samples as f64

@@ -24,6 +24,12 @@ pub struct Path<'a> {
 #[derive(Debug, Clone)]
 enum Source<'a> {
     Autoregressive(Recursion),
+    Other(OtherSource<'a>),
+}
+
+/// Sources that are rare and whose code is long.
+#[derive(Debug, Clone)]
+enum OtherSource<'a> {
     Averaged(MovingAverage),
     Spectral(Harmonics),
     Jacobi { g: f64, step: &'a JacobiStep },
@@ -73,15 +79,17 @@ impl<'a> Path<'a> {
         let (model, parts) = (process.model(), process.parts());
         let step_share = process.step() / parts.length;
         let source = match (model.generator, model.shape, parts.jacobi) {
-            (Generator::Renewal, ..) => Source::Renewal(Renewal::new(parts.length, process.step())),
-            (Generator::Jacobi, _, Some(step)) => Source::Jacobi { g: StandardNormal.sample(&mut rng), step },
+            (Generator::Renewal, ..) => Source::Other(OtherSource::Renewal(Renewal::new(parts.length, process.step()))),
+            (Generator::Jacobi, _, Some(step)) => {
+                Source::Other(OtherSource::Jacobi { g: StandardNormal.sample(&mut rng), step })
+            }
             (Generator::Spectral { harmonics }, shape, _) => {
                 let quantile = |probability| shape.spectral_quantile(probability).unwrap_or(f64::NAN);
-                Source::Spectral(Harmonics::draw(harmonics, step_share, quantile, &mut rng))
+                Source::Other(OtherSource::Spectral(Harmonics::draw(harmonics, step_share, quantile, &mut rng)))
             }
             (_, CorrelationShape::WindowedExponential { window }, _) => {
                 let steps = (window / process.step()).round() as usize;
-                Source::Averaged(MovingAverage::draw(steps, step_share, &mut rng))
+                Source::Other(OtherSource::Averaged(MovingAverage::draw(steps, step_share, &mut rng)))
             }
             _ => {
                 let coefficient = process.normal_step_correlation();
@@ -98,28 +106,13 @@ impl<'a> Path<'a> {
     /// Returns m at the next grid point, the first at s = 0. A renewal process is sampled there.
     #[inline]
     pub fn next_value(&mut self) -> f64 {
-        if let Source::Autoregressive(recursion) = &mut self.source {
-            let normal = recursion.advance(StandardNormal.sample(&mut self.rng));
-            return self.limited.value(normal);
-        }
-        self.next_other_value()
-    }
-
-    /// Returns the next value of a process that is not autoregressive. These are rare and their code is long, so the loops over
-    /// paths call it.
-    #[inline(never)]
-    fn next_other_value(&mut self) -> f64 {
-        let normal = match &mut self.source {
-            Source::Autoregressive(recursion) => recursion.advance(StandardNormal.sample(&mut self.rng)),
-            Source::Averaged(average) => average.advance(&mut self.rng),
-            Source::Spectral(harmonics) => harmonics.advance(),
-            Source::Jacobi { g, step } => {
-                let next = step.next(*g, StandardNormal.sample(&mut self.rng));
-                std::mem::replace(g, next)
+        match &mut self.source {
+            Source::Autoregressive(recursion) => {
+                let normal = recursion.advance(StandardNormal.sample(&mut self.rng));
+                self.limited.value(normal)
             }
-            Source::Renewal(renewal) => return renewal.next_value(&mut self.rng, |normal| self.limited.value(normal)),
-        };
-        self.limited.value(normal)
+            Source::Other(other) => other.next_value(&mut self.rng, &mut self.limited),
+        }
     }
 
     /// Returns the number of values so far that were raised to the least one: grid points, or intervals of a renewal
@@ -129,11 +122,28 @@ impl<'a> Path<'a> {
     }
 }
 
+impl OtherSource<'_> {
+    /// Returns m at the next grid point. The loops over paths call it, because inlined it would slow down the common source.
+    #[inline(never)]
+    fn next_value(&mut self, rng: &mut Stream, limited: &mut Limited<'_>) -> f64 {
+        let normal = match self {
+            Self::Averaged(average) => average.advance(rng),
+            Self::Spectral(harmonics) => harmonics.advance(),
+            Self::Jacobi { g, step } => {
+                let next = step.next(*g, StandardNormal.sample(rng));
+                std::mem::replace(g, next)
+            }
+            Self::Renewal(renewal) => return renewal.next_value(rng, |normal| limited.value(normal)),
+        };
+        limited.value(normal)
+    }
+}
+
 impl Fluctuation for Path<'_> {
     // As in [`Cancellable`](super::Cancellable).
     #[inline(always)]
     fn next_cell(&mut self) -> Option<Cell> {
-        if let Source::Renewal(renewal) = &mut self.source {
+        if let Source::Other(OtherSource::Renewal(renewal)) = &mut self.source {
             return Some(renewal.cell(&mut self.rng, |normal| self.limited.value(normal)));
         }
         let left = match self.cells.last {
