@@ -2,13 +2,13 @@
 
 use ndarray::Array2;
 
-use crate::descent::Descent;
-use crate::solver::Closure;
-use crate::{ContactProblem, ContactWorkspace, Control, Solver};
+use crate::conditions::Closure;
+use crate::descent::{Descent, Limits};
+use crate::{ContactProblem, ContactWorkspace, Control};
 use asperity_base::monitor::Monitor;
 
-/// Solver of the coarse problems. The tolerance is loose because coarse cells lack the fine waves anyway.
-const SOLVER: Solver = Solver { tolerance: 1e-2, max_iterations: 100 };
+/// Limits of the coarse problems. The tolerance is loose because coarse cells lack the fine waves anyway.
+const COARSE: Limits = Limits { tolerance: 1e-2, max_iterations: 100 };
 
 /// Returns the pressure under a plane at `plane_m`, solved on cells twice as wide and recursively on coarser ones; zero
 /// if the cells cannot be halved.
@@ -39,7 +39,7 @@ pub(super) fn under_plane(
     let workspace = &mut **workspace.coarse.get_or_insert_default();
     coarse.prepare(workspace);
     let start = under_plane(&guess, plane_m, workspace, monitor);
-    let solution = Descent::new(&guess, closure, &start, None, workspace).run(&SOLVER, monitor);
+    let solution = Descent::new(&guess, closure, &start, None, workspace).run(COARSE, monitor);
     let bound_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(bound_pa)).collect()
 }

@@ -1,12 +1,12 @@
-//! State and steps of one solve; see [`Solver`].
+//! State and steps of one solve; see [`Solver`](crate::Solver).
 
 use ndarray::{Array2, CowArray, Ix2};
 
+use crate::conditions::Closure;
 use crate::half_space::{MOST_KEPT, MeanMode};
-use crate::projection::{Shift, project_to_sum, tangent_multiplier};
-use crate::slab::{Advance, Direction, Extent, Products, Slab, Step, Summary};
-use crate::solution::{Part, Residual, certify};
-use crate::solver::{Closure, Solver};
+use crate::projection::{Extent, Shift, project_to_sum, tangent_multiplier};
+use crate::slab::{Advance, Direction, Part, Products, Slab, Step, Summary};
+use crate::solution::{Residual, certify};
 use crate::{Boundary, ContactProblem, ContactWorkspace, Solution, SolverStop};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::monitor::Monitor;
@@ -33,6 +33,13 @@ const TOLERABLE_DRIFT: f64 = 0.5;
 const CLEARLY: f64 = 4.0;
 /// Least such bound that is used: it is a difference of sums.
 const CANCELLATION: f64 = 1e-10;
+
+/// Tolerance of the residuals, and largest number of iterations.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) tolerance: f64,
+    pub(super) max_iterations: usize,
+}
 
 /// Iterate of one solve. Heights are counted from their mean, and v = S p − z throughout.
 ///
@@ -222,7 +229,7 @@ impl<'a> Descent<'a> {
 
     /// Iterates until the recomputed residuals are below the tolerance, no progress can be represented, or the monitor
     /// cancels.
-    pub(super) fn run(mut self, solver: &Solver, monitor: &dyn Monitor) -> Solution {
+    pub(super) fn run(mut self, limits: Limits, monitor: &dyn Monitor) -> Solution {
         let mut iterations = 0;
         let mut last_refuted = f64::INFINITY;
         let (mut least, mut least_at) = (f64::INFINITY, 0);
@@ -230,21 +237,21 @@ impl<'a> Descent<'a> {
             self.lambda = self.v.iter().sum::<f64>() / self.v.len() as f64;
         }
         let (stop_reason, residual) = loop {
-            let mut residual = self.certified(solver.tolerance);
-            let claimed = residual.worst() <= solver.tolerance;
-            let tolerable = TOLERABLE_DRIFT * residual.worst().max(solver.tolerance) * self.problem.rms_height_m();
+            let mut residual = self.certified(limits.tolerance);
+            let claimed = residual.worst() <= limits.tolerance;
+            let tolerable = TOLERABLE_DRIFT * residual.worst().max(limits.tolerance) * self.problem.rms_height_m();
             if !self.is_fresh && (claimed || self.drift_m > tolerable) {
                 self.refresh(None);
-                residual = self.certified(solver.tolerance);
+                residual = self.certified(limits.tolerance);
                 // If rounding undoes the progress since the last recomputation, no further progress is possible.
-                if claimed && residual.worst() > solver.tolerance {
+                if claimed && residual.worst() > limits.tolerance {
                     if residual.worst() > 0.5 * last_refuted {
                         break (SolverStop::PrecisionLimit, residual);
                     }
                     last_refuted = residual.worst();
                 }
             }
-            if residual.worst() <= solver.tolerance {
+            if residual.worst() <= limits.tolerance {
                 break (SolverStop::Converged, residual);
             }
             let field_residual = residual.frank_wolfe.max(residual.overlap);
@@ -253,7 +260,7 @@ impl<'a> Descent<'a> {
             }
             let wanders = field_residual < ROUNDING_RESIDUAL && iterations > least_at + WANDERING_ITERATIONS;
             let cancelled = monitor.cancelled();
-            if wanders || cancelled || iterations >= solver.max_iterations {
+            if wanders || cancelled || iterations >= limits.max_iterations {
                 self.refresh(None);
                 let reason = match (wanders, cancelled) {
                     (true, _) => SolverStop::PrecisionLimit,

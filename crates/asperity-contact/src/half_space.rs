@@ -1,26 +1,11 @@
 //! Compliance of a half-space: computes the normal displacement of a pressure on a grid.
 
 use crate::pyramid::{Pyramid, PyramidWork};
-use crate::slab::Slabs;
+use crate::slabs::Slabs;
 use crate::substrate::PointLoad;
-use crate::{ContactError, Substrate};
+use crate::{Boundary, ContactError, Substrate};
 use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
 use asperity_base::map::Grid;
-
-/// Condition beyond the edge of the grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Boundary {
-    /// A finite patch on an infinite half-space, unloaded outside (the paper's case).
-    Free,
-    /// The patch repeats periodically.
-    Periodic {
-        /// Displacement of the mean plane per mean pressure, K(0), in m/Pa.
-        ///
-        /// It has no finite value on a half-space and is therefore an input. It matters if the position of the plane is
-        /// prescribed. [`HalfSpace::default_mean_compliance_m_per_pa`] is the usual choice.
-        mean_compliance_m_per_pa: f64,
-    },
-}
 
 /// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
 /// pressure.

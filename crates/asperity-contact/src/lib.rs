@@ -10,17 +10,18 @@
 //!
 //! S is positive definite, so the solution is unique.
 
-use thiserror::Error;
-
-use asperity_base::map::{BoundaryKind, Grid};
+use asperity_base::map::BoundaryKind;
 
 pub mod area;
 mod bodies;
 mod clusters;
 mod coarse_start;
+mod conditions;
 mod cycle;
 mod descent;
+mod elastic;
 mod energy;
+mod error;
 pub mod exact;
 mod gradient;
 mod half_space;
@@ -30,27 +31,25 @@ mod problem;
 mod projection;
 mod pyramid;
 mod slab;
+mod slabs;
 mod solution;
 mod solver;
 mod stiffness;
 mod substrate;
 
-pub use bodies::{Body, Elastic, ElasticPair, Orientation, composite};
+pub use bodies::{Body, ElasticPair, Orientation, composite};
 pub use clusters::{Clusters, Neighbours};
+pub use conditions::{Boundary, Control};
 pub use cycle::{LoadPath, LoadStep, work_of_flat_j};
+pub use elastic::{Elastic, contact_modulus_pa};
+pub use error::ContactError;
 pub use gradient::{rms_gradient, spectral_rms_gradient};
-pub use half_space::{Boundary, ContactWorkspace, HalfSpace, love_coefficient};
-pub use problem::{ContactProblem, Control};
+pub use half_space::{ContactWorkspace, HalfSpace, love_coefficient};
+pub use problem::ContactProblem;
 pub use solution::{Residual, Solution, SolverStop};
 pub use solver::Solver;
 pub use stiffness::{ContactStiffness, Motion, StiffnessSolver};
 pub use substrate::{Base, Layer, Substrate};
-
-/// Returns the contact modulus E* = E/(1−ν²) in pascal of an elastic body pressed against a rigid one, from Young's
-/// modulus E in pascal and Poisson's ratio ν.
-pub fn contact_modulus_pa(youngs_modulus_pa: f64, poisson_ratio: f64) -> f64 {
-    youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
-}
 
 /// Returns the memory in byte, about, that a contact problem with this number of cells needs with its workspace and
 /// solution.
@@ -61,74 +60,6 @@ pub fn memory_bytes(cells: usize, boundary: BoundaryKind) -> f64 {
         BoundaryKind::Free => 160.0,
     };
     bytes_per_cell * cells as f64
-}
-
-/// Reason why a contact problem could not be posed or solved.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ContactError {
-    /// A parameter lies outside its range.
-    #[error("{parameter} is {value:e} {unit}, but must be {wanted}")]
-    Parameter {
-        /// Name of the parameter.
-        parameter: &'static str,
-        /// Value found.
-        value: f64,
-        /// Unit of the value.
-        unit: &'static str,
-        /// Values allowed.
-        wanted: &'static str,
-    },
-    /// The map is flat, so the gap has no length scale.
-    #[error("the map has no roughness (all heights are equal); contact of two flats is not a rough contact")]
-    Flat,
-    /// A height is missing.
-    #[error(
-        "{missing} of {points} heights are missing; contact needs a complete map (`asperity surface fill` fills one)"
-    )]
-    Missing {
-        /// Missing points.
-        missing: usize,
-        /// Number of points.
-        points: usize,
-    },
-    /// The map does not fit the half-space.
-    #[error("the map has {rows} × {columns} heights, the half-space {ny} × {nx} cells")]
-    Shape {
-        /// Rows of the map.
-        rows: usize,
-        /// Columns of the map.
-        columns: usize,
-        /// Rows of the half-space.
-        ny: usize,
-        /// Columns of the half-space.
-        nx: usize,
-    },
-    /// Two maps do not lie on the same grid.
-    #[error(
-        "the lower map has {} × {} points at {:e} m × {:e} m, the upper {} × {} at {:e} m × {:e} m; both must be equal",
-        lower.nx(), lower.ny(), lower.dx_m(), lower.dy_m(), upper.nx(), upper.ny(), upper.dx_m(), upper.dy_m()
-    )]
-    Grids {
-        /// Grid of the lower map.
-        lower: Box<Grid>,
-        /// Grid of the upper map.
-        upper: Box<Grid>,
-    },
-    /// A periodic half-space with zero mean compliance overlaps the prescribed plane.
-    #[error(
-        "a periodic half-space with zero mean compliance has no solution under an overlapping plane; \
-         state a mean compliance, or control the mean pressure, the load or the mean gap"
-    )]
-    Unbounded,
-    /// The mean pressure is not below the hardness.
-    #[error("the mean pressure {mean_pressure_pa:e} Pa is not below the hardness {hardness_pa:e} Pa")]
-    Overloaded {
-        /// Mean pressure asked for.
-        mean_pressure_pa: f64,
-        /// Hardness.
-        hardness_pa: f64,
-    },
 }
 
 #[cfg(doctest)]

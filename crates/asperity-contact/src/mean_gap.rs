@@ -4,9 +4,9 @@
 //! a search finds the plane of this gap. The mean gap rises continuously with the height of the plane, even where the
 //! required pressure does not change (a rigid-plastic contact).
 
-use crate::descent::Descent;
-use crate::solver::{Closure, rigid_mean};
-use crate::{Boundary, ContactProblem, ContactWorkspace, HalfSpace, Solution, Solver, SolverStop};
+use crate::conditions::Closure;
+use crate::descent::{Descent, Limits};
+use crate::{Boundary, ContactProblem, ContactWorkspace, HalfSpace, Solution, SolverStop};
 use asperity_base::monitor::Monitor;
 
 /// Largest number of planes that are tried.
@@ -21,7 +21,7 @@ const TIGHTENING: f64 = 0.03;
 
 /// Solves `problem` for the mean gap `gap_m`.
 pub(super) fn solve(
-    solver: &Solver,
+    limits: Limits,
     problem: &ContactProblem<'_>,
     gap_m: f64,
     workspace: &mut ContactWorkspace,
@@ -32,9 +32,10 @@ pub(super) fn solve(
     let periodic = matches!(problem.half_space().boundary(), Boundary::Periodic { .. });
     if untouched || (periodic && problem.hardness_pa().is_none()) {
         let closure = Closure::Gap { metre: gap_m };
-        return Descent::new(problem, closure, &vec![0.0; points], rigid_mean(problem), workspace).run(solver, monitor);
+        return Descent::new(problem, closure, &vec![0.0; points], problem.rigid_mean_m_per_pa(), workspace)
+            .run(limits, monitor);
     }
-    let mut search = Search::new(solver, problem, gap_m, workspace, monitor);
+    let mut search = Search::new(limits, problem, gap_m, workspace, monitor);
     if periodic {
         // If no cell is plastic, the hardness does not matter.
         let usual = search.mean_compliance.replace(0.0);
@@ -60,7 +61,7 @@ struct Trial {
 }
 
 struct Search<'a> {
-    solver: &'a Solver,
+    limits: Limits,
     problem: &'a ContactProblem<'a>,
     gap_m: f64,
     workspace: &'a mut ContactWorkspace,
@@ -73,7 +74,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(
-        solver: &'a Solver,
+        limits: Limits,
         problem: &'a ContactProblem<'a>,
         gap_m: f64,
         workspace: &'a mut ContactWorkspace,
@@ -82,7 +83,7 @@ impl<'a> Search<'a> {
         let half_space = problem.half_space();
         let usual = HalfSpace::default_mean_compliance_m_per_pa(half_space.grid(), half_space.modulus_pa());
         let mean_compliance = matches!(half_space.boundary(), Boundary::Periodic { .. }).then_some(usual);
-        Self { solver, problem, gap_m, workspace, monitor, mean_compliance, iterations: 0 }
+        Self { limits, problem, gap_m, workspace, monitor, mean_compliance, iterations: 0 }
     }
 
     /// Searches the plane; `coarsest` is the tolerance of the first solution under each plane.
@@ -141,14 +142,14 @@ impl<'a> Search<'a> {
     fn at(&mut self, height_m: f64, start: Vec<f64>, coarsest: f64) -> (Trial, Solution) {
         let rms_height_m = self.problem.rms_height_m();
         // A gap far below the roughness needs fields that are accurate to a fraction of the gap.
-        let finest = (0.1 * self.solver.tolerance * (self.gap_m / rms_height_m).min(1.0)).max(f64::EPSILON);
+        let finest = (0.1 * self.limits.tolerance * (self.gap_m / rms_height_m).min(1.0)).max(f64::EPSILON);
         let mut tolerance = coarsest.max(finest);
         let mut pressure_pa = start;
         loop {
-            let max_iterations = self.solver.max_iterations.saturating_sub(self.iterations);
+            let max_iterations = self.limits.max_iterations.saturating_sub(self.iterations);
             let closure = Closure::Plane { height_m };
             let descent = Descent::new(self.problem, closure, &pressure_pa, self.mean_compliance, self.workspace);
-            let mut solution = descent.run(&Solver { tolerance, max_iterations }, self.monitor);
+            let mut solution = descent.run(Limits { tolerance, max_iterations }, self.monitor);
             self.iterations += solution.iterations;
             // Cells that are about to lose contact still have a gap, which the solution counts as zero.
             let mean_gap_m = solution.signed_gap_m.iter().map(|g| g.max(0.0)).sum::<f64>() / self.points();
@@ -156,7 +157,7 @@ impl<'a> Search<'a> {
             solution.residual.load = miss_m.abs().max((solution.mean_gap_m() - self.gap_m).abs()) / self.gap_m;
             let is_clear = miss_m.abs() > CLEAR_MISS * tolerance * rms_height_m;
             let blur_m = (solution.mean_gap_m() - mean_gap_m).abs();
-            let least = if blur_m > 0.5 * self.solver.tolerance * self.gap_m { f64::EPSILON } else { finest };
+            let least = if blur_m > 0.5 * self.limits.tolerance * self.gap_m { f64::EPSILON } else { finest };
             if is_clear || tolerance <= least || !solution.converged() {
                 return (Trial { height_m, miss_m }, solution);
             }
@@ -170,12 +171,12 @@ impl<'a> Search<'a> {
     }
 
     fn is_met(&self, solution: &Solution) -> bool {
-        solution.residual.worst() <= self.solver.tolerance
+        solution.residual.worst() <= self.limits.tolerance
     }
 
     /// Returns whether the iteration limit is reached or the monitor cancelled.
     fn is_over(&self) -> bool {
-        self.iterations >= self.solver.max_iterations || self.monitor.cancelled()
+        self.iterations >= self.limits.max_iterations || self.monitor.cancelled()
     }
 
     fn finish(&self, mut solution: Solution) -> Solution {
@@ -184,7 +185,7 @@ impl<'a> Search<'a> {
             SolverStop::Converged
         } else if self.monitor.cancelled() {
             SolverStop::Cancelled
-        } else if self.iterations >= self.solver.max_iterations {
+        } else if self.iterations >= self.limits.max_iterations {
             SolverStop::IterationLimit
         } else {
             SolverStop::PrecisionLimit

@@ -2,69 +2,11 @@
 
 use ndarray::Array2;
 
-use crate::{Boundary, ContactError, HalfSpace};
-
-/// Prescribed quantity that closes a contact problem.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Control {
-    /// The plane lies at this height, in the coordinates of the map, in metre.
-    Plane {
-        /// Height of the plane in metre.
-        height_m: f64,
-    },
-    /// The plane lies this far below the highest point, in metre.
-    Penetration {
-        /// Penetration in metre, ≥ 0.
-        metre: f64,
-    },
-    /// Height of the plane, as the percentage of the undeformed heights that lies above it.
-    Percentile {
-        /// 0 to 100 percent.
-        percent: f64,
-    },
-    /// The mean pressure over the whole patch.
-    MeanPressure {
-        /// Mean pressure in pascal, > 0.
-        pascal: f64,
-    },
-    /// The total force on the patch.
-    Load {
-        /// Force in newton, > 0.
-        newton: f64,
-    },
-    /// The mean gap over the whole patch. The smallest gap that double precision resolves is about 10⁻¹⁵ of the
-    /// roughness over the tolerance, and larger on the free boundary. A smaller gap ends as
-    /// [`PrecisionLimit`](crate::SolverStop::PrecisionLimit) or at the iteration limit.
-    MeanGap {
-        /// Mean gap in metre, > 0.
-        metre: f64,
-    },
-}
-
-impl Control {
-    /// Returns whether the position of the plane is prescribed. Only then does the pressure on a periodic half-space
-    /// depend on its mean compliance. Otherwise the mean compliance shifts only the separation; zero measures
-    /// displacements from their mean.
-    pub fn prescribes_plane(&self) -> bool {
-        matches!(self, Self::Plane { .. } | Self::Penetration { .. } | Self::Percentile { .. })
-    }
-}
+use crate::error::positive;
+use crate::{Boundary, ContactError, Control, HalfSpace};
 
 /// Largest prescribed quantity, and the inverse of the least.
 const MOST: f64 = 1e100;
-
-/// Checks that a quantity is positive and between 1/`most` and `most`. These limits are wide, but products of
-/// quantities within them, up to the energy, neither overflow nor underflow.
-pub(super) fn positive(parameter: &'static str, value: f64, unit: &'static str, most: f64) -> Result<(), ContactError> {
-    let wanted = match most {
-        _ if value.is_nan() || value <= 0.0 => "positive",
-        1e30 => "between 1e-30 and 1e30",
-        1e50 => "between 1e-50 and 1e50",
-        _ => "between 1e-100 and 1e100",
-    };
-    let error = ContactError::Parameter { parameter, value, unit, wanted };
-    if (1.0 / most..=most).contains(&value) { Ok(()) } else { Err(error) }
-}
 
 /// A contact problem: heights, a half-space, a prescribed quantity, and the hardness.
 #[derive(Debug, Clone, Copy)]
@@ -155,6 +97,11 @@ impl<'a> ContactProblem<'a> {
     /// Returns the half-space.
     pub fn half_space(&self) -> &'a HalfSpace {
         self.half_space
+    }
+
+    /// Returns a mean compliance of zero in m/Pa on the periodic boundary; the free boundary has no separate mean mode.
+    pub(super) fn rigid_mean_m_per_pa(&self) -> Option<f64> {
+        matches!(self.half_space.boundary(), Boundary::Periodic { .. }).then_some(0.0)
     }
 
     /// Returns the undeformed heights in metre.

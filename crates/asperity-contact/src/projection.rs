@@ -1,9 +1,41 @@
 //! Multiplier and projection of a box-constrained problem under a prescribed sum.
 
-use crate::slab::{Extent, within};
-
 /// Newton steps before a bracket is halved. A few suffice unless a cell is on a bound beyond the root.
 const NEWTON_STEPS: usize = 20;
+
+/// Returns `value` clamped to [0, `hardness`].
+#[inline(always)]
+pub(super) fn within(value: f64, hardness: f64) -> f64 {
+    let value = if value > 0.0 { value } else { 0.0 };
+    if value < hardness { value } else { hardness }
+}
+
+/// Range of the trial values of the cells that may move, before they are clipped to the bounds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    pub(super) least: f64,
+    pub(super) largest: f64,
+    pub(super) members: usize,
+    /// Sum and maximum of the hardness.
+    pub(super) capacity: f64,
+    pub(super) largest_hardness: f64,
+}
+
+impl Extent {
+    pub(super) const NONE: Self =
+        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, largest_hardness: 0.0 };
+
+    /// Combines the extents of two sets of cells.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self {
+            least: self.least.min(other.least),
+            largest: self.largest.max(other.largest),
+            members: self.members + other.members,
+            capacity: self.capacity + other.capacity,
+            largest_hardness: self.largest_hardness.max(other.largest_hardness),
+        }
+    }
+}
 
 /// Returns whether moving a cell of pressure `p` and gradient `g` within 0 ≤ p ≤ `hardness` may lower the energy: true
 /// between the bounds, and on a bound from which the descent leads inwards.

@@ -5,20 +5,19 @@
 //! threads can share slabs. Sums are added slab by slab in order, for any number of threads. For cells far from contact
 //! only v is stored, in single precision, to detect when they come near contact.
 
-mod grid;
+mod hardness;
 mod kernels;
 mod sums;
 
 use std::ops::Range;
 
-pub(super) use self::grid::Slabs;
+use self::hardness::{Hardness, Unbounded, Yielding};
 pub(super) use self::kernels::Step;
 use self::kernels::{
-    Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Room, Shifted, Span, Summarise, load,
+    Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Room, Shifted, Span, Summarise,
 };
-pub(super) use self::sums::{Direction, Extent, Products, Summary};
-use crate::projection::Shift;
-use crate::solution::Part;
+pub(super) use self::sums::{Advance, Direction, Part, Products, Summary};
+use crate::projection::{Extent, Shift, within};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::wide::wide;
 
@@ -26,64 +25,6 @@ use asperity_base::wide::wide;
 const IDLE_ONE_IN: f64 = 8.0;
 /// Largest number of cells for which the memory of unused lists is kept.
 const MOST_KEPT: usize = 1 << 11;
-
-/// Hardness of the listed cells.
-pub(super) trait Hardness: Copy + Send + Sync {
-    /// Whether a hardness is finite.
-    const YIELD: bool;
-    /// Returns the hardness of the first n cells.
-    fn head(self, n: usize) -> Self;
-    /// Returns the hardness of a cell.
-    fn at(self, i: usize) -> f64;
-    /// Returns the hardness of a chunk of cells.
-    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L];
-}
-
-/// Infinite hardness.
-#[derive(Clone, Copy)]
-struct Unbounded;
-
-impl Hardness for Unbounded {
-    const YIELD: bool = false;
-
-    #[inline(always)]
-    fn head(self, _n: usize) -> Self {
-        self
-    }
-
-    #[inline(always)]
-    fn at(self, _i: usize) -> f64 {
-        f64::INFINITY
-    }
-
-    #[inline(always)]
-    fn chunk<const L: usize>(self, _chunk: usize) -> [f64; L] {
-        [f64::INFINITY; L]
-    }
-}
-
-/// Finite hardness of every cell.
-#[derive(Clone, Copy)]
-struct Yielding<'a>(&'a [f64]);
-
-impl Hardness for Yielding<'_> {
-    const YIELD: bool = true;
-
-    #[inline(always)]
-    fn head(self, n: usize) -> Self {
-        Self(&self.0[..n])
-    }
-
-    #[inline(always)]
-    fn at(self, i: usize) -> f64 {
-        self.0[i]
-    }
-
-    #[inline(always)]
-    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L] {
-        load(self.0, chunk, f64::INFINITY)
-    }
-}
 
 /// Evaluates an expression with the hardness H of the cells of a slab, compiled separately for infinite hardness.
 macro_rules! with_h {
@@ -101,7 +42,7 @@ macro_rules! with_h {
 /// Cells of a slab that carry pressure or may soon carry it, row by row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Slab {
-    width: usize,
+    pub(super) width: usize,
     lists: Lists,
     /// Lists under construction.
     next: Lists,
@@ -211,21 +152,9 @@ struct Entrant {
     image: f32,
 }
 
-/// Length and units of a step.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Advance {
-    /// Factor on the step.
-    pub(super) length: f64,
-    /// Units of the step and of its image.
-    pub(super) unit_pa: f64,
-    pub(super) unit_m: f64,
-    /// Cells whose v is below this bound are near contact.
-    pub(super) bound: f64,
-}
-
 impl Slab {
     /// Initialises the lists with the pressures `p` of its rows; v is not yet known.
-    fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<f64>, unit_m: f64) {
+    pub(super) fn begin(&mut self, width: usize, p: &[f64], hardness_pa: Option<f64>, unit_m: f64) {
         self.width = width;
         (self.origin_m, self.unit_m) = (0.0, unit_m);
         self.far.clear();
@@ -305,7 +234,7 @@ impl Slab {
     }
 
     /// Adds all cells whose v is below `bound` to the lists, with the exact v if given.
-    fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
+    pub(super) fn look(&mut self, bound: f64, exact: Option<&[f64]>) {
         for row in 0..self.rows() {
             let exact = exact.map(|v| &v[row * self.width..][..self.width]);
             self.find(row, bound, None, exact);
@@ -547,11 +476,4 @@ impl Slab {
         let steps = p.iter_mut().zip(&self.trial).enumerate();
         with_h!(hardness, |h| steps.for_each(|(i, (p, s))| *p = within(*p + s, h.at(i))));
     }
-}
-
-/// Returns `value` clamped to [0, `hardness`].
-#[inline(always)]
-pub(super) fn within(value: f64, hardness: f64) -> f64 {
-    let value = if value > 0.0 { value } else { 0.0 };
-    if value < hardness { value } else { hardness }
 }

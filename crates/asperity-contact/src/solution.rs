@@ -2,7 +2,8 @@
 
 use ndarray::Array2;
 
-use crate::solver::Closure;
+use crate::conditions::Closure;
+use crate::slab::Part;
 use crate::{Boundary, ContactProblem};
 use asperity_base::map::Grid;
 
@@ -224,21 +225,6 @@ pub(super) fn certify(
     // If all cells are at the hardness, none counts as overlapping.
     let overlap = (-(least_v + plane_m)).max(0.0) / rms_height_m;
     (plane_m, Residual { frank_wolfe, overlap, load })
-}
-
-/// Pressure, v and hardness, if any, of some cells.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Part<'a> {
-    pub(super) p: &'a [f64],
-    pub(super) v: &'a [f64],
-    pub(super) hardness: Option<&'a [f64]>,
-}
-
-impl Part<'_> {
-    fn cells(&self) -> impl Iterator<Item = (f64, f64, f64)> {
-        let hardness = |i: usize| self.hardness.map_or(f64::INFINITY, |hardness| hardness[i]);
-        self.p.iter().zip(self.v).enumerate().map(move |(i, (p, v))| (*p, *v, hardness(i)))
-    }
 }
 
 /// Sums over all cells, part by part. Rounding errors grow with the number of terms that are added in sequence.

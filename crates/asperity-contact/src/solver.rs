@@ -21,10 +21,9 @@
 
 use ndarray::Array2;
 
-use crate::descent::Descent;
-use crate::{
-    Boundary, ContactError, ContactProblem, ContactWorkspace, Control, Solution, coarse_start, load_start, mean_gap,
-};
+use crate::conditions::Closure;
+use crate::descent::{Descent, Limits};
+use crate::{ContactError, ContactProblem, ContactWorkspace, Control, Solution, coarse_start, load_start, mean_gap};
 use asperity_base::monitor::{Monitor, Silent};
 
 /// Solves contact problems to a relative tolerance.
@@ -39,36 +38,6 @@ pub struct Solver {
 impl Default for Solver {
     fn default() -> Self {
         Self { tolerance: 1e-8, max_iterations: 2000 }
-    }
-}
-
-/// Fixed quantity that closes the problem. Heights are counted from the mean height of the map.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Closure {
-    /// The plane is fixed.
-    Plane {
-        /// Height in metre.
-        height_m: f64,
-    },
-    /// The plane is fixed at this height and the mean displacement is zero, so this height is the mean gap.
-    Gap {
-        /// Mean gap in metre.
-        metre: f64,
-    },
-    /// The sum of the pressures is fixed.
-    Sum {
-        /// Sum in pascal.
-        pascal: f64,
-    },
-}
-
-impl Closure {
-    /// Returns the height of the plane above the mean height in metre, if it is fixed.
-    pub(super) fn plane_m(self) -> Option<f64> {
-        match self {
-            Self::Plane { height_m } | Self::Gap { metre: height_m } => Some(height_m),
-            Self::Sum { .. } => None,
-        }
     }
 }
 
@@ -122,19 +91,23 @@ impl Solver {
             return Ok(self.run(Descent::new(problem, closure, &start, None, workspace), start, monitor));
         }
         if let Control::MeanGap { metre } = problem.control() {
-            return Ok(mean_gap::solve(self, problem, metre, workspace, monitor));
+            return Ok(mean_gap::solve(self.limits(), problem, metre, workspace, monitor));
         }
         // The mean displacement shifts the plane alone. Without it, no large numbers cancel.
         let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
         let closure = Closure::Sum { pascal: pascal * points as f64 };
         let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
-        Ok(self.run(Descent::new(problem, closure, &start, rigid_mean(problem), workspace), start, monitor))
+        Ok(self.run(Descent::new(problem, closure, &start, problem.rigid_mean_m_per_pa(), workspace), start, monitor))
+    }
+
+    fn limits(&self) -> Limits {
+        Limits { tolerance: self.tolerance, max_iterations: self.max_iterations }
     }
 
     /// Runs a descent after freeing its start.
     fn run(&self, descent: Descent<'_>, start: Vec<f64>, monitor: &dyn Monitor) -> Solution {
         drop(start);
-        descent.run(self, monitor)
+        descent.run(self.limits(), monitor)
     }
 }
 
@@ -157,9 +130,4 @@ fn warm_start(problem: &ContactProblem<'_>, start: &Array2<f64>) -> Result<Optio
     // The pressed cells must be able to carry the load.
     let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;
     Ok(serves.then_some(p))
-}
-
-/// Returns a mean compliance of zero on the periodic boundary; the free boundary has no separate mean mode.
-pub(super) fn rigid_mean(problem: &ContactProblem<'_>) -> Option<f64> {
-    matches!(problem.half_space().boundary(), Boundary::Periodic { .. }).then_some(0.0)
 }

@@ -20,7 +20,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::problem::positive;
+use crate::error::positive;
 use crate::{Boundary, ContactError, Control, Elastic};
 use asperity_base::map::Grid;
 

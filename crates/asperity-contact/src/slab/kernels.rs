@@ -1,7 +1,8 @@
 //! Loops over the cells of a slab.
 
-use super::{Advance, Direction, Extent, Hardness, Products, Summary, within};
-use crate::projection::may_move;
+use super::hardness::{Hardness, load};
+use super::sums::{Advance, Direction, Products, Summary};
+use crate::projection::{Extent, may_move, within};
 use asperity_base::wide::Kernel;
 
 /// Number of partial sums side by side. With few terms, this many hide the latency of an addition.
@@ -12,18 +13,6 @@ const CHUNKS_OF_BLOCK: usize = 64;
 
 // Sums go through the lists chunk by chunk with arrays as accumulators. The compiler vectorises loops of this form,
 // without any branch.
-
-/// Returns a chunk of a list, padded with `fill` beyond the end of the list.
-#[inline(always)]
-pub(super) fn load<T: Copy, const L: usize>(list: &[T], chunk: usize, fill: T) -> [T; L] {
-    let (chunks, rest) = list.as_chunks::<L>();
-    if let Some(chunk) = chunks.get(chunk) {
-        return *chunk;
-    }
-    let mut out = [fill; L];
-    out[..rest.len()].copy_from_slice(rest);
-    out
-}
 
 /// Writes a chunk back to a list.
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! Sums over the cells of a slab, and their combination over slabs.
+//! Quantities that a slab and the descent exchange: sums over cells, directions, steps and parts of the fields.
 
 /// Sums of pressure p and v = S p − z over the cells near contact.
 #[derive(Debug, Clone, Copy, Default)]
@@ -102,29 +102,29 @@ pub(crate) struct Direction {
     pub(crate) constant: f64,
 }
 
-/// Range of the trial values of the cells that may move, before they are clipped to the bounds.
+/// Length and units of a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Extent {
-    pub(crate) least: f64,
-    pub(crate) largest: f64,
-    pub(crate) members: usize,
-    /// Sum and maximum of the hardness.
-    pub(crate) capacity: f64,
-    pub(crate) largest_hardness: f64,
+pub(crate) struct Advance {
+    /// Factor on the step.
+    pub(crate) length: f64,
+    /// Units of the step and of its image.
+    pub(crate) unit_pa: f64,
+    pub(crate) unit_m: f64,
+    /// Cells whose v is below this bound are near contact.
+    pub(crate) bound: f64,
 }
 
-impl Extent {
-    pub(crate) const NONE: Self =
-        Self { least: f64::INFINITY, largest: f64::NEG_INFINITY, members: 0, capacity: 0.0, largest_hardness: 0.0 };
+/// Pressure, v and hardness, if any, of some cells.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part<'a> {
+    pub(crate) p: &'a [f64],
+    pub(crate) v: &'a [f64],
+    pub(crate) hardness: Option<&'a [f64]>,
+}
 
-    /// Combines the extents of two sets of cells.
-    pub(crate) fn with(self, other: Self) -> Self {
-        Self {
-            least: self.least.min(other.least),
-            largest: self.largest.max(other.largest),
-            members: self.members + other.members,
-            capacity: self.capacity + other.capacity,
-            largest_hardness: self.largest_hardness.max(other.largest_hardness),
-        }
+impl Part<'_> {
+    pub(crate) fn cells(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+        let hardness = |i: usize| self.hardness.map_or(f64::INFINITY, |hardness| hardness[i]);
+        self.p.iter().zip(self.v).enumerate().map(move |(i, (p, v))| (*p, *v, hardness(i)))
     }
 }
