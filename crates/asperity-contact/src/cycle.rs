@@ -213,11 +213,5 @@ impl Solution {
     }
 }
 
-/// Returns the work −∫F dd in joule of the flat along `steps`, d being its height, by the trapezoidal rule. After first
-/// touch the approach rises as F^{2/3}, so with equal load steps the error falls with their number to the power 5/3.
-pub fn work_of_flat_j(steps: &[LoadStep]) -> f64 {
-    steps.windows(2).map(|pair| 0.5 * (pair[0].load_n + pair[1].load_n) * (pair[0].plane_m - pair[1].plane_m)).sum()
-}
-
 #[cfg(test)]
 mod tests;

@@ -40,7 +40,7 @@ mod substrate;
 pub use bodies::{Body, ElasticPair, Orientation, composite};
 pub use clusters::{Clusters, Neighbours};
 pub use conditions::{Boundary, Control};
-pub use cycle::{LoadPath, LoadStep, work_of_flat_j};
+pub use cycle::{LoadPath, LoadStep};
 pub use elastic::{Elastic, contact_modulus_pa};
 pub use error::ContactError;
 pub use gradient::{rms_gradient, spectral_rms_gradient};

@@ -100,6 +100,12 @@ fn reloading_up_to_the_largest_load_is_elastic() {
     }
 }
 
+/// Returns the work −∫F dd in joule of the flat along `steps`, d being its height, by the trapezoidal rule. After first
+/// touch the approach rises as F^{2/3}, so with equal load steps the error falls with their number to the power 5/3.
+fn work_of_flat_j(steps: &[LoadStep]) -> f64 {
+    steps.windows(2).map(|pair| 0.5 * (pair[0].load_n + pair[1].load_n) * (pair[0].plane_m - pair[1].plane_m)).sum()
+}
+
 #[test]
 fn the_work_of_a_cycle_equals_the_plastic_dissipation() {
     let (grid, heights) = paraboloid(48, 0.36);
