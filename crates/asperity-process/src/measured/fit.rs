@@ -11,8 +11,8 @@ use asperity_base::correlation::{
     LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
 };
 use asperity_base::distribution::Marginal;
-use asperity_base::distribution::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
-use asperity_base::distribution::goodness::ProcessNull;
+use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
+use asperity_base::distribution::goodness::{FitGoodness, ProcessNull};
 use asperity_base::stats::{
     Histogram, Moments, NORMAL_95, ProcessEstimate, ProcessMoments, StatsError, quantile_sorted, sorted_present,
 };
