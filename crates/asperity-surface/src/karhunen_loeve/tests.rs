@@ -1,3 +1,4 @@
+use super::lanczos::sort_falling;
 use super::profile::dense_eigenpairs;
 use super::*;
 use asperity_base::correlation::{CorrelationModel, Rotated, SeparableCovariance};

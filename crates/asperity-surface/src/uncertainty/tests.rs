@@ -2,7 +2,7 @@ use super::*;
 use crate::areal::parameters;
 use crate::level::remove_form;
 use crate::{RandomSurface, SpectralField, Translated};
-use asperity_base::correlation::{CorrelationModel, Covariance};
+use asperity_base::correlation::{Autocorrelation, CorrelationModel, Covariance};
 use asperity_base::distribution::Marginal;
 use asperity_base::map::Grid;
 use asperity_base::random;
