@@ -5,8 +5,9 @@ use asperity_base::random::stream;
 use asperity_base::stats::{Interval, Moments, student_quantile};
 
 use super::chains::{LEAST_PROBABILITY, LastLevel, Plan, descend};
+use super::error::RareError;
 use super::limit_state::LimitState;
-use super::{NoFailure, RareError, RareMethod, RareProbability, SmallProbability, UpperBound};
+use super::probability::{NoFailure, RareMethod, RareProbability, SmallProbability, UpperBound};
 
 /// Settings of [`subset_simulation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
