@@ -6,13 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::jacobi::JacobiStep;
 use super::table::TranslationTable;
-use super::{CorrelationShape, Generator, Path, ProcessError, TranslationKind, positive};
+use super::{CorrelationShape, Generator, ProcessError, TranslationKind, positive};
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::translation::Translation;
-use asperity_base::random;
-
-/// Name of the random stream of friction processes.
-const STAGE: &str = "friction process";
 
 /// Parameters of a random friction process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -189,11 +185,6 @@ impl FrictionProcess {
     /// Returns the tables for realisations.
     pub(super) fn parts(&self) -> Parts<'_> {
         Parts { table: &self.table, jacobi: self.jacobi.as_deref(), length: self.normal_length }
-    }
-
-    /// Returns realisation `index` under `seed`.
-    pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
-        Path::new(self, random::stream(seed, STAGE, index))
     }
 }
 

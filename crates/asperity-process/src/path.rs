@@ -8,7 +8,10 @@ use super::renewal::Renewal;
 use super::spectral::Harmonics;
 use super::table::TranslationTable;
 use super::{Cell, CorrelationShape, EqualCells, Fluctuation, FrictionProcess, Generator};
-use asperity_base::random::Stream;
+use asperity_base::random::{self, Stream};
+
+/// Name of the random stream of friction processes.
+const STAGE: &str = "friction process";
 
 /// Realisation of a [`FrictionProcess`], generated while it is read, without end.
 ///
@@ -74,8 +77,15 @@ impl Limited<'_> {
     }
 }
 
+impl FrictionProcess {
+    /// Returns realisation `index` under `seed`.
+    pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
+        Path::new(self, random::stream(seed, STAGE, index))
+    }
+}
+
 impl<'a> Path<'a> {
-    pub(super) fn new(process: &'a FrictionProcess, mut rng: Stream) -> Self {
+    fn new(process: &'a FrictionProcess, mut rng: Stream) -> Self {
         let (model, parts) = (process.model(), process.parts());
         let step_share = process.step() / parts.length;
         let source = match (model.generator, model.shape, parts.jacobi) {
