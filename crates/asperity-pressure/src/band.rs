@@ -2,12 +2,13 @@
 
 use ndarray::Array2;
 
-use crate::multilevel::RARE;
 use asperity_base::numeric::symmetric_eigen;
 use asperity_base::random;
 use asperity_base::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
 use asperity_chaos::DiscreteDistribution;
 
+/// Minimum number of samples on either side of a value for normal errors of its fraction.
+pub(super) const RARE: usize = 15;
 /// Number of draws from which the critical value of a simultaneous band is estimated.
 const DRAWS: usize = 4000;
 const GROUP_DRAWS: usize = 1000;

@@ -1,7 +1,8 @@
 //! Estimated distribution with its errors.
 
+use crate::band::RARE;
 use crate::band::{Band, Moments, Total};
-use crate::multilevel::{MultilevelEstimate, RARE};
+use crate::multilevel::MultilevelEstimate;
 use crate::{MethodError, PressureError, Samples};
 use asperity_base::stats::{Interval, NORMAL_95, wilson_interval};
 use asperity_chaos::DiscreteDistribution;

@@ -17,7 +17,7 @@
 //! <https://doi.org/10.1137/15M1046472> (many models, levels samples).
 //! Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
-use crate::band::{Moments, Total};
+use crate::band::{Moments, RARE, Total};
 use crate::predictor::Predictor;
 use crate::{Band, MethodError};
 use asperity_base::blocks;
@@ -31,8 +31,6 @@ pub(super) const LEAST_SAMPLES: usize = 2 * FOLDS;
 const THRESHOLDS: usize = 1000;
 /// Maximum number of values at which its covariance is estimated.
 const NODES: usize = 64;
-/// Minimum number of samples on either side of a value for normal errors of its fraction.
-pub(super) const RARE: usize = 15;
 /// Number of independent randomisations of the points for the expectation of level 0, and number of points of each.
 const REPLICATES: usize = 10;
 const POINTS: usize = 2048;

@@ -16,9 +16,9 @@
 //! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
 //! V. Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
+use crate::band::RARE;
 use crate::band::{Moments, Total};
 use crate::estimate::nodes;
-use crate::multilevel::RARE;
 use crate::nested::kappa_pa_per_m;
 use crate::rotated_variables::RotatedVariables;
 use crate::{Band, MethodError, PressureError, PressureEstimate, Problem, Quantity, Samples};
