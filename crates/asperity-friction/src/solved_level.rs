@@ -10,7 +10,7 @@ use crate::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::level_control::LevelControl;
 use crate::statistics::{FrictionStatistics, HeavyTail};
 use crate::strip::{Record, SolvedStrips, StripProblem};
-use crate::two_bodies::TwoBodyFriction;
+use crate::two_bodies::split::TwoBodyFriction;
 use crate::upscaling::variance_reduction;
 use crate::window::Window;
 use crate::window_study::WindowStudy;
