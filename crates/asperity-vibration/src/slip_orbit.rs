@@ -1,9 +1,9 @@
 //! Slip orbit from a detachment, continued smoothly past the belt velocity.
 
 use super::scaled_forcing::ScaledForcing;
-use super::series::{Loading, Series};
+use super::series::Series;
 use super::structure::tangent::Step;
-use super::weakening::Weakening;
+use super::weakening::{Loading, Weakening};
 use super::{Oscillator, VibrationError};
 
 /// Least aVW to which the law 1/(1 + aVW) is continued; its pole lies at −1.

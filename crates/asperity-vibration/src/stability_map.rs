@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 pub use self::contour::grid_contour;
-use self::contour::{boundary, contour};
+use self::contour::{Place, Square, boundary, contour};
 use super::{
     Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, clipped_to_positive, limit_cycle,
     limit_damping,
@@ -209,30 +209,6 @@ pub struct StabilityMap {
 impl StabilityMap {
     /// Levels of the contours.
     pub const LEVELS: [f64; 3] = [0.05, 0.5, 0.95];
-}
-
-/// Point (column, row) of the finest grid.
-type Place = (usize, usize);
-
-/// Square of the quadtree: its lower corner and its side, on the finest grid.
-#[derive(Debug, Clone, Copy)]
-struct Square {
-    corner: Place,
-    side: usize,
-}
-
-impl Square {
-    fn corners(&self) -> [Place; 4] {
-        let (i, j) = self.corner;
-        let side = self.side;
-        [(i, j), (i + side, j), (i + side, j + side), (i, j + side)]
-    }
-
-    fn quarters(&self) -> [Self; 4] {
-        let (i, j) = self.corner;
-        let side = self.side / 2;
-        [(i, j), (i + side, j), (i, j + side), (i + side, j + side)].map(|corner| Self { corner, side })
-    }
 }
 
 /// Computes the map of the machines `machine(x, y)`.

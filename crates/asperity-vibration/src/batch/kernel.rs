@@ -4,7 +4,8 @@ use std::f64::consts::{LOG2_E, PI};
 
 use super::super::Oscillator;
 use super::super::polynomial;
-use super::super::series::{RECIPROCAL, exponential_step};
+use super::super::polynomial::RECIPROCAL;
+use super::super::series::exponential_step;
 use super::super::weakening::{Curve, Weakening};
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::Cell;

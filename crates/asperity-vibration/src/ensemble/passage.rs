@@ -19,7 +19,7 @@ pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Ov
 ///
 /// A mass vibrates while swings follow each other. A swing is one of three motions: a slip that reaches ẋ < 0 and ends
 /// in stick; a slip that reaches ẋ < 0 and then passes the velocity of the belt without stick; or a slip slower than
-/// the belt whose velocity exceeds the level of a slip cycle, see [`super::super::swing_level`].
+/// the belt whose velocity exceeds the level of a slip cycle, see [`super::super::settled::swing_level`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Passage {
     duration: f64,

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::super::MotionKind;
-use super::super::sample_distribution::RunningMoments;
-use super::Count;
+use super::super::sample_distribution::{Count, RunningMoments};
 use super::passage::{KINDS, Passage};
 use asperity_base::distribution::Marginal;
 use asperity_base::stats::wilson_interval;

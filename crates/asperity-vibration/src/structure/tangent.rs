@@ -157,7 +157,7 @@ fn speed(step: Step, node: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::series::Loading;
+    use super::super::super::weakening::Loading;
     use super::super::super::weakening::Weakening;
     use super::*;
 
