@@ -3,14 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use super::SurfaceModelError;
-use crate::filter::GaussianFilter;
+use crate::filter::{ALPHA, GaussianFilter};
 use crate::preparation::PreparationError;
 use asperity_base::correlation::{BlockSpectrum, StationaryCovariance};
 use asperity_base::distribution::translation::Translation;
 use asperity_base::map::HeightMap;
 
-/// √(ln 2/π): a Gaussian filter with this constant halves a wave of the cutoff length.
-const ALPHA: f64 = 0.469_718_639_349_825_5;
 /// Lag in cutoffs beyond which the weights of the filter on the covariance are negligible: e^{−π·1.5²/2α²} = 1e-7.
 const REACH: f64 = 1.5;
 /// Shortest cutoff in pixels.
