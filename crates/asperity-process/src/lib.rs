@@ -28,7 +28,7 @@ pub use cancellable::Cancellable;
 pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
 pub use generator::Generator;
 pub use json::ProcessFileError;
-pub use model::{FrictionProcess, ProcessModel, window_variance_factor};
+pub use model::{FrictionProcess, ProcessModel};
 pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;

@@ -16,7 +16,7 @@ use asperity_base::correlation::{Covariance, StationaryCovariance};
 use asperity_base::fourier::RealFft2;
 use asperity_base::map::{Grid, HeightMap};
 
-pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
+pub use profile::{ProfileModes, profile_modes};
 
 asperity_base::choice! {
     /// Method for the two-dimensional eigenproblem; it also determines which covariance is expanded.

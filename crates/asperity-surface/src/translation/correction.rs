@@ -87,11 +87,6 @@ impl Feasibility {
     pub fn shortfall(&self) -> f64 {
         (self.least_correlation - self.least_target).max(0.0)
     }
-
-    /// Returns whether pre-distortion reproduces the target to rounding.
-    pub fn is_feasible(&self) -> bool {
-        self.shortfall() == 0.0 && self.predistorted_negative_fraction < NEGLIGIBLE
-    }
 }
 
 /// Target and achieved correlation of a translated field at the lags of its map, without sampling: on a periodic grid
