@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::VibrationError;
 use super::series::{Series, root};
 use super::tableau::{DORMAND_PRINCE, ErrorEstimate, FEHLBERG, Tableau};
-use super::weakening::{Loading, Weakening};
+use super::weakening::{CONTINUATION, Loading, Weakening};
 
 /// Integration method of slip. All methods find events on the polynomials of the steps, to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -62,8 +62,6 @@ const FIRST_STEP: f64 = 0.05;
 const LEAST_CHANGE: f64 = 0.2;
 const MOST_CHANGE: f64 = 5.0;
 const SAFETY: f64 = 0.9;
-/// Continuation of a law below W = 0 that a stage may use, as in [`Weakening::curvature_of`].
-const CONTINUATION: f64 = -0.5;
 
 impl Integrator {
     /// Returns the integrator; fails if a tolerance is out of range.

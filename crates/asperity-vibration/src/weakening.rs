@@ -3,6 +3,9 @@
 use super::polynomial::{RECIPROCAL, cross};
 use super::{FrictionTable, Oscillator, VelocityLaw};
 
+/// Least aVW to which the law 1/(1 + aVW) is continued; its pole lies at −1.
+pub(super) const CONTINUATION: f64 = -0.5;
+
 /// Constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loading {

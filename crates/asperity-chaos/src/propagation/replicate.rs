@@ -2,12 +2,11 @@
 
 use thiserror::Error;
 
+use crate::resamples::FITTED_FRACTION;
 use crate::{Expansion, RegressionError, Resamples, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
 
-/// Smallest fraction of resamples that must have an expansion.
-const FITTED_FRACTION: f64 = 0.95;
 const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
 const POSITIVE: Interval = Interval { low: 0.0, high: f64::INFINITY };
 const FRACTION: Interval = Interval { low: 0.0, high: 1.0 };

@@ -7,7 +7,7 @@ use ndarray::Array2;
 
 use super::lags::Lags;
 use super::{Predistorted, TranslationError, TranslationReport};
-use crate::spectral::WrappedSpectrum;
+use crate::spectral::{NEGLIGIBLE, WrappedSpectrum};
 use crate::{GeneratorError, SpectralField};
 use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
@@ -15,8 +15,6 @@ use asperity_base::distribution::{Marginal, translation::Translation};
 use asperity_base::fourier::{Workspace, good_length};
 use asperity_base::map::Grid;
 
-/// Fraction of negative variance that counts as rounding.
-const NEGLIGIBLE: f64 = 1e-12;
 /// Largest side of an embedding domain over the side of the grid, and its largest number of points.
 const LARGEST_FACTOR: usize = 8;
 const LARGEST_DOMAIN: usize = 1 << 22;
