@@ -109,7 +109,7 @@ impl From<Level> for String {
 pub enum LevelError {
     /// The text names no form.
     #[error(
-        "`{text}` is no form to remove; write none, mean, plane, quadratic, polynomial:N (N up to {MAX_DEGREE}), cylinder \
+        "`{text}` is not a form to remove; write none, mean, plane, quadratic, polynomial:N (N up to {MAX_DEGREE}), cylinder \
          or sphere"
     )]
     Unknown {

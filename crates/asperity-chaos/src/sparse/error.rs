@@ -35,14 +35,14 @@ pub enum SparseError {
         value: f64,
     },
     /// No column of the design varies.
-    #[error("none of the {columns} candidates varies over the samples")]
+    #[error("no candidate varies over the samples ({columns} candidates)")]
     NoCandidates {
         /// Columns of the design.
         columns: usize,
     },
     /// No model predicts better than the mean of the response.
     #[error(
-        "none of {tried} models predicts the response better than its mean: error {:.4} at best, {of_the_mean:.4} of the mean",
+        "no model predicts the response better than its mean ({tried} tried): error {:.4} at best, {of_the_mean:.4} of the mean",
         attempts.first().map_or(f64::INFINITY, Attempt::error)
     )]
     NothingPredicts {
