@@ -76,7 +76,7 @@ pub enum PropagationError {
     },
     /// A parameter has an invalid distribution.
     #[error(transparent)]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The design could not be created.
     #[error(transparent)]
     Design(#[from] SamplingError),

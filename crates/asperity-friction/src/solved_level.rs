@@ -161,8 +161,8 @@ impl SolvedLevel {
 fn contact_fraction(strips: &SolvedStrips, layout: Layout) -> (f64, Option<Interval>) {
     let areas_m2: Vec<&[f64]> = strips.records.iter().map(|record| record.area_m2.as_slice()).collect();
     let moments = ProcessMoments::new(&areas_m2, layout);
-    let share = strips.contact_fraction / moments.moments.mean;
+    let fraction = strips.contact_fraction / moments.moments.mean;
     let interval =
-        moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
+        moments.mean.map(|mean| Interval { low: fraction * mean.interval.low, high: fraction * mean.interval.high });
     (strips.contact_fraction, interval)
 }

@@ -41,7 +41,7 @@ const UNCORRELATED: f64 = 1e-9;
 /// # References
 /// E. Vanmarcke, *Random Fields: Analysis and Synthesis*, MIT Press (1983), §5.1.
 pub fn variance_function(length_m: f64, correlation: &dyn Fn(f64) -> f64) -> f64 {
-    let integrand = |share: f64| (1.0 - share) * correlation(share * length_m);
+    let integrand = |fraction: f64| (1.0 - fraction) * correlation(fraction * length_m);
     let panel = |from: f64, to: f64| {
         let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
         let pair = |(x, weight): &(f64, f64)| weight * (integrand(centre - half * x) + integrand(centre + half * x));

@@ -18,7 +18,7 @@ const LEAST_DEGREES: f64 = 3.0;
 /// Number of values on either side whose errors contribute to the error of a value.
 const NEIGHBOURS: usize = 2;
 /// Larger steps of a distribution function between neighbouring values count as point masses.
-const ATOM: f64 = 0.02;
+const POINT_MASS: f64 = 0.02;
 
 /// Estimated distribution function with 95 % bands at some values.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -168,7 +168,7 @@ impl Band {
             let Some(before) = place.checked_sub(1).map(|before| values[before]) else { return values[place] };
             // The limit is linear between values, except at a point mass.
             let [low, high] = [before, values[place]].map(|value| limit(value, factor));
-            let fraction = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
+            let fraction = if high - low < POINT_MASS { (probability - low) / (high - low) } else { 1.0 };
             before + fraction * (values[place] - before)
         };
         let factor = self.pointwise_factor;

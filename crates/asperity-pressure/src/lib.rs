@@ -112,7 +112,7 @@ pub enum PressureError {
     Basis(#[from] BasisError),
     /// A distribution could not be created from its values.
     #[error(transparent)]
-    Law(#[from] DiscreteDistributionError),
+    Distribution(#[from] DiscreteDistributionError),
     /// A method has no estimate.
     #[error(transparent)]
     Method(#[from] MethodError),

@@ -399,7 +399,7 @@ fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<D
     }
     let mut before = 0.0;
     let levels = pools.iter().flat_map(|&(level, count)| std::iter::repeat_n(level, count));
-    let mut atoms: Vec<(f64, f64)> = thresholds
+    let mut points: Vec<(f64, f64)> = thresholds
         .iter()
         .zip(levels)
         .map(|(&t, level)| {
@@ -408,10 +408,10 @@ fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<D
             step
         })
         .collect();
-    if let Some((_, weight)) = atoms.last_mut() {
+    if let Some((_, weight)) = points.last_mut() {
         *weight += 1.0 - before;
     }
-    Ok(DiscreteDistribution::weighted(atoms)?)
+    Ok(DiscreteDistribution::weighted(points)?)
 }
 
 #[cfg(test)]

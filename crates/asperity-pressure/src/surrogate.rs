@@ -229,14 +229,14 @@ fn slope(observed: &[Vec<f64>], predicted: &[Vec<f64>], k: usize) -> f64 {
 }
 
 /// Returns the distribution function at the nodes, and mean.
-fn summary(mut atoms: PointMasses, nodes: &[f64]) -> Vec<f64> {
-    atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
-    let (mut atoms, mut below) = (atoms.into_iter().peekable(), 0.0);
+fn summary(mut masses: PointMasses, nodes: &[f64]) -> Vec<f64> {
+    masses.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = masses.iter().map(|(p, probability)| p * probability).sum();
+    let (mut masses, mut below) = (masses.into_iter().peekable(), 0.0);
     let mut values: Vec<f64> = nodes
         .iter()
         .map(|t| {
-            while let Some((_, probability)) = atoms.next_if(|(p, _)| p <= t) {
+            while let Some((_, probability)) = masses.next_if(|(p, _)| p <= t) {
                 below += probability;
             }
             below

@@ -171,7 +171,7 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
 pub enum TranslationError {
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The Gaussian field cannot have this marginal distribution.
     #[error(transparent)]
     Generator(#[from] GeneratorError),

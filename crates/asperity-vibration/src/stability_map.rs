@@ -32,7 +32,7 @@ choice! {
         /// Damping ratio and dimensionless belt velocity.
         DampingVelocity = "damping_velocity",
         /// Damping ratio and standard deviation of friction.
-        DampingScatter = "damping_scatter",
+        DampingStd = "damping_scatter",
         /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
         VelocityLoad = "velocity_load",
     }
@@ -43,7 +43,7 @@ impl MapOver {
     pub fn axes(self) -> [&'static str; 2] {
         match self {
             Self::DampingVelocity => ["damping_ratio", "belt_velocity"],
-            Self::DampingScatter => ["damping_ratio", "friction_std"],
+            Self::DampingStd => ["damping_ratio", "friction_std"],
             Self::VelocityLoad => ["belt_velocity", "load_ratio"],
         }
     }
@@ -60,7 +60,7 @@ impl MapOver {
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
         let ([damping_ratio, belt_velocity], std, load) = match self {
             Self::DampingVelocity => ([x, y], friction.std, 1.0),
-            Self::DampingScatter => ([x, stated.belt_velocity()], y, 1.0),
+            Self::DampingStd => ([x, stated.belt_velocity()], y, 1.0),
             Self::VelocityLoad => ([stated.damping_ratio(), x], friction.std, y),
         };
         let at = Parameters { damping_ratio, belt_velocity, ..stated.parameters().clone() };
@@ -396,10 +396,10 @@ mod tests {
             (oscillator.damping_ratio(), oscillator.belt_velocity(), model.std, model.shape, model.correlation_length)
         };
         assert_eq!(of(MapOver::DampingVelocity, [0.2, 0.01]), (0.2, 0.01, 0.001, shape, 0.01));
-        assert_eq!(of(MapOver::DampingScatter, [0.2, 0.002]), (0.2, 0.004, 0.002, shape, 0.01));
+        assert_eq!(of(MapOver::DampingStd, [0.2, 0.002]), (0.2, 0.004, 0.002, shape, 0.01));
         let shorter = CorrelationShape::WindowedExponential { window: 0.1 };
         assert_eq!(of(MapOver::VelocityLoad, [0.01, 2.0]), (0.15, 0.005, 0.001, shorter, 0.005));
-        let (_, constant) = MapOver::DampingScatter.machine(&stated, &friction, [0.2, 0.0]).unwrap();
+        let (_, constant) = MapOver::DampingStd.machine(&stated, &friction, [0.2, 0.0]).unwrap();
         assert_eq!(constant, None);
     }
 

@@ -67,8 +67,8 @@ where
     loop {
         let mut draws = stream(seed, "chaos/rare/subset", probabilities.len() as u64);
         // The first replicate leaves evaluations for a second one.
-        let share = if probabilities.is_empty() { 2 } else { 1 };
-        let plan = Plan { levels: plan.levels.min(state.left() / plan.samples / share), ..plan };
+        let replicates = if probabilities.is_empty() { 2 } else { 1 };
+        let plan = Plan { levels: plan.levels.min(state.left() / plan.samples / replicates), ..plan };
         let level = descend(plan, &mut draws, |points| state.evaluate(points))?;
         probabilities.push(if level.failed { level.probability } else { 0.0 });
         if !level.failed {

@@ -152,13 +152,13 @@ impl MeasuredRecord {
                 friction.iter_mut().for_each(|mu| *mu = -*mu);
                 warnings.push("friction is negative on average: its sign was reversed".into());
             }
-            Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_share }) => {
+            Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_fraction }) => {
                 warnings.push(format!(
                     "friction alternates its sign: |μ| of {} reciprocating strokes is analysed as pieces of one process, \
                      without the reversals ({:.1} % of the values); strokes over the same track are correlated, which the \
                      intervals ignore",
                     found.len() + 1,
-                    100.0 * reversal_share
+                    100.0 * reversal_fraction
                 ));
                 (friction, starts) = (sizes, found);
             }

@@ -116,9 +116,9 @@ mod tests {
             let found = pooled.statistics.iter().find(|(own, _)| *own == name).unwrap().1;
             found.map(|found| found.interval).unwrap()
         };
-        for share in ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant", "hurst"] {
-            let ends = interval(share);
-            assert!(ends.low >= 0.0 && ends.high <= 1.0 && ends.low < ends.high, "{share}: {ends:?}");
+        for ratio in ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant", "hurst"] {
+            let ends = interval(ratio);
+            assert!(ends.low >= 0.0 && ends.high <= 1.0 && ends.low < ends.high, "{ratio}: {ends:?}");
         }
         assert_eq!((interval("Str").low, interval("Str").high), (0.0, 1.0), "as wide as two such scans make it");
         assert_eq!((interval("hurst").low, interval("hurst").high), (0.0, 1.0));

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{KarhunenLoeve, ModesRoute, SpectralField};
-use asperity_base::correlation::{CorrelationModel, Covariance};
+use asperity_base::correlation::{CorrelationModel, Covariance, StationaryCovariance};
 use asperity_base::random;
 
 fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {

@@ -309,8 +309,8 @@ mod tests {
             assert!(ratio > 0.91 - 3.0 * error / wanted && ratio < 1.06 + 3.0 * error / wanted, "{radius}: {ratio}");
             // The variance varies like χ² with the number of blocks as degrees of freedom.
             let blocks = Moments::new(&spreads.iter().map(|s| s.blocks).collect::<Vec<_>>()).mean;
-            let scatter = found.std / found.mean * (0.5 * blocks).sqrt();
-            assert!(scatter > 0.7 && scatter < 1.4, "{radius}: {scatter}");
+            let ratio = found.std / found.mean * (0.5 * blocks).sqrt();
+            assert!(ratio > 0.7 && ratio < 1.4, "{radius}: {ratio}");
         }
     }
 

@@ -123,7 +123,7 @@ impl Passages {
         sums.inside += passage.inside;
         sums.outside += passage.outside;
         sums.kinds.iter_mut().zip(passage.kinds).for_each(|(sum, time)| *sum += time);
-        sums.late.add(passage.late_share());
+        sums.late.add(passage.late_fraction());
     }
 
     /// Computes the results after the last trajectory.

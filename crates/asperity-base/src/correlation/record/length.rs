@@ -121,8 +121,8 @@ pub fn fit_length(
     let narrowest = narrowest(channels);
     let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
     let theory = likelihood.spread();
-    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
-    let (dispersion, track_redundancy, freedom, count) = match scattered {
+    let found = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
+    let (dispersion, track_redundancy, freedom, count) = match found {
         Some((found, track_redundancy, count)) => {
             let own = count as f64 - 1.0;
             ((PRIOR * theory * track_redundancy + own * found) / (PRIOR + own), track_redundancy, PRIOR + own, count)

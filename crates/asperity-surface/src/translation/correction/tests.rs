@@ -68,8 +68,8 @@ fn ring_correlation(surface: &Translated<SpectralField>, mean: f64, count: u64, 
     (0..rings)
         .map(|ring| {
             let rho = maps.iter().map(|means| means[ring]).sum::<f64>() / (count as f64 * variance);
-            let scatter: Vec<f64> = maps.iter().map(|means| (means[ring] - rho * means[0]) / variance).collect();
-            (rho, Moments::new(&scatter).standard_error())
+            let deviations: Vec<f64> = maps.iter().map(|means| (means[ring] - rho * means[0]) / variance).collect();
+            (rho, Moments::new(&deviations).standard_error())
         })
         .collect()
 }
