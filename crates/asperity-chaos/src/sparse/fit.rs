@@ -15,7 +15,7 @@ pub struct Attempt {
     ///
     /// # References
     /// Chapelle, Vapnik & Bengio, *Mach. Learn.* **48** (2002) 9, <https://doi.org/10.1023/A:1013943418833>;
-    /// Blatman & Sudret 2011 (see [`SparseMethod::LeastAngle`]).
+    /// Blatman & Sudret 2011 (see [`SparseMethod::LeastAngle`](super::SparseMethod::LeastAngle)).
     pub corrected: Option<f64>,
     /// Mean square error of selecting and fitting this number of terms by cross-validation, divided by the same
     /// variance, if computed.

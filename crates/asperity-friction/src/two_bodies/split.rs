@@ -12,7 +12,7 @@ use super::distances::Distances;
 /// Smallest number of strips with a jackknife interval.
 const LEAST_STRIPS: usize = 4;
 
-/// Friction of a window between two rough bodies at the mean load ([`Record::at_mean_load`](crate::Record::at_mean_load)).
+/// Friction of a window between two rough bodies at the mean load ([`Record::at_mean_load`](crate::strip::Record::at_mean_load)).
 ///
 /// The squares of `between_parts_std` and `path_std` add up to the variance of all windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
