@@ -49,7 +49,7 @@ def test_wrong_problems_raise_by_kind(rough):
         ({"modulus_pa": None}, "modulus_pa"),
         ({"modulus_pa": -1.0}, "modulus"),
         ({"load_n": float("nan")}, "not a finite number"),
-        ({"boundary": "open"}, "`open` is no boundary"),
+        ({"boundary": "open"}, "`open` is not a valid boundary"),
         ({"dx_m": None}, "dx_m"),
     ]:
         with pytest.raises(ValueError, match=message):

@@ -35,7 +35,7 @@ pub trait Choice: Copy + 'static {
 
 /// A name that no value of a choice has.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("`{found}` is no {noun}; write one of {known}")]
+#[error("`{found}` is not a valid {noun}; write one of {known}")]
 pub struct UnknownChoice {
     noun: &'static str,
     found: String,
@@ -111,7 +111,7 @@ impl<T: Choice> JsonSchema for ByName<T> {
 ///     }
 /// }
 /// assert_eq!("periodic".parse(), Ok(Edge::Periodic));
-/// assert_eq!("round".parse::<Edge>().unwrap_err().to_string(), "`round` is no boundary; write one of free, periodic");
+/// assert_eq!("round".parse::<Edge>().unwrap_err().to_string(), "`round` is not a valid boundary; write one of free, periodic");
 /// ```
 #[macro_export]
 macro_rules! choice {

@@ -16,10 +16,11 @@ pub mod profiles;
 mod record;
 mod spectrum;
 
-pub use estimate::{Autocorrelation, Axis, EstimateError, axis_correlation, axis_correlation_length_m};
+pub use estimate::{Autocorrelation, EstimateError, axis_correlation, axis_correlation_length_m};
 pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
 pub use measured::{MeasuredCovariance, MeasuredCovarianceError, MeasuredReport};
 pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
+pub use profiles::Axis;
 pub use record::{
     CrossCorrelation, DriftTest, LackOfFit, LengthFit, LengthSettings, Observation, ObservedLengths, RankedLength,
     RecordBand, RecordCorrelation, RecordEnds, RecordFit, RecordHistory, RecordModel, RecordSpectrum, Stationarity,

@@ -1,9 +1,10 @@
-//! Roots, minima and linear systems.
+//! Roots, minima, linear systems and quadrature.
 
 mod dense;
 mod least_squares;
 mod linear;
 mod minimum;
+mod quadrature;
 mod root;
 
 pub use dense::{
@@ -12,4 +13,5 @@ pub use dense::{
 pub use least_squares::{Range, least_squares};
 pub use linear::{inverse, solution, solve, solve_positive_definite};
 pub use minimum::{GoldenSection, golden_section, scanned_minimum, simplex};
+pub use quadrature::gauss_legendre;
 pub use root::{bisect, newton_between, root_between, try_root_between};

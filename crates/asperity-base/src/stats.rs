@@ -3,6 +3,8 @@
 mod autocorrelation;
 #[doc(hidden)]
 pub mod blocks;
+#[doc(hidden)]
+pub mod flat_top;
 mod histogram;
 mod layout;
 mod moments;
@@ -28,7 +30,7 @@ pub use record_sum::RecordSum;
 #[doc(hidden)]
 pub use sorting::{Order, sorted};
 #[doc(hidden)]
-pub use spread::{Spread, flat_top};
+pub use spread::Spread;
 
 /// Error of an undefined statistic.
 #[derive(Debug, Clone, PartialEq, Error)]

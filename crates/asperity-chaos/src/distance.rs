@@ -49,28 +49,28 @@ impl DiscreteDistribution {
     ///
     /// # Errors
     /// There are no values, a value is not finite, a weight is negative, or no weight is positive.
-    pub fn weighted(atoms: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, DiscreteDistributionError> {
-        let mut atoms: Vec<(f64, f64)> = atoms.into_iter().collect();
-        if atoms.is_empty() {
+    pub fn weighted(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, DiscreteDistributionError> {
+        let mut points: Vec<(f64, f64)> = points.into_iter().collect();
+        if points.is_empty() {
             return Err(DiscreteDistributionError::Empty);
         }
-        if let Some(index) = atoms.iter().position(|(x, w)| !(x.is_finite() && w.is_finite() && *w >= 0.0)) {
-            let (value, weight) = atoms[index];
+        if let Some(index) = points.iter().position(|(x, w)| !(x.is_finite() && w.is_finite() && *w >= 0.0)) {
+            let (value, weight) = points[index];
             return Err(DiscreteDistributionError::Value { index, value, weight });
         }
-        let count = atoms.len();
-        atoms.retain(|&(_, weight)| weight > 0.0);
+        let count = points.len();
+        points.retain(|&(_, weight)| weight > 0.0);
         // −0 and 0 are one value.
-        atoms.iter_mut().for_each(|(value, _)| *value += 0.0);
-        atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let total: f64 = atoms.iter().map(|&(_, weight)| weight).sum();
-        if atoms.is_empty() {
+        points.iter_mut().for_each(|(value, _)| *value += 0.0);
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = points.iter().map(|&(_, weight)| weight).sum();
+        if points.is_empty() {
             return Err(DiscreteDistributionError::NoWeight { values: count });
         }
-        let mut values: Vec<f64> = Vec::with_capacity(atoms.len());
-        let mut cumulative: Vec<f64> = Vec::with_capacity(atoms.len());
+        let mut values: Vec<f64> = Vec::with_capacity(points.len());
+        let mut cumulative: Vec<f64> = Vec::with_capacity(points.len());
         let mut sum = 0.0;
-        for (value, weight) in atoms {
+        for (value, weight) in points {
             sum += weight;
             if values.last() == Some(&value) {
                 cumulative.pop();
@@ -116,19 +116,19 @@ impl DiscreteDistribution {
     }
 
     /// Returns (value, probability) of each point mass.
-    pub fn atoms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub fn point_masses(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.values.iter().enumerate().map(|(i, &value)| (value, self.cumulative[i] - self.after(i)))
     }
 
     /// Returns the mean.
     pub fn mean(&self) -> f64 {
-        self.atoms().map(|(value, probability)| value * probability).sum()
+        self.point_masses().map(|(value, probability)| value * probability).sum()
     }
 
     /// Returns the standard deviation of the distribution (divisor n, not n − 1).
     pub fn std(&self) -> f64 {
         let mean = self.mean();
-        self.atoms().map(|(value, probability)| probability * (value - mean).powi(2)).sum::<f64>().sqrt()
+        self.point_masses().map(|(value, probability)| probability * (value - mean).powi(2)).sum::<f64>().sqrt()
     }
 }
 
@@ -224,9 +224,9 @@ mod tests {
 
     #[test]
     fn the_distance_of_distributions_that_differ_in_a_point_mass_is_its_difference() {
-        let atom = |zero: f64| DiscreteDistribution::weighted([(0.0, zero), (1.0, 1.0 - zero)]).unwrap();
-        assert!((kolmogorov_smirnov(&atom(0.3), &atom(0.7)) - 0.4).abs() < 1e-15);
-        assert!((wasserstein_1(&atom(0.3), &atom(0.7)) - 0.4).abs() < 1e-15);
+        let two_points = |zero: f64| DiscreteDistribution::weighted([(0.0, zero), (1.0, 1.0 - zero)]).unwrap();
+        assert!((kolmogorov_smirnov(&two_points(0.3), &two_points(0.7)) - 0.4).abs() < 1e-15);
+        assert!((wasserstein_1(&two_points(0.3), &two_points(0.7)) - 0.4).abs() < 1e-15);
     }
 
     #[test]

@@ -26,6 +26,7 @@
 //! <https://doi.org/10.1051/ps/2013040>; Owen & Prieur, *SIAM/ASA J. Uncertain. Quantif.* **5** (2017) 986,
 //! <https://doi.org/10.1137/16M1097717>.
 
+mod error;
 mod permutations;
 mod replicates;
 mod subsets;
@@ -33,46 +34,18 @@ mod subsets;
 mod tests;
 mod unknowns;
 
-use thiserror::Error;
-
-use crate::{SampleEstimate, SamplingError, SamplingMethod, UncertainInputs};
+use crate::{Design, SampleEstimate, SamplingMethod, UncertainInputs};
 use asperity_base::stats::Interval;
+use error::MAX_INPUTS;
 use permutations::Permutations;
 use replicates::Replicates;
 use subsets::Subsets;
 
+pub use error::DriverError;
 pub use unknowns::{NestedSampling, ProbabilityOverUnknowns, UnknownEffect};
 
 /// Largest number of inputs for which Shapley effects are computed from all subsets.
 const MAX_EXACT: usize = 8;
-/// Largest number of inputs.
-const MAX_INPUTS: usize = 64;
-
-/// Reason why drivers could not be estimated.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum DriverError {
-    /// The design could not be created.
-    #[error(transparent)]
-    Design(#[from] SamplingError),
-    /// There are too many inputs.
-    #[error("{inputs} uncertain inputs; drivers are estimated for at most {MAX_INPUTS}")]
-    TooManyInputs {
-        /// Number of inputs.
-        inputs: usize,
-    },
-    /// The response is not a finite number.
-    #[error("the response is {value} at the standard normal variables {z:?}; it must be finite everywhere")]
-    NotFinite {
-        /// Value of the response.
-        value: f64,
-        /// Independent standard normal variables.
-        z: Vec<f64>,
-    },
-    /// The response is the same at all points.
-    #[error("the response does not depend on the inputs")]
-    Constant,
-}
 
 /// Pick-freeze estimates from 16 independent randomisations of a design.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +99,8 @@ impl PickFreeze {
         if n > MAX_INPUTS {
             return Err(DriverError::TooManyInputs { inputs: n });
         }
-        let replicates = Replicates::new(self, n)?;
+        let design = Design::new(self.method, self.seed, "chaos/drivers", self.points, 2 * n)?;
+        let replicates = Replicates::new(&design)?;
         // Differences from one value of the response avoid cancellation in its variance.
         let origin = finite(&response, &vec![0.0; n])?;
         let centred = |z: &[f64]| finite(&response, z).map(|value| value - origin);

@@ -229,21 +229,6 @@ impl MultiIndexSet {
         Ok(set)
     }
 
-    /// Creates a set from all degrees (α₁, …, α_n) of each multi-index; see [`MultiIndexSet::from_factors`].
-    ///
-    /// # Errors
-    /// See [`MultiIndexSet::from_factors`]; a row of wrong length contains an unknown variable.
-    pub fn from_rows<R: AsRef<[u16]>>(
-        variables: usize,
-        rows: impl IntoIterator<Item = R>,
-    ) -> Result<Self, MultiIndexError> {
-        let sparse = |row: R| -> Vec<Factor> {
-            let with_position = (0_u32..).zip(row.as_ref());
-            with_position.filter(|(_, d)| **d > 0).map(|(variable, &degree)| Factor { variable, degree }).collect()
-        };
-        Self::from_factors(variables, rows.into_iter().map(sparse))
-    }
-
     fn assembled(variables: usize, factors: Vec<Factor>, ends: Vec<usize>) -> Self {
         let mut set = Self { variables, degree: 0, largest_power: 0, factors, ends, parents: Vec::new() };
         let mut position: HashMap<&[Factor], u32> = HashMap::with_capacity(set.len());

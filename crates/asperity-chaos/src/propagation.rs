@@ -34,6 +34,7 @@ mod tests;
 use thiserror::Error;
 
 pub use parameter::Parameter;
+pub use replicate::{NoIndices, Noise, Observed, ParameterIndices};
 
 use super::{
     Basis, BasisError, Design, Expansion, MultiIndexSet, RegressionError, Resamples, ResamplesError, SampleEstimate,
@@ -75,7 +76,7 @@ pub enum PropagationError {
     },
     /// A parameter has an invalid distribution.
     #[error(transparent)]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The design could not be created.
     #[error(transparent)]
     Design(#[from] SamplingError),
@@ -106,28 +107,6 @@ pub enum PropagationError {
     Regression(#[from] RegressionError),
 }
 
-/// Reason why a response has no Sobol' indices.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum NoIndices {
-    /// The response does not vary with the parameters.
-    #[error("it does not depend on the parameters")]
-    Constant,
-    /// No expansion predicts the response better than its mean.
-    #[error("no expansion in the parameters predicts it better than its mean: relative leave-one-out error {error:.2}")]
-    NothingPredicts {
-        /// Smallest relative leave-one-out error.
-        error: f64,
-    },
-    /// The expansion fails on too many resamples.
-    #[error("{failed} of {resamples} resamples of the points have no expansion; more points are needed")]
-    TooManyFailures {
-        /// Number of resamples without an expansion.
-        failed: usize,
-        /// Total number of resamples.
-        resamples: usize,
-    },
-}
-
 /// Independent uncertain parameters with a maximin Latin hypercube design.
 #[derive(Debug, Clone)]
 pub struct Propagation {
@@ -135,48 +114,6 @@ pub struct Propagation {
     seed: u64,
     /// Standard variables ξ of each point.
     xi_samples: Vec<Vec<f64>>,
-}
-
-/// Responses observed at the points of a design.
-#[derive(Debug, Clone, Copy)]
-pub struct Observed<'a> {
-    /// Response at each point; NaN marks a missing response.
-    pub values: &'a [f64],
-    /// For each of the random samples behind the responses, the response at each point without that sample. Empty if
-    /// the response has no noise. NaN counts as the response with all samples.
-    pub without: &'a [Vec<f64>],
-    /// Difference below which responses count as equal.
-    pub resolution: f64,
-}
-
-impl<'a> Observed<'a> {
-    /// Creates an observation without noise.
-    pub fn exact(values: &'a [f64]) -> Self {
-        Self { values, without: &[], resolution: 0.0 }
-    }
-}
-
-/// Effect of the noise of a response.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
-    /// Jackknife standard error of the mean over the points. It contains the noise that is common to all points in
-    /// full.
-    pub standard_error: f64,
-    /// Variance over the points that is due to noise, divided by the observed variance: 0 without noise, about 1 if
-    /// everything is noise. Noise common to all points does not contribute. 0 for a constant response.
-    pub variance_fraction: f64,
-}
-
-/// Sobol' indices in the order of the parameters.
-///
-/// Intervals include the choice of the points, the noise, and the variance that the expansion does not explain (the
-/// relative leave-one-out error bounds its effect on an index).
-#[derive(Debug, Clone, PartialEq)]
-pub struct ParameterIndices {
-    /// First-order index: the fraction of the variance that a parameter explains alone.
-    pub first_order: Vec<SampleEstimate>,
-    /// Total index: the fraction that a parameter explains together with all others.
-    pub total: Vec<SampleEstimate>,
 }
 
 /// Distribution of a response over its parameters.

@@ -26,26 +26,26 @@
 //! ```
 
 mod chains;
+mod error;
 mod importance;
 mod interpolant;
 mod learning;
 mod limit_state;
+mod probability;
 mod proposal;
 mod subset;
 #[cfg(test)]
 mod tests;
 
-use thiserror::Error;
-
-use asperity_base::monitor::{Cancelled, Monitor};
+use asperity_base::monitor::Monitor;
 use asperity_base::random::stream;
-use asperity_base::stats::Interval;
 
-use crate::SamplingError;
 use chains::Plan;
+pub use error::RareError;
 use importance::{Draws, UNSEEN};
 use learning::Learning;
 use limit_state::LimitState;
+pub use probability::{NoFailure, RareMethod, RareProbability, SmallProbability, UpperBound};
 use proposal::Proposal;
 pub use subset::{SubsetSettings, subset_simulation};
 
@@ -70,43 +70,6 @@ const LEAST_LEVELS: usize = 16;
 /// Smallest number of replicates of subset simulation on g.
 const LEAST_REPLICATES: usize = 12;
 
-/// Reason why a small probability could not be estimated.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum RareError<E> {
-    /// The limit state could not be evaluated.
-    #[error(transparent)]
-    Evaluation(E),
-    /// The limit state is NaN.
-    #[error("the limit state is not a number at {point:?}")]
-    NotANumber {
-        /// Standard normal variables of the point.
-        point: Vec<f64>,
-    },
-    /// A setting is out of range.
-    #[error("{name} is {value}; it must be {wanted}")]
-    Setting {
-        /// Name of the setting.
-        name: &'static str,
-        /// Value given.
-        value: f64,
-        /// Values that are possible.
-        wanted: &'static str,
-    },
-    /// The first design could not be created.
-    #[error(transparent)]
-    Design(#[from] SamplingError),
-    /// The monitor cancelled.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-impl<E> From<Cancelled> for RareError<E> {
-    fn from(_: Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
-
 /// Settings of [`small_probability`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -123,61 +86,6 @@ impl Settings {
     pub fn new(seed: u64) -> Self {
         Self { coefficient_of_variation: 0.1, most_evaluations: 20_000, seed }
     }
-}
-
-/// Probability of failure.
-#[derive(Debug, Clone, PartialEq)]
-pub enum SmallProbability {
-    /// Failures occurred.
-    Estimate(RareProbability),
-    /// No failure occurred.
-    Bound(UpperBound),
-}
-
-/// Estimate of a probability of failure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RareProbability {
-    /// Probability of failure.
-    pub probability: f64,
-    /// 95 % confidence interval; both limits are positive.
-    pub interval: Interval,
-    /// Estimated standard deviation of the probability, divided by the probability. It exceeds the requested one if the
-    /// evaluations were used up.
-    pub coefficient_of_variation: f64,
-    /// Number of evaluations of the limit state.
-    pub evaluations: usize,
-    /// Method of the estimate.
-    pub method: RareMethod,
-}
-
-/// Method of an estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RareMethod {
-    /// Importance sampling with an interpolant of the limit state; subset simulation on the interpolant or on the limit state
-    /// located the regions of failure.
-    ImportanceSampling,
-    /// Mean of independent replicates of subset simulation on the limit state.
-    SubsetSimulation,
-}
-
-/// Upper bound of a probability of failure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UpperBound {
-    /// Probability that is exceeded with a confidence of 5 % at most.
-    pub probability: f64,
-    /// Reason why there is no estimate.
-    pub reason: NoFailure,
-    /// Number of evaluations of the limit state.
-    pub evaluations: usize,
-}
-
-/// Reason why no failure occurred.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoFailure {
-    /// The limit state is constant over nearly all samples of a level, so it does not lead to failures.
-    Constant,
-    /// The evaluations were used up, or the probability is below 10⁻¹³.
-    Exhausted,
 }
 
 /// Estimates P[g(z) < 0] for `variables` independent standard normal variables z.

@@ -8,6 +8,8 @@ use asperity_base::stats::{Interval, Moments, quantile_sorted};
 
 /// Minimum number of resamples for an interval.
 const LEAST_COUNT: usize = 20;
+/// Smallest fraction of resamples that must have an expansion.
+pub(super) const FITTED_FRACTION: f64 = 0.95;
 
 /// Reason why a bootstrap cannot be run.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -2,12 +2,10 @@
 
 use thiserror::Error;
 
+use super::resamples::FITTED_FRACTION;
 use super::{Expansion, Factor, Resamples, ResamplesError, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::Interval;
-
-/// Smallest fraction of resamples that must have an expansion.
-const FITTED_FRACTION: f64 = 0.95;
 
 /// Reason why indices have no intervals.
 #[derive(Debug, Clone, PartialEq, Error)]

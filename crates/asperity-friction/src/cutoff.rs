@@ -67,8 +67,8 @@ impl CutoffPlan {
 
     /// Returns the work in solutions of strips of `nx` points along x.
     pub fn work(&self, nx: usize) -> f64 {
-        let share = self.points[0] as f64 / nx as f64;
-        STRIPS as f64 * share * (f64::from(1 + self.octaves) + HALVED_WORK)
+        let fraction = self.points[0] as f64 / nx as f64;
+        STRIPS as f64 * fraction * (f64::from(1 + self.octaves) + HALVED_WORK)
     }
 }
 
@@ -238,8 +238,8 @@ mod tests {
         let (points, size_m) = ([2048, 32], [6e-3, 75e-6]);
         for levels in [5, 6] {
             let plan = CutoffPlan::new(points, size_m, levels * 20);
-            let share = plan.work(points[0]) / (levels * 20) as f64;
-            assert!(share <= WORK && share > 0.1, "{share}");
+            let fraction = plan.work(points[0]) / (levels * 20) as f64;
+            assert!(fraction <= WORK && fraction > 0.1, "{fraction}");
         }
         let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, octaves: 4 };
         assert_eq!(CutoffPlan::new([4096, 64], size_m, 6 * 20), wanted);

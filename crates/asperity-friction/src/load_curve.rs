@@ -105,18 +105,10 @@ pub struct LoadCurve {
 }
 
 impl LoadCurve {
-    /// Creates the curve through levels in any order. Levels without load are left out.
-    ///
-    /// # Errors
-    /// Fewer than two levels carry load, or a deeper plane does not carry more.
-    pub fn from_levels<'a>(levels: impl IntoIterator<Item = &'a SolvedStrips>) -> Result<Self, LoadCurveError> {
-        Self::from_points(levels.into_iter().map(LoadPoint::from_strips).collect())
-    }
-
     /// Creates the curve through points in any order. Points without load are left out.
     ///
     /// # Errors
-    /// The errors of [`LoadCurve::from_levels`].
+    /// Fewer than two points carry load, or a deeper plane does not carry more.
     pub fn from_points(mut points: Vec<LoadPoint>) -> Result<Self, LoadCurveError> {
         points.retain(|point| point.mean_pressure_pa > 0.0);
         points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));

@@ -1,12 +1,9 @@
 //! Moments of μ with each strip left out, for the jackknife estimate of the noise of few strips.
 
-use crate::statistics::correlate;
+use crate::statistics::{ROUNDING, correlate};
 use crate::strip::{Record, SolvedStrips};
 use asperity_base::blocks;
 use asperity_base::stats::Moments;
-
-/// Coefficient of variation below which friction counts as constant.
-const ROUNDING: f64 = 1e-12;
 
 /// Moments of μ that the study of an uncertain surface uses; NaN if undefined.
 #[derive(Debug, Clone, Copy, PartialEq)]

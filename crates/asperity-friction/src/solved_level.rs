@@ -10,7 +10,7 @@ use crate::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::level_control::LevelControl;
 use crate::statistics::{FrictionStatistics, HeavyTail};
 use crate::strip::{Record, SolvedStrips, StripProblem};
-use crate::two_bodies::TwoBodyFriction;
+use crate::two_bodies::split::TwoBodyFriction;
 use crate::upscaling::variance_reduction;
 use crate::window::Window;
 use crate::window_study::WindowStudy;
@@ -161,8 +161,8 @@ impl SolvedLevel {
 fn contact_fraction(strips: &SolvedStrips, layout: Layout) -> (f64, Option<Interval>) {
     let areas_m2: Vec<&[f64]> = strips.records.iter().map(|record| record.area_m2.as_slice()).collect();
     let moments = ProcessMoments::new(&areas_m2, layout);
-    let share = strips.contact_fraction / moments.moments.mean;
+    let fraction = strips.contact_fraction / moments.moments.mean;
     let interval =
-        moments.mean.map(|mean| Interval { low: share * mean.interval.low, high: share * mean.interval.high });
+        moments.mean.map(|mean| Interval { low: fraction * mean.interval.low, high: fraction * mean.interval.high });
     (strips.contact_fraction, interval)
 }

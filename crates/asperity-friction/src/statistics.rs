@@ -18,7 +18,7 @@ pub use heavy_tail::{HeavyTail, ISOLATED_FRACTION};
 pub use tail::{DistributionTail, ReturnLevel, Tail};
 
 /// Coefficient of variation below which friction counts as constant.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// Number of contact cells per window below which its contact area is unreliable.
 pub const WANTED_CONTACT_CELLS: f64 = 30.0;

@@ -5,44 +5,26 @@
 //! distances h apart. β is the variance between parts, which is constant along the path, and φ ρ(h) is the covariance of the
 //! fluctuation, with ρ(∞) = 0.
 //!
-//! The strips of a level are solved again with the track moved under the slider, and [`split`] estimates β, φ and ρ.
+//! The strips of a level are solved again with the track moved under the slider, and [`split()`] estimates β, φ and ρ.
 
 mod distances;
-mod split;
+pub(super) mod split;
 
 use asperity_base::blocks::{Loop, Task};
 use asperity_base::correlation::{Axis, axis_correlation_length_m};
 use asperity_base::map::HeightMap;
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::Interval;
 use asperity_contact::{ContactWorkspace, Control};
 use ndarray::{Array2, s};
 
 pub use self::distances::DISTANCES;
 use self::distances::Distances;
+use self::split::{TwoBodyFriction, split};
 use crate::FrictionError;
 use crate::solved_level::SolvedLevel;
 use crate::strip::{FailedStrip, Record, Strips};
 use crate::window::Window;
 use crate::window_contact::window_contacts;
-
-/// Friction of a window between two rough bodies at the mean load ([`Record::at_mean_load`]).
-///
-/// The squares of `between_parts_std` and `path_std` add up to the variance of all windows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TwoBodyFriction {
-    /// Standard deviation between parts of the slider.
-    pub between_parts_std: f64,
-    /// 95 % interval of `between_parts_std` by the jackknife over strips; `None` with fewer than four strips.
-    pub between_parts_interval: Option<Interval>,
-    /// Standard deviation of the fluctuation along the path.
-    pub path_std: f64,
-    /// Correlation length in metre of e^{−h/ℓ} fitted to the correlation of the fluctuation over the sliding distance; it contains
-    /// the effect of the window. At least half of the shortest distance, and the length of the window if nothing fluctuates.
-    pub path_length_m: f64,
-    /// 95 % interval of `path_length_m` by the jackknife over strips; `None` with fewer than four strips.
-    pub path_length_interval_m: Option<Interval>,
-}
 
 impl TwoBodyFriction {
     /// Solves the strips of a level again, under the same control, with the track moved under the slider by up to [`DISTANCES`]
@@ -92,7 +74,7 @@ impl TwoBodyFriction {
             }
         }
         strips.check_valid(&failures)?;
-        Ok(Some(split::split(&deviations(&records), &distances, level.process.moments.std, window.length_m())))
+        Ok(Some(split(&deviations(&records), &distances, level.process.moments.std, window.length_m())))
     }
 }
 

@@ -102,15 +102,17 @@ impl WindowStudy {
         let seen = seen?;
         let resolution_m = channels.iter().map(|channel| channel.step_m).fold(f64::INFINITY, f64::min);
         let own: Vec<f64> = seen.iter().filter_map(|(seen, _)| seen.own).map(|own| own.length_m).collect();
-        let scatter = Scatter::of(&channels, model, settings, resolution_m);
+        let jackknife = Jackknife::of(&channels, model, settings, resolution_m);
         let mean_square = seen.iter().map(|(_, misfit)| misfit * misfit).sum::<f64>() / seen.len() as f64;
         Ok(Self {
             windows: seen.into_iter().map(|(seen, _)| seen).collect(),
             model,
             length_m: joint.length_m,
-            interval: scatter.as_ref().map_or(joint.interval, |scatter| scatter.widened(&joint)),
+            interval: jackknife.as_ref().map_or(joint.interval, |jackknife| jackknife.widened(&joint)),
             lack_of_fit: joint.lack_of_fit,
-            one_length_p: scatter.filter(|_| own.len() == channels.len()).and_then(|scatter| scatter.one_length(&own)),
+            one_length_p: jackknife
+                .filter(|_| own.len() == channels.len())
+                .and_then(|jackknife| jackknife.one_length(&own)),
             misfit: mean_square.sqrt(),
             resolution_m,
         })
@@ -133,13 +135,13 @@ fn best(models: &[RankedLength]) -> Option<LengthFit> {
 
 /// Logarithms of ℓ without each group of strips: jointly for all windows, and for every window alone. Lengths below a
 /// tenth of the resolution are set to that value.
-struct Scatter {
+struct Jackknife {
     joint: Vec<f64>,
     own: Vec<Vec<f64>>,
     least_m: f64,
 }
 
-impl Scatter {
+impl Jackknife {
     fn of(
         channels: &[WindowedRecords<'_>],
         model: RecordModel,

@@ -2,12 +2,13 @@
 
 use ndarray::Array2;
 
-use crate::multilevel::RARE;
 use asperity_base::numeric::symmetric_eigen;
 use asperity_base::random;
 use asperity_base::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
 use asperity_chaos::DiscreteDistribution;
 
+/// Minimum number of samples on either side of a value for normal errors of its fraction.
+pub(super) const RARE: usize = 15;
 /// Number of draws from which the critical value of a simultaneous band is estimated.
 const DRAWS: usize = 4000;
 const GROUP_DRAWS: usize = 1000;
@@ -17,7 +18,7 @@ const LEAST_DEGREES: f64 = 3.0;
 /// Number of values on either side whose errors contribute to the error of a value.
 const NEIGHBOURS: usize = 2;
 /// Larger steps of a distribution function between neighbouring values count as point masses.
-const ATOM: f64 = 0.02;
+const POINT_MASS: f64 = 0.02;
 
 /// Estimated distribution function with 95 % bands at some values.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -167,7 +168,7 @@ impl Band {
             let Some(before) = place.checked_sub(1).map(|before| values[before]) else { return values[place] };
             // The limit is linear between values, except at a point mass.
             let [low, high] = [before, values[place]].map(|value| limit(value, factor));
-            let fraction = if high - low < ATOM { (probability - low) / (high - low) } else { 1.0 };
+            let fraction = if high - low < POINT_MASS { (probability - low) / (high - low) } else { 1.0 };
             before + fraction * (values[place] - before)
         };
         let factor = self.pointwise_factor;

@@ -1,7 +1,8 @@
 //! Estimated distribution with its errors.
 
+use crate::band::RARE;
 use crate::band::{Band, Moments, Total};
-use crate::multilevel::{MultilevelEstimate, RARE};
+use crate::multilevel::MultilevelEstimate;
 use crate::{MethodError, PressureError, Samples};
 use asperity_base::stats::{Interval, NORMAL_95, wilson_interval};
 use asperity_chaos::DiscreteDistribution;
@@ -192,8 +193,8 @@ impl PressureEstimate {
 
 /// Returns pressures from 0 on with about equal probability between them and enough samples on both sides of each.
 pub(super) fn nodes(distribution: &DiscreteDistribution, samples: usize) -> Vec<f64> {
-    let atom = distribution.cdf(0.0);
-    let quantiles = (1..NODES).map(|k| distribution.quantile(atom + (1.0 - atom) * k as f64 / NODES as f64));
+    let below = distribution.cdf(0.0);
+    let quantiles = (1..NODES).map(|k| distribution.quantile(below + (1.0 - below) * k as f64 / NODES as f64));
     let common = |t: &f64| {
         let beyond = (1.0 - distribution.cdf(*t)).min(distribution.cdf(*t));
         *t > 0.0 && beyond * samples as f64 >= RARE as f64
@@ -254,13 +255,13 @@ mod tests {
     #[test]
     fn few_samples_without_or_with_contact_have_wilsons_interval() {
         for in_contact in [3, 500, 997] {
-            let share = in_contact as f64 / 1000.0;
+            let fraction = in_contact as f64 / 1000.0;
             let pressures: Vec<f64> = (0..1000).map(|i| f64::from(u8::from(i < in_contact))).collect();
-            let band = Band::from_independent(&[0.0], &[1.0 - share], 1000, 1);
+            let band = Band::from_independent(&[0.0], &[1.0 - fraction], 1000, 1);
             let [low, high] = band.pointwise(0);
             let found = MultilevelEstimate {
                 distribution: DiscreteDistribution::empirical(&pressures).unwrap(),
-                mean: share,
+                mean: fraction,
                 mean_se: 0.01,
                 band,
                 above: [in_contact, 1000],
@@ -274,7 +275,7 @@ mod tests {
                 wilson_interval(in_contact, 1000)
             };
             assert_eq!(found.contact_probability_interval, Some(wanted));
-            assert!((found.contact_probability - share).abs() < 1e-15);
+            assert!((found.contact_probability - fraction).abs() < 1e-15);
         }
     }
 

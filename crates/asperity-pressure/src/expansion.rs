@@ -85,8 +85,8 @@ impl Surrogate for Conditional<'_> {
         let in_contact = count as f64 / samples.len() as f64;
         let distribution = |values: Vec<f64>| -> PointMasses {
             let probability = in_contact / values.len() as f64;
-            let atoms = values.into_iter().map(|value| (pressure_pa(value), probability));
-            std::iter::once((0.0, 1.0 - in_contact)).chain(atoms).collect()
+            let point_masses = values.into_iter().map(|value| (pressure_pa(value), probability));
+            std::iter::once((0.0, 1.0 - in_contact)).chain(point_masses).collect()
         };
         let held: Vec<&[f64]> =
             others(samples, self.xi_samples.len()).into_iter().map(|i| self.xi_samples[i].as_slice()).collect();

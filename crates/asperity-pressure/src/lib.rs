@@ -11,6 +11,7 @@ mod comparison;
 mod directions;
 mod estimate;
 mod expansion;
+mod failure;
 mod field;
 mod field_samples;
 mod homogeneity;
@@ -33,13 +34,14 @@ pub use band::{Band, QuantileResult};
 pub use comparison::Solutions;
 pub use comparison::{ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult, pooled_pressures};
 pub use estimate::{PressureEstimate, ReferenceDistances};
+pub use failure::FailureReason;
 pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;
 pub use method::{Method, MethodError};
 #[doc(hidden)]
 pub use nested::NestedSamples;
 pub use nested::{CoarseSolves, Quantity};
-pub use problem::{CellObservation, FailureReason, Problem};
+pub use problem::{CellObservation, Problem};
 pub use sample::{Failure, Samples, Sampling, solve};
 pub use sensitivity::{Sensitivity, SensitivityError, SensitivityIndices, VariableSet};
 
@@ -110,7 +112,7 @@ pub enum PressureError {
     Basis(#[from] BasisError),
     /// A distribution could not be created from its values.
     #[error(transparent)]
-    Law(#[from] DiscreteDistributionError),
+    Distribution(#[from] DiscreteDistributionError),
     /// A method has no estimate.
     #[error(transparent)]
     Method(#[from] MethodError),

@@ -65,7 +65,7 @@ pub enum MethodError {
     Sampling(#[from] SamplingError),
     /// A distribution could not be created from its values.
     #[error(transparent)]
-    Law(#[from] DiscreteDistributionError),
+    Distribution(#[from] DiscreteDistributionError),
     /// The expansion of the logarithm exceeds the largest floating-point number.
     #[error("the expansion overflows on {overflowed} of {evaluations} fresh samples")]
     Overflow {

@@ -17,7 +17,7 @@
 //! <https://doi.org/10.1137/15M1046472> (many models, levels samples).
 //! Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
-use crate::band::{Moments, Total};
+use crate::band::{Moments, RARE, Total};
 use crate::predictor::Predictor;
 use crate::{Band, MethodError};
 use asperity_base::blocks;
@@ -31,8 +31,6 @@ pub(super) const LEAST_SAMPLES: usize = 2 * FOLDS;
 const THRESHOLDS: usize = 1000;
 /// Maximum number of values at which its covariance is estimated.
 const NODES: usize = 64;
-/// Minimum number of samples on either side of a value for normal errors of its fraction.
-pub(super) const RARE: usize = 15;
 /// Number of independent randomisations of the points for the expectation of level 0, and number of points of each.
 const REPLICATES: usize = 10;
 const POINTS: usize = 2048;
@@ -401,7 +399,7 @@ fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<D
     }
     let mut before = 0.0;
     let levels = pools.iter().flat_map(|&(level, count)| std::iter::repeat_n(level, count));
-    let mut atoms: Vec<(f64, f64)> = thresholds
+    let mut points: Vec<(f64, f64)> = thresholds
         .iter()
         .zip(levels)
         .map(|(&t, level)| {
@@ -410,10 +408,10 @@ fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<D
             step
         })
         .collect();
-    if let Some((_, weight)) = atoms.last_mut() {
+    if let Some((_, weight)) = points.last_mut() {
         *weight += 1.0 - before;
     }
-    Ok(DiscreteDistribution::weighted(atoms)?)
+    Ok(DiscreteDistribution::weighted(points)?)
 }
 
 #[cfg(test)]

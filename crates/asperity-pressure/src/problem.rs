@@ -4,13 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use std::fmt;
 
-use thiserror::Error;
-
-use crate::{PressureError, stiffness};
-use asperity_base::map::MapError;
-use asperity_contact::{
-    self as contact, Boundary, ContactError, ContactWorkspace, Control, HalfSpace, Solution, Solver,
-};
+use crate::{FailureReason, PressureError, stiffness};
+use asperity_contact::{self as contact, Boundary, ContactWorkspace, Control, HalfSpace, Solution, Solver};
 use asperity_surface::RandomSurface;
 
 /// The pressure at one cell of a random surface under a rigid plane.
@@ -92,37 +87,6 @@ fn beside(solution: &Solution, (row, column): (usize, usize)) -> [f64; 3] {
         }
     }
     sums.map(|sum| sum / count.max(1.0))
-}
-
-/// Reason why a contact problem has no solution.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum FailureReason {
-    /// The generated map is not complete.
-    #[error(transparent)]
-    Map(#[from] MapError),
-    /// The contact problem could not be posed.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
-    /// The solver stopped before its tolerance.
-    #[error("no convergence in {iterations} iterations: residual {residual:.1e}, wanted {tolerance:.1e}")]
-    NotConverged {
-        /// Number of iterations.
-        iterations: usize,
-        /// Largest residual reached.
-        residual: f64,
-        /// Tolerance of the solver.
-        tolerance: f64,
-    },
-    /// The stiffness of the contact did not converge.
-    #[error("no stiffness in {iterations} iterations: residual {residual:.1e}, wanted {tolerance:.1e}")]
-    Stiffness {
-        /// Iterations made.
-        iterations: usize,
-        /// Residual reached.
-        residual: f64,
-        /// Residual wanted.
-        tolerance: f64,
-    },
 }
 
 impl fmt::Debug for Problem<'_> {

@@ -16,9 +16,9 @@
 //! B. L. Nelson, *Oper. Res.* **38** (1990) 974, <https://doi.org/10.1287/opre.38.6.974> (control variates).
 //! V. Chernozhukov et al., *Econometrics J.* **21** (2018) C1, <https://doi.org/10.1111/ectj.12097> (cross-fitting).
 
+use crate::band::RARE;
 use crate::band::{Moments, Total};
 use crate::estimate::nodes;
-use crate::multilevel::RARE;
 use crate::nested::kappa_pa_per_m;
 use crate::rotated_variables::RotatedVariables;
 use crate::{Band, MethodError, PressureError, PressureEstimate, Problem, Quantity, Samples};
@@ -229,14 +229,14 @@ fn slope(observed: &[Vec<f64>], predicted: &[Vec<f64>], k: usize) -> f64 {
 }
 
 /// Returns the distribution function at the nodes, and mean.
-fn summary(mut atoms: PointMasses, nodes: &[f64]) -> Vec<f64> {
-    atoms.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mean = atoms.iter().map(|(p, probability)| p * probability).sum();
-    let (mut atoms, mut below) = (atoms.into_iter().peekable(), 0.0);
+fn summary(mut masses: PointMasses, nodes: &[f64]) -> Vec<f64> {
+    masses.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = masses.iter().map(|(p, probability)| p * probability).sum();
+    let (mut masses, mut below) = (masses.into_iter().peekable(), 0.0);
     let mut values: Vec<f64> = nodes
         .iter()
         .map(|t| {
-            while let Some((_, probability)) = atoms.next_if(|(p, _)| p <= t) {
+            while let Some((_, probability)) = masses.next_if(|(p, _)| p <= t) {
                 below += probability;
             }
             below

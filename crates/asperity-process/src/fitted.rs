@@ -93,9 +93,9 @@ impl FittedProcess {
         for (parameter, interval) in [("mean_interval", self.mean_interval), ("std_interval", self.std_interval)] {
             rising(parameter, interval)?;
         }
-        if let Some(law) = &self.marginal {
-            law.check()?;
-            positive("standard deviation of the marginal distribution", law.std())?;
+        if let Some(marginal) = &self.marginal {
+            marginal.check()?;
+            positive("standard deviation of the marginal distribution", marginal.std())?;
         }
         if let Some(correlation) = &self.correlation {
             correlation.check()?;
@@ -106,8 +106,10 @@ impl FittedProcess {
                 return Err(ProcessError::Absent { absent, std: self.std });
             }
         }
-        if let (Some(generator), Some(correlation), Some(law)) = (self.generator, &self.correlation, &self.marginal) {
-            generator.check(correlation.shape, law)?;
+        if let (Some(generator), Some(correlation), Some(marginal)) =
+            (self.generator, &self.correlation, &self.marginal)
+        {
+            generator.check(correlation.shape, marginal)?;
         }
         if let Some(a) = self.stribeck_s_per_m {
             non_negative("stribeck_s_per_m", a)?;

@@ -78,7 +78,7 @@ impl Generator {
     }
 
     /// Fails if the generator does not support this shape of correlation or this distribution.
-    pub(super) fn check(self, shape: CorrelationShape, law: &Marginal) -> Result<(), ProcessError> {
+    pub(super) fn check(self, shape: CorrelationShape, marginal: &Marginal) -> Result<(), ProcessError> {
         let makes = match self {
             Self::Autoregressive => shape.has_recursion(),
             Self::Spectral { harmonics } => {
@@ -91,8 +91,12 @@ impl Generator {
             let able = Self::for_shape(shape).name();
             return Err(ProcessError::Generator { generator: self.name(), correlation: shape.name(), able });
         }
-        if self == Self::Jacobi && !matches!(law, Marginal::Beta { .. }) {
-            return Err(ProcessError::Marginal { generator: self.name(), law: law.name(), wanted: "beta" });
+        if self == Self::Jacobi && !matches!(marginal, Marginal::Beta { .. }) {
+            return Err(ProcessError::Marginal {
+                generator: self.name(),
+                distribution: marginal.name(),
+                wanted: "beta",
+            });
         }
         Ok(())
     }

@@ -175,16 +175,16 @@ mod tests {
         // rule over ξ is exact except for the error of the table, 1e-6 in a score in which P_n changes by less than its
         // range per unit.
         for (a, b) in [(2.1, 5.0), (0.5, 0.5), (1.0, 1.0), (3.0, 0.8), (40.0, 25.0)] {
-            let law = Marginal::Beta { a, b, low: 0.0, high: 1.0 };
+            let marginal = Marginal::Beta { a, b, low: 0.0, high: 1.0 };
             for h in [0.3, 0.05, 0.0125] {
                 let step = JacobiStep::new(a, b, h).unwrap();
                 assert!(step.error < 2e-6, "{a}, {b}, {h}: {:e}", step.error);
                 for g in [-3.1, -1.3, 0.0, 0.72, 2.9] {
                     let nodes: Vec<[f64; 2]> = (-192..=192)
                         .map(|k| f64::from(k) / 32.0)
-                        .map(|xi| [law.translate(step.next(g, xi)), standard_normal_pdf(xi) / 32.0])
+                        .map(|xi| [marginal.translate(step.next(g, xi)), standard_normal_pdf(xi) / 32.0])
                         .collect();
-                    let x = law.translate(g);
+                    let x = marginal.translate(g);
                     for n in 1..=5 {
                         let rate = f64::from(n) * (f64::from(n) - 1.0 + a + b) / (a + b);
                         let wanted = (-rate * h).exp() * eigenfunction(n, a, b, x);

@@ -180,7 +180,7 @@ impl FittedProcess {
         ])?;
         let marginal = match fields.get("marginal") {
             None | Some(Value::Null) => None,
-            Some(law) => Some(serde_json::from_value::<Marginal>(law.clone()).map_err(|error| {
+            Some(marginal) => Some(serde_json::from_value::<Marginal>(marginal.clone()).map_err(|error| {
                 ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: DISTRIBUTION }
             })?),
         };
@@ -355,8 +355,8 @@ mod tests {
         assert!(!fitted(SHAPES[0]).to_json().unwrap().contains("generator"));
         let steady = FittedProcess { std: 0.0, marginal: None, correlation: None, ..fitted(SHAPES[0]) };
         assert_eq!(FittedProcess::from_json(&steady.to_json().unwrap()).unwrap(), steady);
-        let law = Marginal::empirical(vec![0.1, 0.2, 0.1 + 0.2]).unwrap();
-        let measured = FittedProcess { marginal: Some(law), ..fitted(SHAPES[0]) };
+        let marginal = Marginal::empirical(vec![0.1, 0.2, 0.1 + 0.2]).unwrap();
+        let measured = FittedProcess { marginal: Some(marginal), ..fitted(SHAPES[0]) };
         assert_eq!(FittedProcess::from_json(&measured.to_json().unwrap()).unwrap(), measured);
     }
 

@@ -28,7 +28,7 @@ pub use cancellable::Cancellable;
 pub use fitted::{FittedCorrelation, FittedProcess, Origin, OriginKind};
 pub use generator::Generator;
 pub use json::ProcessFileError;
-pub use model::{FrictionProcess, ProcessModel, window_variance_factor};
+pub use model::{FrictionProcess, ProcessModel};
 pub use path::Path;
 pub use recorded::{RecordedPath, RecordedProcess, Steady};
 pub use shape::CorrelationShape;
@@ -127,12 +127,14 @@ pub enum ProcessError {
         able: &'static str,
     },
     /// The generator does not support the marginal distribution.
-    #[error("the {generator} generator supports only {wanted} distributions, not {law}; use autoregressive or renewal")]
+    #[error(
+        "the {generator} generator supports only {wanted} distributions, not {distribution}; use autoregressive or renewal"
+    )]
     Marginal {
         /// Name of the generator.
         generator: &'static str,
         /// Name of the distribution.
-        law: &'static str,
+        distribution: &'static str,
         /// Name of the supported distribution.
         wanted: &'static str,
     },

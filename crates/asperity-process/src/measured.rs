@@ -11,6 +11,7 @@ mod record;
 mod sampling;
 mod smoothing;
 mod strokes;
+mod units;
 
 use thiserror::Error;
 

@@ -6,13 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::jacobi::JacobiStep;
 use super::table::TranslationTable;
-use super::{CorrelationShape, Generator, Path, ProcessError, TranslationKind, positive};
+use super::{CorrelationShape, Generator, ProcessError, TranslationKind, positive};
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::translation::Translation;
-use asperity_base::random;
-
-/// Name of the random stream of friction processes.
-const STAGE: &str = "friction process";
 
 /// Parameters of a random friction process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -190,18 +186,6 @@ impl FrictionProcess {
     pub(super) fn parts(&self) -> Parts<'_> {
         Parts { table: &self.table, jacobi: self.jacobi.as_deref(), length: self.normal_length }
     }
-
-    /// Returns realisation `index` under `seed`.
-    pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
-        Path::new(self, random::stream(seed, STAGE, index))
-    }
-}
-
-/// Returns the variance of the mean of a process with correlation e^{−|s|/ℓ} over a window W, relative to its variance:
-/// 2(ℓ/W)·[1 − (ℓ/W)(1 − e^{−W/ℓ})].
-pub fn window_variance_factor(correlation_length: f64, window: f64) -> f64 {
-    let fraction = correlation_length / window;
-    2.0 * fraction * (1.0 + fraction * (-1.0 / fraction).exp_m1())
 }
 
 #[cfg(test)]
@@ -228,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_mean_over_a_window_has_the_published_variance() {
-        assert!((window_variance_factor(250.0, 600.0) - 0.51761).abs() < 5e-6);
+        // 2(ℓ/W)·[1 − (ℓ/W)(1 − e^{−W/ℓ})] for ℓ = 250 and W = 600 is 0.51761.
         // A sampled process, averaged by the trapezoidal rule over 60 steps; the relative error of the rule is
         // (Δ/ℓ)²/6.
         let model = ProcessModel { steps_per_length: 25, ..ProcessModel::new(Marginal::STANDARD_NORMAL, 1.0, 250.0) };

@@ -8,7 +8,10 @@ use super::renewal::Renewal;
 use super::spectral::Harmonics;
 use super::table::TranslationTable;
 use super::{Cell, CorrelationShape, EqualCells, Fluctuation, FrictionProcess, Generator};
-use asperity_base::random::Stream;
+use asperity_base::random::{self, Stream};
+
+/// Name of the random stream of friction processes.
+const STAGE: &str = "friction process";
 
 /// Realisation of a [`FrictionProcess`], generated while it is read, without end.
 ///
@@ -74,10 +77,17 @@ impl Limited<'_> {
     }
 }
 
+impl FrictionProcess {
+    /// Returns realisation `index` under `seed`.
+    pub fn path(&self, seed: u64, index: u64) -> Path<'_> {
+        Path::new(self, random::stream(seed, STAGE, index))
+    }
+}
+
 impl<'a> Path<'a> {
-    pub(super) fn new(process: &'a FrictionProcess, mut rng: Stream) -> Self {
+    fn new(process: &'a FrictionProcess, mut rng: Stream) -> Self {
         let (model, parts) = (process.model(), process.parts());
-        let step_share = process.step() / parts.length;
+        let step_fraction = process.step() / parts.length;
         let source = match (model.generator, model.shape, parts.jacobi) {
             (Generator::Renewal, ..) => Source::Other(OtherSource::Renewal(Renewal::new(parts.length, process.step()))),
             (Generator::Jacobi, _, Some(step)) => {
@@ -85,16 +95,16 @@ impl<'a> Path<'a> {
             }
             (Generator::Spectral { harmonics }, shape, _) => {
                 let quantile = |probability| shape.spectral_quantile(probability).unwrap_or(f64::NAN);
-                Source::Other(OtherSource::Spectral(Harmonics::draw(harmonics, step_share, quantile, &mut rng)))
+                Source::Other(OtherSource::Spectral(Harmonics::draw(harmonics, step_fraction, quantile, &mut rng)))
             }
             (_, CorrelationShape::WindowedExponential { window }, _) => {
                 let steps = (window / process.step()).round() as usize;
-                Source::Other(OtherSource::Averaged(MovingAverage::draw(steps, step_share, &mut rng)))
+                Source::Other(OtherSource::Averaged(MovingAverage::draw(steps, step_fraction, &mut rng)))
             }
             _ => {
                 let coefficient = process.normal_step_correlation();
                 // Computes 1 − φ² without cancellation.
-                let innovation = (-(-2.0 * step_share).exp_m1()).sqrt();
+                let innovation = (-(-2.0 * step_fraction).exp_m1()).sqrt();
                 Source::Autoregressive(Recursion { g: StandardNormal.sample(&mut rng), coefficient, innovation })
             }
         };
@@ -163,20 +173,20 @@ mod tests {
     use asperity_base::distribution::goodness::kolmogorov_smirnov;
     use asperity_base::stats::Moments;
 
-    fn model(law: &str, generator: Generator) -> ProcessModel {
-        ProcessModel { generator, ..ProcessModel::new(law.parse().unwrap(), 0.002, 3.0) }
+    fn model(marginal: &str, generator: Generator) -> ProcessModel {
+        ProcessModel { generator, ..ProcessModel::new(marginal.parse().unwrap(), 0.002, 3.0) }
     }
 
     #[test]
     fn diffusion_and_renewal_are_stationary_with_exponential_correlation() {
-        for (law, generator, skewness) in [
+        for (marginal, generator, skewness) in [
             ("beta:2.1,5", Generator::Jacobi, 0.5598),
             ("beta:0.5,0.5", Generator::Jacobi, 0.0),
             ("beta:2.1,5", Generator::Renewal, 0.5598),
             ("gamma:4,1", Generator::Renewal, 1.0),
         ] {
             // The correction has no effect.
-            let model = ProcessModel { correlation: TranslationKind::Corrected, ..model(law, generator) };
+            let model = ProcessModel { correlation: TranslationKind::Corrected, ..model(marginal, generator) };
             let process = FrictionProcess::new(model.clone()).unwrap();
             let paths: Vec<Vec<f64>> = (0..20_000)
                 .map(|i| {
@@ -190,19 +200,19 @@ mod tests {
             };
             for (power, wanted) in [(1, 0.0), (2, 1.0), (3, skewness)] {
                 let (found, margin) = mean_of(&|m| m[60].powi(power));
-                assert!((found - wanted).abs() < margin, "{law} {generator:?}: mean of m^{power} is {found}");
+                assert!((found - wanted).abs() < margin, "{marginal} {generator:?}: mean of m^{power} is {found}");
             }
             for lag in [1, 10, 20, 60] {
                 let wanted = (-0.05 * lag as f64).exp();
                 assert!((process.correlation_at(0.15 * lag as f64) - wanted).abs() < 1e-14);
                 let (found, margin) = mean_of(&|m| m[0] * m[lag]);
-                assert!((found - wanted).abs() < margin, "{law} {generator:?}: {found} at {lag}, not {wanted}");
+                assert!((found - wanted).abs() < margin, "{marginal} {generator:?}: {found} at {lag}, not {wanted}");
             }
             // Distribution after sixty steps.
             let standard = model.marginal.standardised(0.0, 1.0).unwrap();
             let last: Vec<f64> = paths.iter().map(|m| m[60]).collect();
             let p = kolmogorov_smirnov(&last, &standard, None).unwrap().p_value;
-            assert!(p > 0.001, "{law} {generator:?}: p = {p}");
+            assert!(p > 0.001, "{marginal} {generator:?}: p = {p}");
         }
     }
 
@@ -259,11 +269,11 @@ mod tests {
 
     #[test]
     fn unsupported_distributions_and_correlations_are_refused_by_name() {
-        let refused = |law: &str, generator, shape| {
-            FrictionProcess::new(ProcessModel { shape, ..model(law, generator) }).unwrap_err()
+        let refused = |marginal: &str, generator, shape| {
+            FrictionProcess::new(ProcessModel { shape, ..model(marginal, generator) }).unwrap_err()
         };
         let error = refused("gamma:2,1", Generator::Jacobi, CorrelationShape::Exponential);
-        assert_eq!(error, ProcessError::Marginal { generator: "jacobi", law: "gamma", wanted: "beta" });
+        assert_eq!(error, ProcessError::Marginal { generator: "jacobi", distribution: "gamma", wanted: "beta" });
         assert!(error.to_string().contains("beta distributions, not gamma"), "{error}");
         for generator in [Generator::Jacobi, Generator::Renewal] {
             let error = refused("beta:2.1,5", generator, CorrelationShape::SquaredExponential).to_string();

@@ -23,15 +23,15 @@ pub(super) struct Harmonics {
 }
 
 impl Harmonics {
-    /// Draws `count` harmonics for grid points `step_share` correlation lengths apart; `quantile` is the inverse of F,
+    /// Draws `count` harmonics for grid points `step_fraction` correlation lengths apart; `quantile` is the inverse of F,
     /// of ωℓ.
-    pub(super) fn draw(count: usize, step_share: f64, quantile: impl Fn(f64) -> f64, rng: &mut Stream) -> Self {
+    pub(super) fn draw(count: usize, step_fraction: f64, quantile: impl Fn(f64) -> f64, rng: &mut Stream) -> Self {
         let uniform = |rng: &mut Stream| -> f64 { Open01.sample(rng) };
         let phasors = (0..count)
             .map(|k| {
                 let frequency = quantile((k as f64 + uniform(rng)) / count as f64);
                 let phase = TAU * uniform(rng);
-                let angle = frequency * step_share;
+                let angle = frequency * step_fraction;
                 [phase.cos(), phase.sin(), angle.cos(), angle.sin()]
             })
             .collect();

@@ -14,7 +14,7 @@ const WANTED_ERROR: f64 = 1e-10;
 /// Map g ↦ (F⁻¹(Φ(g)) − mean)·σ/std.
 #[derive(Debug, Clone)]
 pub(super) struct TranslationTable {
-    law: Marginal,
+    marginal: Marginal,
     mean: f64,
     /// Factor σ/std.
     gain: f64,
@@ -30,9 +30,14 @@ enum Route {
 }
 
 impl TranslationTable {
-    pub(super) fn new(law: &Marginal, sigma: f64) -> Self {
-        let mut table = Self { law: law.clone(), mean: law.mean(), gain: sigma / law.std(), route: Route::Direct };
-        if matches!(law, Marginal::Beta { .. } | Marginal::Weibull { .. } | Marginal::Gamma { .. }) {
+    pub(super) fn new(marginal: &Marginal, sigma: f64) -> Self {
+        let mut table = Self {
+            marginal: marginal.clone(),
+            mean: marginal.mean(),
+            gain: sigma / marginal.std(),
+            route: Route::Direct,
+        };
+        if matches!(marginal, Marginal::Beta { .. } | Marginal::Weibull { .. } | Marginal::Gamma { .. }) {
             let mut density = FIRST_DENSITY;
             loop {
                 let nodes = table.nodes(density);
@@ -62,12 +67,12 @@ impl TranslationTable {
 
     /// Returns m at g by direct evaluation.
     pub(super) fn direct(&self, g: f64) -> f64 {
-        (self.law.translate(g) - self.mean) * self.gain
+        (self.marginal.translate(g) - self.mean) * self.gain
     }
 
     /// Returns m at a given probability.
     pub(super) fn at_probability(&self, probability: f64) -> f64 {
-        (self.law.quantile(probability) - self.mean) * self.gain
+        (self.marginal.quantile(probability) - self.mean) * self.gain
     }
 
     fn nodes(&self, density: usize) -> Vec<[f64; 2]> {
@@ -76,9 +81,9 @@ impl TranslationTable {
         (0..count)
             .map(|i| {
                 let g = i as f64 * spacing - REACH;
-                let x = self.law.translate(g);
+                let x = self.marginal.translate(g);
                 // dx/dg = φ(g)/f(x).
-                let slope = standard_normal_pdf(g) / self.law.pdf(x);
+                let slope = standard_normal_pdf(g) / self.marginal.pdf(x);
                 let slope = if slope.is_finite() { slope } else { 0.0 };
                 [(x - self.mean) * self.gain, slope * self.gain * spacing]
             })
@@ -108,9 +113,9 @@ mod tests {
     #[test]
     fn the_table_matches_the_direct_translation_within_its_measured_error() {
         for text in ["beta:2.1,5", "beta:0.8,0.9", "weibull:1.5,2", "gamma:1.5,2", "normal", "lognormal:0,0.4"] {
-            let law: Marginal = text.parse().unwrap();
+            let marginal: Marginal = text.parse().unwrap();
             let sigma = 0.003;
-            let table = TranslationTable::new(&law, sigma);
+            let table = TranslationTable::new(&marginal, sigma);
             let error = match &table.route {
                 Route::Direct => 0.0,
                 Route::Cubic { density, nodes } => table.largest_error(nodes, *density as usize, sigma),

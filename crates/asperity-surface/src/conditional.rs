@@ -44,7 +44,7 @@ pub enum ConditionalError {
     },
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The unconditional field could not be created.
     #[error(transparent)]
     Generator(#[from] GeneratorError),

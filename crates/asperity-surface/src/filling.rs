@@ -75,7 +75,7 @@ pub enum FillError {
     Fit(#[from] FitError),
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The surface could not be conditioned on the present heights.
     #[error(transparent)]
     Conditional(#[from] ConditionalError),

@@ -13,6 +13,9 @@ pub use gaussian::{GaussianFilter, Regression, Smoothed};
 pub use outliers::{Filtered, reject_outliers};
 pub use waves::{Edges, Respaced};
 
+/// √(ln 2/π): with it the filter transmits half the amplitude of a wave of the cutoff's length.
+pub(crate) const ALPHA: f64 = 0.469_718_639_349_825_5;
+
 fn metre(length_m: f64) -> String {
     sentence::si(length_m, "m")
 }

@@ -23,8 +23,8 @@ fn effective_heights(correlation: &Autocorrelation) -> f64 {
     let squares = Lobe::of(correlation, HIGH).squares;
     let lobe = Lobe::of(correlation, (2.0 * (squares / present).sqrt()).clamp(LOW, HIGH));
     let (products, pairs) = (lobe.products / (present * present), lobe.pairs / (present * present));
-    let share = products / (1.0 - pairs + products);
-    share.recip().clamp(1.0, present)
+    let fraction = products / (1.0 - pairs + products);
+    fraction.recip().clamp(1.0, present)
 }
 
 /// Sums over the lags that are connected with zero by correlations above a level.

@@ -16,7 +16,7 @@ use asperity_base::correlation::{Covariance, StationaryCovariance};
 use asperity_base::fourier::RealFft2;
 use asperity_base::map::{Grid, HeightMap};
 
-pub use profile::{ProfileModes, exponential_eigenvalues_m, profile_modes};
+pub use profile::{ProfileModes, profile_modes};
 
 asperity_base::choice! {
     /// Method for the two-dimensional eigenproblem; it also determines which covariance is expanded.
@@ -261,17 +261,6 @@ pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, fract
         (variance, slopes, count) = (variance + n * value, slopes + n * slope, count + n);
     }
     (count as usize).clamp(1, grid.points())
-}
-
-/// Sorts by falling value, and values that only rounding tells apart by place: modes along x and along y of a square
-/// would otherwise come in another order on another processor.
-fn sort_falling<P: Ord>(modes: &mut [(f64, P)]) {
-    const ROUNDING: f64 = 1e-12;
-    modes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let least = ROUNDING * modes.first().map_or(0.0, |first| first.0);
-    for equal in modes.chunk_by_mut(|a, b| a.0 - b.0 <= least) {
-        equal.sort_by(|a, b| a.1.cmp(&b.1));
-    }
 }
 
 /// Returns the largest products of profile eigenvalues.

@@ -14,7 +14,6 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use asperity_base::blocks;
 use asperity_base::map::{HeightMap, MapError};
 
 /// Highest degree of a polynomial form. Higher degrees would remove waviness and roughness.
@@ -110,7 +109,7 @@ impl From<Level> for String {
 pub enum LevelError {
     /// The text names no form.
     #[error(
-        "`{text}` is no form to remove; write none, mean, plane, quadratic, polynomial:N (N up to {MAX_DEGREE}), cylinder \
+        "`{text}` is not a form to remove; write none, mean, plane, quadratic, polynomial:N (N up to {MAX_DEGREE}), cylinder \
          or sphere"
     )]
     Unknown {
@@ -215,48 +214,4 @@ pub fn dominant_form(map: &HeightMap) -> Option<DominantForm> {
         if between(plane, quadratic) > quadratic { (Level::Quadratic, quadratic) } else { (Level::Plane, plane) };
     let form_rms_m = between(mean, rest);
     (form_rms_m > rest).then_some(DominantForm { level, form_rms_m, roughness_rms_m: rest })
-}
-
-/// Returns sums of `count` values over the rows of a map. All threads work on rows, and rows are added in order, so the
-/// result does not depend on the number of threads.
-fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-    /// Number of rows that are added before their sum is passed on.
-    const BLOCK: usize = 16;
-    let blocks: Vec<Vec<f64>> = blocks::map(0..rows.div_ceil(BLOCK), |block| {
-        let mut sums = vec![0.0; count];
-        for row in block * BLOCK..((block + 1) * BLOCK).min(rows) {
-            of_row(row, &mut sums);
-        }
-        sums
-    });
-    blocks.iter().fold(vec![0.0; count], |mut total, sums| {
-        total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
-        total
-    })
-}
-
-/// Coordinates from −1 to 1 over the columns or rows with a present point.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    centre: f64,
-    half: f64,
-}
-
-impl Span {
-    /// Returns the spans of columns and rows.
-    fn of(map: &HeightMap) -> (Self, Self) {
-        let ends = |place: fn((usize, usize)) -> usize| {
-            let present = map.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
-            let (low, high) =
-                present.fold((usize::MAX, 0), |(low, high), (at, _)| (low.min(place(at)), high.max(place(at))));
-            // A single row has no extent. Its scaled coordinate is 0, and a slope is undetermined.
-            let half = if high > low { 0.5 * (high - low) as f64 } else { 1.0 };
-            Self { centre: 0.5 * (low + high) as f64, half }
-        };
-        (ends(|at| at.1), ends(|at| at.0))
-    }
-
-    fn at(self, index: usize) -> f64 {
-        (index as f64 - self.centre) / self.half
-    }
 }

@@ -30,8 +30,7 @@ pub use filling::{
 pub use gaussian::{GaussianSurface, GeneratorError};
 pub use height_fits::HeightFits;
 pub use karhunen_loeve::{
-    KarhunenLoeve, Modes, ModesRoute, ProfileModes, exponential_eigenvalues_m, modes, modes_for_slopes,
-    modes_memory_bytes, profile_modes,
+    KarhunenLoeve, Modes, ModesRoute, ProfileModes, modes, modes_for_slopes, modes_memory_bytes, profile_modes,
 };
 pub use model::{CovarianceSource, SurfaceGenerator, SurfaceModel};
 pub use spectral::SpectralField;

@@ -39,10 +39,10 @@ mod variation;
 
 pub use band_slopes::{BandSlopes, Roughness};
 pub use composite::CompositeModel;
-pub use covariance::SurfaceCovariance;
+pub use covariance::{CovarianceRequest, SurfaceCovariance};
 pub use error::SurfaceModelError;
 pub use generated::{CapturedModes, GAMMA, Generated, PatchSize, RIDGES, XiOrder};
-pub use request::{CovarianceRequest, Measurable, SurfaceRequest};
+pub use request::{Measurable, SurfaceRequest};
 pub use selection::{CovarianceCandidate, SelectedCovariance};
 pub use trial::TrialMaps;
 pub use variation::Variation;

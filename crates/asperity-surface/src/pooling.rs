@@ -132,8 +132,8 @@ pub fn pool(readings: &[Reading], mean: Mean, level: f64) -> Result<Pooled, Pool
     let spread: f64 = weights.iter().zip(&scaled).map(|(w, y)| w * (y - centre).powi(2)).sum();
     let ratio = spread / (scans as f64 - 1.0);
     let error = (if between.is_some() { ratio.max(1.0) } else { ratio } / all).sqrt();
-    let student =
-        StudentsT::new(0.0, 1.0, scans as f64 - 1.0).map_or(f64::NAN, |law| law.inverse_cdf(1.0 - 0.5 * (1.0 - level)));
+    let student = StudentsT::new(0.0, 1.0, scans as f64 - 1.0)
+        .map_or(f64::NAN, |student| student.inverse_cdf(1.0 - 0.5 * (1.0 - level)));
     let values: Vec<f64> = readings.iter().map(|r| mean.of(r.value)).collect();
     let surface = mean.back(centre);
     let own_scale = |std: f64| std / mean.slope(surface);

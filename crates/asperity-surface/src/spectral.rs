@@ -15,7 +15,7 @@ use asperity_base::map::{Grid, HeightMap};
 pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
 
 /// Fraction of negative circulant variance that counts as rounding.
-const NEGLIGIBLE: f64 = 1e-12;
+pub(crate) const NEGLIGIBLE: f64 = 1e-12;
 /// Largest side of an embedding domain over the side of the grid, and its largest number of points.
 const LARGEST_FACTOR: usize = 64;
 const LARGEST_DOMAIN: usize = 1 << 24;
@@ -182,9 +182,9 @@ impl GaussianSurface for SpectralField {
     }
 
     fn covariance_with_m2(&self, row: usize, column: usize) -> Array2<f64> {
-        let shares = self.modes.covariance_with(row, column, self.grid.ny(), self.grid.nx());
+        let correlation = self.modes.covariance_with(row, column, self.grid.ny(), self.grid.nx());
         let variance = self.std_m * self.std_m;
-        Array2::from_shape_fn(self.grid.shape(), |(r, c)| variance * shares[r * self.grid.nx() + c])
+        Array2::from_shape_fn(self.grid.shape(), |(r, c)| variance * correlation[r * self.grid.nx() + c])
     }
 }
 

@@ -11,7 +11,6 @@ use ndarray::Array2;
 
 use super::gaussian::map_of;
 use super::{GaussianSurface, GeneratorError, RandomSurface};
-use asperity_base::correlation::StationaryCovariance;
 use asperity_base::distribution::{DistributionError, Marginal, translation::Translation};
 use asperity_base::map::{Grid, HeightMap};
 
@@ -29,7 +28,7 @@ const SLOPE_STEP: f64 = 1e-3;
 ///
 /// A truncated expansion has a pointwise variance below σ² that varies over the map. So the Gaussian field is divided
 /// by its *own* standard deviation at each point. The marginal distribution is then exactly F everywhere, and the
-/// truncation affects only the correlation, which [`Translated::correlation_report`] measures.
+/// truncation affects only the correlation, which [`Translated::correlation_with`] returns.
 ///
 /// *Plain* translation takes a Gaussian field with the wanted correlation; F⁻¹∘Φ then distorts it (towards zero). For
 /// the *corrected* correlation, create the Gaussian field by [`TranslationCorrection`], or from another generator by
@@ -131,29 +130,6 @@ impl<S: GaussianSurface> Translated<S> {
         }
         Ok(correlation)
     }
-
-    /// Compares the correlation around the centre of the map with `target`. The deviation includes the effects of
-    /// translation, its correction and the truncation of the field.
-    ///
-    /// # Errors
-    /// The errors of [`Translated::new`].
-    pub fn correlation_report(&self, target: &dyn StationaryCovariance) -> Result<TranslationReport, TranslationError> {
-        let grid = self.gaussian.grid();
-        let (row, column) = (grid.ny() / 2, grid.nx() / 2);
-        let met = self.correlation_with(row, column)?;
-        let mut report = TranslationReport { largest_deviation: 0.0, lag_x_m: 0.0, lag_y_m: 0.0, rms_deviation: 0.0 };
-        for ((r, c), value) in met.indexed_iter() {
-            let lag_x = (c as f64 - column as f64) * grid.dx_m();
-            let lag_y = (r as f64 - row as f64) * grid.dy_m();
-            let deviation = (value - target.correlation(lag_x, lag_y)).abs();
-            report.rms_deviation += deviation * deviation / grid.points() as f64;
-            if deviation > report.largest_deviation {
-                (report.largest_deviation, report.lag_x_m, report.lag_y_m) = (deviation, lag_x, lag_y);
-            }
-        }
-        report.rms_deviation = report.rms_deviation.sqrt();
-        Ok(report)
-    }
 }
 
 impl<S: GaussianSurface> RandomSurface for Translated<S> {
@@ -195,7 +171,7 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
 pub enum TranslationError {
     /// The marginal distribution is invalid.
     #[error(transparent)]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The Gaussian field cannot have this marginal distribution.
     #[error(transparent)]
     Generator(#[from] GeneratorError),

@@ -165,50 +165,15 @@ impl WeierstrassMandelbrot {
     ) -> Result<Self, GeneratorError> {
         check("dimension", dimension, dimension > 2.0 && dimension < 3.0, "in (2, 3)")?;
         check("ridges", ridges as f64, ridges > 0, "at least 1")?;
-        let angles: Vec<f64> = (1..=ridges).map(|m| PI * m as f64 / ridges as f64).collect();
-        Self::with_ridges(grid, dimension, gamma, &angles, roughness_m, form)
-    }
-
-    /// Creates a corrugation along y whose profile along x is eq. (1) with dimension 1 < D < 2: one ridge, without the
-    /// factor √(ln γ). The wavenumbers start at 2π over the width.
-    ///
-    /// # Errors
-    /// D outside (1, 2), γ not above 1, or G not positive.
-    pub fn corrugation(
-        grid: Grid,
-        profile_dimension: f64,
-        gamma: f64,
-        roughness_m: f64,
-        form: WeierstrassForm,
-    ) -> Result<Self, GeneratorError> {
-        let valid = profile_dimension > 1.0 && profile_dimension < 2.0;
-        check("profile_dimension", profile_dimension, valid, "in (1, 2)")?;
-        let mut surface = Self::with_ridges(grid, profile_dimension + 1.0, gamma, &[0.0], roughness_m, form)?;
-        for wave in &mut surface.waves {
-            wave.amplitude /= gamma.ln().sqrt();
-        }
-        Ok(surface)
-    }
-
-    fn with_ridges(
-        grid: Grid,
-        dimension: f64,
-        gamma: f64,
-        angles: &[f64],
-        roughness_m: f64,
-        form: WeierstrassForm,
-    ) -> Result<Self, GeneratorError> {
         check("gamma", gamma, gamma > 1.0, "above 1")?;
         check("roughness_m", roughness_m, roughness_m > 0.0, "positive")?;
-        let (length_m, nyquist) = match angles {
-            [0.0] => (grid.width_m(), PI / grid.dx_m()),
-            _ => (grid.width_m().max(grid.height_m()), PI / grid.dx_m().max(grid.dy_m())),
-        };
+        let (length_m, nyquist) = (grid.width_m().max(grid.height_m()), PI / grid.dx_m().max(grid.dy_m()));
         // The first wavenumber is always included, also on a grid too coarse for a second.
         let first = TAU / length_m;
         let more = std::iter::successors(Some(first * gamma), |q| Some(q * gamma));
         let wavenumbers = std::iter::once(first).chain(more.take_while(|q| *q <= nyquist * (1.0 + 1e-12)));
-        let waves = waves(wavenumbers, angles, dimension, gamma);
+        let angles: Vec<f64> = (1..=ridges).map(|m| PI * m as f64 / ridges as f64).collect();
+        let waves = waves(wavenumbers, &angles, dimension, gamma);
         Ok(Self { grid, dimension, gamma, roughness_m, form, waves })
     }
 

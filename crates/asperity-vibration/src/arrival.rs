@@ -13,8 +13,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::polynomial;
-use super::series::{Loading, Series};
-use super::weakening::Weakening;
+use super::series::Series;
+use super::weakening::{Loading, Weakening};
 
 /// Fraction of the turning time that is used, as a margin for rounding.
 const MARGIN: f64 = 1.0 - 1e-9;

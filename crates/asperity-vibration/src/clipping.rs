@@ -16,9 +16,9 @@ const EXCEEDANCE: f64 = 1e-4;
 /// Displacements scale with friction, so |v_rel| rarely exceeds V + μ_st + m, with m the largest fluctuation. The
 /// expected speed is `margin` times this value; `margin` is 1 unless slips turned out to be faster.
 pub fn clipped_to_positive(oscillator: &Oscillator, model: ProcessModel, margin: f64) -> ProcessModel {
-    let law = &model.marginal;
+    let marginal = &model.marginal;
     let static_friction = oscillator.parameters().static_friction;
-    let largest = model.std * (law.quantile(1.0 - EXCEEDANCE) - law.mean()) / law.std();
+    let largest = model.std * (marginal.quantile(1.0 - EXCEEDANCE) - marginal.mean()) / marginal.std();
     let fastest = margin * (oscillator.belt_velocity() + static_friction + largest.max(0.0));
     // A linear law may fall to zero at this speed; the run then reports that friction does not stay positive.
     let least = Some(-0.9 * oscillator.law().coefficient(fastest).max(0.01 * static_friction));

@@ -11,9 +11,10 @@ use serde::{Deserialize, Serialize};
 use self::passage::Passage;
 pub use self::rate::{Fraction, Passages, Rate};
 use super::batch::{Task, simulate_many};
-use super::sample_distribution::{RunningMoments, SampleCollector, SampleDistribution};
+use super::sample_distribution::{Count, RunningMoments, SampleCollector, SampleDistribution};
+use super::settled::swing_level;
 use super::trajectory::{NoObserver, follow};
-use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError, swing_level};
+use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::blocks::{self, Loop};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::NORMAL_95;
@@ -79,23 +80,6 @@ impl EnsembleSettings {
     pub fn memory_bytes(&self, threads: usize) -> f64 {
         let waiting = blocks::at_once(self.block_bytes() as usize, threads).min(self.trajectories.div_ceil(BLOCK));
         self.block_bytes() * waiting as f64 + VALUE_BYTES * DISTRIBUTIONS * self.sample_capacity as f64
-    }
-}
-
-/// Mean, standard deviation and standard error of a number over trajectories.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Count {
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation over trajectories, divisor n − 1.
-    pub std: f64,
-    /// Standard error of the mean.
-    pub se: f64,
-}
-
-impl Count {
-    fn from_moments(sums: &RunningMoments) -> Self {
-        Self { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
     }
 }
 

@@ -67,7 +67,7 @@ pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use deterministic::deterministic_slips;
-pub use ensemble::{Count, Ensemble, EnsembleSettings, FailedTrajectory, Fraction, Passages, Rate};
+pub use ensemble::{Ensemble, EnsembleSettings, FailedTrajectory, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
 pub use law::VelocityLaw;
@@ -76,7 +76,7 @@ pub use margin::DampingMargins;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
 pub use runge_kutta::Integrator;
-pub use sample_distribution::SampleDistribution;
+pub use sample_distribution::{Count, SampleDistribution};
 pub use sound::{Sound, SoundSettings};
 #[doc(hidden)]
 pub use stability_map::grid_contour;
@@ -94,7 +94,6 @@ pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 pub use waveform::{Waveform, WaveformSettings};
 
-use self::settled::swing_level;
 use asperity_base::monitor::Cancelled;
 use asperity_process::ProcessError;
 

@@ -189,6 +189,23 @@ impl SampleCollector {
     }
 }
 
+/// Mean, standard deviation and standard error of a number over trajectories.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Count {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation over trajectories, divisor n − 1.
+    pub std: f64,
+    /// Standard error of the mean.
+    pub se: f64,
+}
+
+impl Count {
+    pub(super) fn from_moments(sums: &RunningMoments) -> Self {
+        Self { mean: sums.mean(), std: sums.std(), se: sums.std() / (sums.count() as f64).sqrt() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,9 +8,8 @@
 //! No nearly equal numbers are subtracted when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every
 //! detachment is the state (0, 0).
 
-use super::polynomial::{self, CAPACITY};
-use super::runge_kutta::hermite;
-use super::weakening::{CubicTerms, Curve, ExponentialTerms, NoTerms, QuotientTerms, Recurrence, Weakening};
+use super::polynomial::{self, CAPACITY, RECIPROCAL, hermite};
+use super::weakening::{CubicTerms, Curve, ExponentialTerms, Loading, NoTerms, QuotientTerms, Recurrence, Weakening};
 use asperity_base::wide::{Kernel, wide};
 
 /// Number of coefficients of unshortened steps.
@@ -22,17 +21,6 @@ const TOLERANCE: f64 = 1e-13;
 const NO_EXPONENTIAL: f64 = 50.0;
 /// Distance of extrema, relative to the step, below which they count as one.
 const RESOLVED: f64 = 1e-12;
-
-/// 1/n.
-pub(super) const RECIPROCAL: [f64; CAPACITY + 1] = {
-    let mut r = [0.0; CAPACITY + 1];
-    let mut n = 1;
-    while n <= CAPACITY {
-        r[n] = 1.0 / n as f64;
-        n += 1;
-    }
-    r
-};
 
 /// Repeats a block for the orders 1, 2, … below a limit, each as a constant, so that the compiler unrolls the loop.
 macro_rules! for_orders {
@@ -90,33 +78,6 @@ pub(super) fn exponential_step(w: &[f64], decay: f64, mut h: f64) -> f64 {
         h *= 0.5;
     }
     h
-}
-
-/// Constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Loading {
-    pub(super) base: f64,
-    pub(super) kappa: f64,
-    /// ±qη/V.
-    pub(super) swing: f64,
-    /// η.
-    pub(super) frequency: f64,
-    /// ητ at the start of the step.
-    pub(super) phase: f64,
-}
-
-impl Loading {
-    /// Returns the constants of a step that starts later by t.
-    pub(super) fn later(&self, t: f64) -> Self {
-        Self { phase: self.phase + self.frequency * t, ..*self }
-    }
-
-    /// Returns e′ at the start.
-    #[inline(always)]
-    pub(super) fn rate(&self, w: f64) -> f64 {
-        let scaled = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
-        self.base + scaled - self.kappa * w
-    }
 }
 
 /// Compiles [`Series::expand_with`] for newer processors, which need fewer copies of registers.

@@ -1,13 +1,11 @@
 //! Slip orbit from a detachment, continued smoothly past the belt velocity.
 
 use super::scaled_forcing::ScaledForcing;
-use super::series::{Loading, Series};
+use super::series::Series;
 use super::structure::tangent::Step;
-use super::weakening::Weakening;
+use super::weakening::{CONTINUATION, Loading, Weakening};
 use super::{Oscillator, VibrationError};
 
-/// Least aVW to which the law 1/(1 + aVW) is continued; its pole lies at −1.
-const CONTINUATION: f64 = -0.5;
 /// Distance of W and W′ from steady sliding below which the orbit has no further minimum near zero.
 const SETTLED: f64 = 1e-6;
 const MAX_STEPS: usize = 1_000_000;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 pub use self::contour::grid_contour;
-use self::contour::{boundary, contour};
+use self::contour::{Place, Square, boundary, contour};
 use super::{
     Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, clipped_to_positive, limit_cycle,
     limit_damping,
@@ -32,7 +32,7 @@ choice! {
         /// Damping ratio and dimensionless belt velocity.
         DampingVelocity = "damping_velocity",
         /// Damping ratio and standard deviation of friction.
-        DampingScatter = "damping_scatter",
+        DampingStd = "damping_scatter",
         /// Dimensionless belt velocity and load over the stated normal force; the law and all lengths hold in SI.
         VelocityLoad = "velocity_load",
     }
@@ -43,7 +43,7 @@ impl MapOver {
     pub fn axes(self) -> [&'static str; 2] {
         match self {
             Self::DampingVelocity => ["damping_ratio", "belt_velocity"],
-            Self::DampingScatter => ["damping_ratio", "friction_std"],
+            Self::DampingStd => ["damping_ratio", "friction_std"],
             Self::VelocityLoad => ["belt_velocity", "load_ratio"],
         }
     }
@@ -60,7 +60,7 @@ impl MapOver {
     ) -> Result<(Oscillator, Option<ProcessModel>), VibrationError> {
         let ([damping_ratio, belt_velocity], std, load) = match self {
             Self::DampingVelocity => ([x, y], friction.std, 1.0),
-            Self::DampingScatter => ([x, stated.belt_velocity()], y, 1.0),
+            Self::DampingStd => ([x, stated.belt_velocity()], y, 1.0),
             Self::VelocityLoad => ([stated.damping_ratio(), x], friction.std, y),
         };
         let at = Parameters { damping_ratio, belt_velocity, ..stated.parameters().clone() };
@@ -209,30 +209,6 @@ pub struct StabilityMap {
 impl StabilityMap {
     /// Levels of the contours.
     pub const LEVELS: [f64; 3] = [0.05, 0.5, 0.95];
-}
-
-/// Point (column, row) of the finest grid.
-type Place = (usize, usize);
-
-/// Square of the quadtree: its lower corner and its side, on the finest grid.
-#[derive(Debug, Clone, Copy)]
-struct Square {
-    corner: Place,
-    side: usize,
-}
-
-impl Square {
-    fn corners(&self) -> [Place; 4] {
-        let (i, j) = self.corner;
-        let side = self.side;
-        [(i, j), (i + side, j), (i + side, j + side), (i, j + side)]
-    }
-
-    fn quarters(&self) -> [Self; 4] {
-        let (i, j) = self.corner;
-        let side = self.side / 2;
-        [(i, j), (i + side, j), (i, j + side), (i + side, j + side)].map(|corner| Self { corner, side })
-    }
 }
 
 /// Computes the map of the machines `machine(x, y)`.
@@ -420,10 +396,10 @@ mod tests {
             (oscillator.damping_ratio(), oscillator.belt_velocity(), model.std, model.shape, model.correlation_length)
         };
         assert_eq!(of(MapOver::DampingVelocity, [0.2, 0.01]), (0.2, 0.01, 0.001, shape, 0.01));
-        assert_eq!(of(MapOver::DampingScatter, [0.2, 0.002]), (0.2, 0.004, 0.002, shape, 0.01));
+        assert_eq!(of(MapOver::DampingStd, [0.2, 0.002]), (0.2, 0.004, 0.002, shape, 0.01));
         let shorter = CorrelationShape::WindowedExponential { window: 0.1 };
         assert_eq!(of(MapOver::VelocityLoad, [0.01, 2.0]), (0.15, 0.005, 0.001, shorter, 0.005));
-        let (_, constant) = MapOver::DampingScatter.machine(&stated, &friction, [0.2, 0.0]).unwrap();
+        let (_, constant) = MapOver::DampingStd.machine(&stated, &friction, [0.2, 0.0]).unwrap();
         assert_eq!(constant, None);
     }
 

@@ -106,7 +106,7 @@ impl Observer for Events {
 /// Follows a mass, passes its events to `observer` and counts its slips.
 ///
 /// The observer also receives the swings of the velocity during which W = |v_rel|/V exceeds `swing_level`, unless they end in stick
-/// or over-slip; see [`super::swing_level`].
+/// or over-slip; see [`super::settled::swing_level`].
 pub(super) fn follow(
     oscillator: &Oscillator,
     fluctuation: impl Fluctuation,

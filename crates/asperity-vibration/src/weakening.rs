@@ -1,8 +1,37 @@
-//! Friction law in the slip equation W′ = e + jump + linear·W + r(W), and the Taylor coefficients of r(W).
+//! Loading and friction law in the slip equation W′ = e + jump + linear·W + r(W), and the Taylor coefficients of r(W).
 
-use super::polynomial::cross;
-use super::series::{Loading, RECIPROCAL};
+use super::polynomial::{RECIPROCAL, cross};
 use super::{FrictionTable, Oscillator, VelocityLaw};
+
+/// Least aVW to which the law 1/(1 + aVW) is continued; its pole lies at −1.
+pub(super) const CONTINUATION: f64 = -0.5;
+
+/// Constants of e′ during one step: base + swing·sin(phase + ηt) − κW.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Loading {
+    pub(super) base: f64,
+    pub(super) kappa: f64,
+    /// ±qη/V.
+    pub(super) swing: f64,
+    /// η.
+    pub(super) frequency: f64,
+    /// ητ at the start of the step.
+    pub(super) phase: f64,
+}
+
+impl Loading {
+    /// Returns the constants of a step that starts later by t.
+    pub(super) fn later(&self, t: f64) -> Self {
+        Self { phase: self.phase + self.frequency * t, ..*self }
+    }
+
+    /// Returns e′ at the start.
+    #[inline(always)]
+    pub(super) fn rate(&self, w: f64) -> f64 {
+        let scaled = if self.swing == 0.0 { 0.0 } else { self.swing * self.phase.sin() };
+        self.base + scaled - self.kappa * w
+    }
+}
 
 /// Constants of W′; r(0) = 0.
 #[derive(Debug, Clone)]

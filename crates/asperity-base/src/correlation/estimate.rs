@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::profiles;
+use super::profiles::{self, Axis};
 use crate::blocks;
 use crate::fourier::{autocorrelation_sums, good_length};
 use crate::map::{Grid, HeightMap};
@@ -52,24 +52,6 @@ pub enum EstimateError {
 
 /// Largest relative difference of pitches that count as equal: over 10⁴ lags it adds up to a hundredth of a pixel.
 const SAME_PITCH: f64 = 1e-6;
-
-/// A direction of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axis {
-    /// Along rows.
-    X,
-    /// Along columns.
-    Y,
-}
-
-impl std::fmt::Display for Axis {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::X => "x",
-            Self::Y => "y",
-        })
-    }
-}
 
 /// Estimate of the autocovariance of a map, normalised by the number of pairs: C(k, l) = Σ z(i, j) z(i + l, j + k)/N(k,
 /// l) over the N pairs with both heights present, z without its mean.

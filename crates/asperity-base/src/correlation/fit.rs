@@ -4,8 +4,8 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::estimate::Axis;
 use super::model::{CorrelationModel, Covariance, CovarianceError};
+use super::profiles::Axis;
 use super::spectrum::BlockSpectrum;
 use crate::numeric::{Range, least_squares};
 

@@ -5,10 +5,26 @@ use std::ops::Range;
 use crate::fourier::{lag_sums_of_power, summed_power};
 use crate::map::HeightMap;
 
-use super::estimate::Axis;
-
 /// Rows read at a time for profiles along y.
 const TILE: usize = 8;
+
+/// A direction of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Along rows.
+    X,
+    /// Along columns.
+    Y,
+}
+
+impl std::fmt::Display for Axis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::X => "x",
+            Self::Y => "y",
+        })
+    }
+}
 
 /// Returns the number of profiles along `axis`, the points of each, and their pitch in metre.
 #[doc(hidden)]

@@ -11,8 +11,8 @@ use crate::fourier::{good_length, real_transform, summed_power};
 use crate::map::HeightMap;
 use crate::stats::Extent;
 
-use super::estimate::{Axis, EstimateError};
-use super::profiles;
+use super::estimate::EstimateError;
+use super::profiles::{self, Axis};
 
 pub use area::{AngularSpectrum, AreaSpectrum, RadialSpectrum, radial_spectrum};
 pub use band::{ReliableBand, UpperLimit};

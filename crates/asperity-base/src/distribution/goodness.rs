@@ -22,6 +22,26 @@ pub struct Goodness {
     pub p_value: f64,
 }
 
+/// Distances between a sample and a distribution fitted to it; the p-values are too large, see [`Goodness`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitGoodness {
+    /// Largest difference of the distribution functions.
+    pub kolmogorov_smirnov: Goodness,
+    /// Anderson–Darling distance, which weights the tails; absent if a value is at the end of the support, where it is
+    /// infinite.
+    pub anderson_darling: Option<Goodness>,
+}
+
+impl FitGoodness {
+    /// Returns the distances of independent or correlated values; `None` for an empty sample.
+    pub(super) fn new(marginal: &Marginal, values: &[f64], effective_size: f64) -> Option<Self> {
+        Some(Self {
+            kolmogorov_smirnov: kolmogorov_smirnov(values, marginal, Some(effective_size)).ok()?,
+            anderson_darling: anderson_darling(values, marginal, Some(effective_size)).ok(),
+        })
+    }
+}
+
 /// Returns the Kolmogorov–Smirnov distance D = sup |F_n − F|. NaN values are skipped.
 ///
 /// `effective_size` is the effective size of a correlated sample ([`crate::stats::correlation_time`]); `None` treats

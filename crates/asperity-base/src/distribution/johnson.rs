@@ -15,8 +15,8 @@ mod unbounded;
 
 use serde::{Deserialize, Serialize};
 
-use super::marginal::ln_normal;
 use super::moments::{Exact, lognormal};
+use super::special::ln_normal;
 
 /// Function f of a Johnson distribution, which determines the support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::moments::{self, Exact};
 use super::special::{
-    beta_cdf, beta_quantile, beta_survival, gamma_cdf, gamma_quantile, gamma_survival, ln_beta, ln_gamma,
+    beta_cdf, beta_quantile, beta_survival, gamma_cdf, gamma_quantile, gamma_survival, ln_beta, ln_gamma, ln_normal,
     standard_normal_cdf, standard_normal_quantile,
 };
 use super::{DistributionError, Johnson, JohnsonSystem, empirical, triangular};
@@ -412,11 +413,44 @@ impl Marginal {
             Self::Empirical { .. } => f64::NAN,
         }
     }
-}
 
-/// Returns ln φ(x).
-pub(super) fn ln_normal(x: f64) -> f64 {
-    -0.5 * x * x - 0.5 * std::f64::consts::TAU.ln()
+    /// Returns the mean.
+    pub fn mean(&self) -> f64 {
+        self.exact().mean
+    }
+
+    /// Returns the standard deviation.
+    pub fn std(&self) -> f64 {
+        self.exact().std
+    }
+
+    /// Returns the skewness E(x − m)³/σ³.
+    pub fn skewness(&self) -> f64 {
+        self.exact().skewness
+    }
+
+    /// Returns the excess kurtosis E(x − m)⁴/σ⁴ − 3.
+    pub fn excess_kurtosis(&self) -> f64 {
+        self.exact().excess_kurtosis
+    }
+
+    fn exact(&self) -> Exact {
+        match self {
+            Self::Normal { mean, std } => Exact { mean: *mean, std: *std, skewness: 0.0, excess_kurtosis: 0.0 },
+            Self::Lognormal { mu, sigma, shift } => moments::lognormal(*mu, *sigma, *shift),
+            Self::Weibull { shape, scale, shift } => moments::weibull(*shape, *scale, *shift),
+            Self::Gamma { shape, scale, shift } => Exact {
+                mean: shift + shape * scale,
+                std: shape.sqrt() * scale,
+                skewness: 2.0 / shape.sqrt(),
+                excess_kurtosis: 6.0 / shape,
+            },
+            Self::Beta { a, b, low, high } => moments::beta(*a, *b, *low, *high),
+            Self::Triangular { low, mode, high } => moments::triangular(*low, *mode, *high),
+            Self::Johnson(johnson) => johnson.exact(),
+            Self::Empirical { sorted } => moments::empirical(sorted),
+        }
+    }
 }
 
 /// Returns ln(t^exponent), with 0⁰ = 1.

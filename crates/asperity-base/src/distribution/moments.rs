@@ -1,7 +1,6 @@
 //! Exact moments of the distributions.
 
 use super::special::ln_gamma;
-use super::{Marginal, triangular};
 
 /// Mean, standard deviation, skewness and excess kurtosis of a distribution.
 pub(super) struct Exact {
@@ -9,46 +8,6 @@ pub(super) struct Exact {
     pub(super) std: f64,
     pub(super) skewness: f64,
     pub(super) excess_kurtosis: f64,
-}
-
-impl Marginal {
-    /// Returns the mean.
-    pub fn mean(&self) -> f64 {
-        self.exact().mean
-    }
-
-    /// Returns the standard deviation.
-    pub fn std(&self) -> f64 {
-        self.exact().std
-    }
-
-    /// Returns the skewness E(x − m)³/σ³.
-    pub fn skewness(&self) -> f64 {
-        self.exact().skewness
-    }
-
-    /// Returns the excess kurtosis E(x − m)⁴/σ⁴ − 3.
-    pub fn excess_kurtosis(&self) -> f64 {
-        self.exact().excess_kurtosis
-    }
-
-    fn exact(&self) -> Exact {
-        match self {
-            Self::Normal { mean, std } => Exact { mean: *mean, std: *std, skewness: 0.0, excess_kurtosis: 0.0 },
-            Self::Lognormal { mu, sigma, shift } => lognormal(*mu, *sigma, *shift),
-            Self::Weibull { shape, scale, shift } => weibull(*shape, *scale, *shift),
-            Self::Gamma { shape, scale, shift } => Exact {
-                mean: shift + shape * scale,
-                std: shape.sqrt() * scale,
-                skewness: 2.0 / shape.sqrt(),
-                excess_kurtosis: 6.0 / shape,
-            },
-            Self::Beta { a, b, low, high } => beta(*a, *b, *low, *high),
-            Self::Triangular { low, mode, high } => triangular::moments([*low, *mode, *high]),
-            Self::Johnson(johnson) => johnson.exact(),
-            Self::Empirical { sorted } => empirical(sorted),
-        }
-    }
 }
 
 pub(super) fn lognormal(mu: f64, sigma: f64, shift: f64) -> Exact {
@@ -63,7 +22,7 @@ pub(super) fn lognormal(mu: f64, sigma: f64, shift: f64) -> Exact {
     }
 }
 
-fn weibull(shape: f64, scale: f64, shift: f64) -> Exact {
+pub(super) fn weibull(shape: f64, scale: f64, shift: f64) -> Exact {
     // Relative raw moments E tᵏ/(E t)ᵏ − 1, which minimise the cancellation in the central moments of large shapes.
     let log_mean = ln_gamma(1.0 + 1.0 / shape);
     let relative = |k: f64| (ln_gamma(1.0 + k / shape) - k * log_mean).exp_m1();
@@ -77,7 +36,7 @@ fn weibull(shape: f64, scale: f64, shift: f64) -> Exact {
     }
 }
 
-fn beta(a: f64, b: f64, low: f64, high: f64) -> Exact {
+pub(super) fn beta(a: f64, b: f64, low: f64, high: f64) -> Exact {
     let sum = a + b;
     let variance = a * b / (sum * sum * (sum + 1.0));
     Exact {
@@ -89,9 +48,21 @@ fn beta(a: f64, b: f64, low: f64, high: f64) -> Exact {
     }
 }
 
+pub(super) fn triangular(low: f64, mode: f64, high: f64) -> Exact {
+    let (rise, fall) = (mode - low, high - mode);
+    let square = rise * rise + rise * fall + fall * fall;
+    let asymmetry = (fall - rise) * (2.0 * rise + fall) * (rise + 2.0 * fall);
+    Exact {
+        mean: low + (2.0 * rise + fall) / 3.0,
+        std: (square / 18.0).sqrt(),
+        skewness: std::f64::consts::SQRT_2 * asymmetry / (5.0 * square.powf(1.5)),
+        excess_kurtosis: -0.6,
+    }
+}
+
 /// The interpolated distribution is uniform with mass 1/n between neighbours, with a point mass of 1/(2n) at either
 /// end.
-fn empirical(sorted: &[f64]) -> Exact {
+pub(super) fn empirical(sorted: &[f64]) -> Exact {
     let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else {
         return Exact { mean: f64::NAN, std: f64::NAN, skewness: f64::NAN, excess_kurtosis: f64::NAN };
     };
@@ -120,8 +91,8 @@ fn empirical(sorted: &[f64]) -> Exact {
 
 #[cfg(test)]
 mod tests {
-    use super::super::marginal::tests::examples;
-    use super::*;
+    use crate::distribution::Marginal;
+    use crate::distribution::marginal::tests::examples;
 
     #[test]
     fn moments_are_the_integrals_of_the_translated_normal_distribution() {

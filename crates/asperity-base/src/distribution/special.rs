@@ -59,6 +59,11 @@ fn exp_minus_half_square(x: f64) -> f64 {
     (-0.5 * coarse * coarse).exp() * (-0.5 * (x - coarse) * (x + coarse)).exp()
 }
 
+/// Returns ln φ(x).
+pub(super) fn ln_normal(x: f64) -> f64 {
+    -0.5 * x * x - 0.5 * std::f64::consts::TAU.ln()
+}
+
 /// Returns the standard normal density φ.
 #[inline]
 pub fn standard_normal_pdf(x: f64) -> f64 {

@@ -1,7 +1,5 @@
 //! Triangular distribution: the density rises linearly from `low` to `mode` and falls linearly to `high`.
 
-use super::moments::Exact;
-
 /// Lower end, mode and upper end, in ascending order.
 pub(super) type Triangle = [f64; 3];
 
@@ -37,19 +35,6 @@ pub(super) fn ln_pdf([low, mode, high]: Triangle, x: f64) -> f64 {
         1.0
     };
     (2.0 * relative.max(0.0) / (high - low)).ln()
-}
-
-/// Returns the moments.
-pub(super) fn moments([low, mode, high]: Triangle) -> Exact {
-    let (rise, fall) = (mode - low, high - mode);
-    let square = rise * rise + rise * fall + fall * fall;
-    let asymmetry = (fall - rise) * (2.0 * rise + fall) * (rise + 2.0 * fall);
-    Exact {
-        mean: low + (2.0 * rise + fall) / 3.0,
-        std: (square / 18.0).sqrt(),
-        skewness: std::f64::consts::SQRT_2 * asymmetry / (5.0 * square.powf(1.5)),
-        excess_kurtosis: -0.6,
-    }
 }
 
 /// Returns the distribution function for x ≤ mode.

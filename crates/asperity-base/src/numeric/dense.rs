@@ -20,12 +20,18 @@ mod tridiagonal;
 
 use ndarray::linalg::general_mat_mul;
 use ndarray::{ArrayView2, ArrayViewMut2, Axis, s};
+use thiserror::Error;
 
 pub use cholesky::Cholesky;
-pub use eigen::{NotConverged, SymmetricEigen, symmetric_eigen};
+pub use eigen::{SymmetricEigen, symmetric_eigen};
 pub use elimination::dense_solution;
 pub use qr::{Qr, triangular_condition};
 pub use triangular::solve_upper;
+
+/// The eigenvalues cannot be computed, for example because an entry is not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("the eigenvalues of a matrix cannot be computed")]
+pub struct NotConverged;
 
 /// Width of the blocks that are factorised without matrix products.
 const BLOCK: usize = 32;

@@ -2,18 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::{Layout, Spread, flat_top, lag_sums, sum_of_tracks};
+use super::flat_top::{self, BLOCKS_TO_SPARE, FADED, LARGEST_FITTED};
+use super::{Layout, Spread, lag_sums, sum_of_tracks};
 
-/// Level that defines the reach of a correlogram.
-const FADED: f64 = 0.2;
-/// Length of the window in reaches, flat up to half of that: it then contains 98 % of an exponential correlogram.
-const REACHES: f64 = 4.65;
-/// Least length of a window in correlation lengths of the values.
-const LEAST_LENGTHS: f64 = 3.75;
-/// Number of blocks down to which long records have a wider window.
-const BLOCKS_TO_SPARE: f64 = 40.0;
-/// Largest fraction of the variance in the window removed by the fitted means.
-const LARGEST_FITTED: f64 = 0.5;
 /// Few blocks narrow the window, down to this fraction; with fewer there is no interval.
 const WANTED_BLOCKS: f64 = 10.0;
 const NARROWEST: f64 = 0.6;
@@ -72,7 +63,7 @@ impl RecordSum {
         let views: Vec<&[f64]> = influence.iter().map(Vec::as_slice).collect();
         let (products, _) = pooled(&views, 0.0, Layout { tracks: 1, ..self.layout });
         let reach = crossing(&products, &self.fractions, FADED);
-        let least = (REACHES * reach).max(LEAST_LENGTHS * self.length).max(3.0);
+        let least = flat_top::least_end(reach, self.length);
         let spare = 0.75 / (self.fractions[0] * BLOCKS_TO_SPARE);
         let mut end = spare.clamp(least, 2.0 * least);
         let taken = |end: f64| self.weighted(end, |fraction, weight| fraction * weight);
@@ -84,13 +75,17 @@ impl RecordSum {
         }
         let squares = squares(end);
         let lags = || products.iter().enumerate();
-        let sum: f64 = lags().map(|(lag, product)| flat_top(lag as f64, end) * product).sum();
+        let sum: f64 = lags().map(|(lag, product)| flat_top::weight(lag as f64, end) * product).sum();
         // Exponential correlogram with the same reach.
         let decay = reach / (1.0 / FADED).ln();
         let exponential = |lag: usize| (-(lag as f64) / decay).exp();
         let whole: f64 = self.fractions.iter().enumerate().map(|(lag, fraction)| fraction * exponential(lag)).sum();
-        let within: f64 =
-            self.fractions.iter().enumerate().map(|(lag, s)| flat_top(lag as f64, end) * s * exponential(lag)).sum();
+        let within: f64 = self
+            .fractions
+            .iter()
+            .enumerate()
+            .map(|(lag, s)| flat_top::weight(lag as f64, end) * s * exponential(lag))
+            .sum();
         let variance = sum / (1.0 - fitted * taken(end)) / (within / whole);
         let (third, fourth, blocks) = self.block_moments(&influence, end.round() as usize);
         let excess = (fourth - 3.0 / blocks).max(0.0);
@@ -108,7 +103,11 @@ impl RecordSum {
     }
 
     fn weighted(&self, end: f64, term: impl Fn(f64, f64) -> f64) -> f64 {
-        self.fractions.iter().enumerate().map(|(lag, fraction)| term(*fraction, flat_top(lag as f64, end))).sum()
+        self.fractions
+            .iter()
+            .enumerate()
+            .map(|(lag, fraction)| term(*fraction, flat_top::weight(lag as f64, end)))
+            .sum()
     }
 
     /// Returns Σ S³/(Σ S²)^{3/2}, Σ S⁴/(Σ S²)² and the number of blocks of about `side` values with sums S.

@@ -55,12 +55,3 @@ impl Spread {
         if skew.abs() < 1e-6 { x } else { 3.0 / skew * ((1.0 + skew * (x - skew / 6.0)).cbrt() - 1.0) }
     }
 }
-
-/// Returns the flat-top lag window: 1 up to half of `end`, then decreasing to 0 at `end`.
-///
-/// # References
-/// Politis & Romano, *J. Time Ser. Anal.* **16** (1995) 67, <https://doi.org/10.1111/j.1467-9892.1995.tb00223.x>.
-#[doc(hidden)]
-pub fn flat_top(distance: f64, end: f64) -> f64 {
-    (2.0 - 2.0 * distance / end).clamp(0.0, 1.0)
-}

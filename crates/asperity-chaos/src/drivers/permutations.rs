@@ -6,7 +6,7 @@
 
 use rand::RngExt;
 
-use super::DriverError;
+use super::error::DriverError;
 use super::replicates::Point;
 use crate::UncertainInputs;
 use asperity_base::random::stream;

@@ -1,6 +1,6 @@
 //! Independent randomisations of a design, and estimates with jackknife intervals over them.
 
-use super::{DriverError, PickFreeze};
+use super::error::DriverError;
 use crate::{Design, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::{Interval, student_quantile};
@@ -24,8 +24,7 @@ pub(super) struct Point<'a> {
 pub(super) struct Replicates(Vec<Design>);
 
 impl Replicates {
-    pub(super) fn new(settings: &PickFreeze, inputs: usize) -> Result<Self, DriverError> {
-        let design = Design::new(settings.method, settings.seed, "chaos/drivers", settings.points, 2 * inputs)?;
+    pub(super) fn new(design: &Design) -> Result<Self, DriverError> {
         Ok(Self((0..COUNT).map(|number| design.replicate(number)).collect::<Result<_, _>>()?))
     }
 

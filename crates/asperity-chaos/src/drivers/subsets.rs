@@ -3,7 +3,7 @@
 //! For a subset u, c(u) = E Var\[f | inputs outside u\]/Var f. The total index of input i is c({i}), and its first-order
 //! index is 1 − c(all but i). Its Shapley effect is the weighted sum of c(u ∪ {i}) − c(u) over the subsets u without i.
 
-use super::DriverError;
+use super::error::DriverError;
 use super::replicates::Point;
 use crate::{Redraw, UncertainInputs};
 

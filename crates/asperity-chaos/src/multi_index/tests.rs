@@ -143,3 +143,17 @@ fn impossible_sets_are_refused() {
     let wanted = MultiIndexError::DegreeLimits { limits: 1, variables: 2 };
     assert_eq!(MultiIndexSet::truncated(2, &limits), Err(wanted));
 }
+
+impl MultiIndexSet {
+    /// Creates a set from all degrees (α₁, …, α_n) of each multi-index; see [`MultiIndexSet::from_factors`].
+    pub(crate) fn from_rows<R: AsRef<[u16]>>(
+        variables: usize,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<Self, MultiIndexError> {
+        let sparse = |row: R| -> Vec<Factor> {
+            let with_position = (0_u32..).zip(row.as_ref());
+            with_position.filter(|(_, d)| **d > 0).map(|(variable, &degree)| Factor { variable, degree }).collect()
+        };
+        Self::from_factors(variables, rows.into_iter().map(sparse))
+    }
+}

@@ -1,15 +1,79 @@
-//! Bootstrap of moments and indices over the choice of points and the noise of the samples.
+//! Observed responses, and the bootstrap of moments and indices over the choice of points and the noise of the samples.
 
-use super::{NoIndices, Noise, Observed, ParameterIndices};
+use thiserror::Error;
+
+use crate::resamples::FITTED_FRACTION;
 use crate::{Expansion, RegressionError, Resamples, SampleEstimate};
 use asperity_base::blocks;
 use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
 
-/// Smallest fraction of resamples that must have an expansion.
-const FITTED_FRACTION: f64 = 0.95;
 const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
 const POSITIVE: Interval = Interval { low: 0.0, high: f64::INFINITY };
 const FRACTION: Interval = Interval { low: 0.0, high: 1.0 };
+
+/// Reason why a response has no Sobol' indices.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum NoIndices {
+    /// The response does not vary with the parameters.
+    #[error("it does not depend on the parameters")]
+    Constant,
+    /// No expansion predicts the response better than its mean.
+    #[error("no expansion in the parameters predicts it better than its mean: relative leave-one-out error {error:.2}")]
+    NothingPredicts {
+        /// Smallest relative leave-one-out error.
+        error: f64,
+    },
+    /// The expansion fails on too many resamples.
+    #[error("{failed} of {resamples} resamples of the points have no expansion; more points are needed")]
+    TooManyFailures {
+        /// Number of resamples without an expansion.
+        failed: usize,
+        /// Total number of resamples.
+        resamples: usize,
+    },
+}
+
+/// Responses observed at the points of a design.
+#[derive(Debug, Clone, Copy)]
+pub struct Observed<'a> {
+    /// Response at each point; NaN marks a missing response.
+    pub values: &'a [f64],
+    /// For each of the random samples behind the responses, the response at each point without that sample. Empty if
+    /// the response has no noise. NaN counts as the response with all samples.
+    pub without: &'a [Vec<f64>],
+    /// Difference below which responses count as equal.
+    pub resolution: f64,
+}
+
+impl<'a> Observed<'a> {
+    /// Creates an observation without noise.
+    pub fn exact(values: &'a [f64]) -> Self {
+        Self { values, without: &[], resolution: 0.0 }
+    }
+}
+
+/// Effect of the noise of a response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Jackknife standard error of the mean over the points. It contains the noise that is common to all points in
+    /// full.
+    pub standard_error: f64,
+    /// Variance over the points that is due to noise, divided by the observed variance: 0 without noise, about 1 if
+    /// everything is noise. Noise common to all points does not contribute. 0 for a constant response.
+    pub variance_fraction: f64,
+}
+
+/// Sobol' indices in the order of the parameters.
+///
+/// Intervals include the choice of the points, the noise, and the variance that the expansion does not explain (the
+/// relative leave-one-out error bounds its effect on an index).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterIndices {
+    /// First-order index: the fraction of the variance that a parameter explains alone.
+    pub first_order: Vec<SampleEstimate>,
+    /// Total index: the fraction that a parameter explains together with all others.
+    pub total: Vec<SampleEstimate>,
+}
 
 /// Points with a response, and the influence of each random sample.
 pub(super) struct Samples<'a> {

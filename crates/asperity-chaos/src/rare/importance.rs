@@ -11,7 +11,7 @@
 use asperity_base::random::Stream;
 use asperity_base::stats::{Interval, Moments, student_quantile};
 
-use super::RareError;
+use super::error::RareError;
 use super::interpolant::Interpolant;
 use super::limit_state::LimitState;
 use super::proposal::Proposal;

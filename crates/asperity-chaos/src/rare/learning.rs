@@ -14,8 +14,8 @@ use std::convert::Infallible;
 use asperity_base::distribution::standard_normal_quantile;
 use asperity_base::random::{Stream, standard_normal, stream};
 
-use super::RareError;
 use super::chains::{LastLevel, Plan, descend};
+use super::error::RareError;
 use super::interpolant::Interpolant;
 use super::limit_state::LimitState;
 use super::proposal::unit;

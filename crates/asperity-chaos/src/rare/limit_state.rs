@@ -3,7 +3,7 @@
 use asperity_base::blocks::Task;
 use asperity_base::monitor::Monitor;
 
-use super::RareError;
+use super::error::RareError;
 
 /// Limit state g with its number of evaluations.
 pub(super) struct LimitState<'a, G> {

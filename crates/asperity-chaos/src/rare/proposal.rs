@@ -95,8 +95,9 @@ impl Proposal {
             for ratios in &ratios {
                 let total: f64 = ratios.iter().zip(&mixture.parts).map(|(ratio, (weight, _))| ratio * weight).sum();
                 if total > 0.0 && total.is_finite() {
-                    let shares = ratios.iter().zip(&mixture.parts).map(|(ratio, (weight, _))| ratio * weight / total);
-                    sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += share);
+                    let fractions =
+                        ratios.iter().zip(&mixture.parts).map(|(ratio, (weight, _))| ratio * weight / total);
+                    sums.iter_mut().zip(fractions).for_each(|(sum, fraction)| *sum += fraction);
                 }
             }
             let total: f64 = sums.iter().sum::<f64>().max(f64::MIN_POSITIVE);

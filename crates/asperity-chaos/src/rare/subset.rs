@@ -5,8 +5,9 @@ use asperity_base::random::stream;
 use asperity_base::stats::{Interval, Moments, student_quantile};
 
 use super::chains::{LEAST_PROBABILITY, LastLevel, Plan, descend};
+use super::error::RareError;
 use super::limit_state::LimitState;
-use super::{NoFailure, RareError, RareMethod, RareProbability, SmallProbability, UpperBound};
+use super::probability::{NoFailure, RareMethod, RareProbability, SmallProbability, UpperBound};
 
 /// Settings of [`subset_simulation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,8 +67,8 @@ where
     loop {
         let mut draws = stream(seed, "chaos/rare/subset", probabilities.len() as u64);
         // The first replicate leaves evaluations for a second one.
-        let share = if probabilities.is_empty() { 2 } else { 1 };
-        let plan = Plan { levels: plan.levels.min(state.left() / plan.samples / share), ..plan };
+        let replicates = if probabilities.is_empty() { 2 } else { 1 };
+        let plan = Plan { levels: plan.levels.min(state.left() / plan.samples / replicates), ..plan };
         let level = descend(plan, &mut draws, |points| state.evaluate(points))?;
         probabilities.push(if level.failed { level.probability } else { 0.0 });
         if !level.failed {

@@ -1,6 +1,7 @@
 use super::*;
 use asperity_base::distribution::standard_normal_cdf;
 use asperity_base::monitor::Silent;
+use asperity_base::stats::Interval;
 use asperity_testing::{covered, repetitions};
 use rayon::prelude::*;
 

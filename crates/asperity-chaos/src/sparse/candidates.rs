@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayView2, CowArray, Ix2};
 
-use super::SparseError;
+use super::error::SparseError;
 use asperity_base::blocks;
 use asperity_base::wide::{Kernel, wide};
 

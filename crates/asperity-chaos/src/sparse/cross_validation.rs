@@ -2,17 +2,19 @@
 
 use ndarray::Axis;
 
-use super::growing_fit::GrowingFit;
-use super::{
-    Attempt, Candidates, Search, SparseError, SparseFit, SparseMethod, SparseRegression, mean_and_spread,
-    subspace_pursuit,
-};
+use super::candidates::Candidates;
+use super::error::SparseError;
+use super::fit::{Attempt, SparseFit};
+use super::growing_fit::{GrowingFit, mean_and_spread};
+use super::search::Search;
+use super::settings::SparseMethod;
+use super::subspace_pursuit;
 use asperity_base::blocks;
 use asperity_base::random::{standard_normal, stream};
 
 /// Returns the model whose number of terms has the smallest cross-validation error.
 pub(super) fn select(
-    regression: &SparseRegression,
+    method: SparseMethod,
     candidates: &Candidates<'_>,
     response: &[f64],
     limit: usize,
@@ -23,14 +25,13 @@ pub(super) fn select(
     // No more terms than every part can determine.
     let limit = limit.min((samples - samples.div_ceil(folds)).saturating_sub(1));
     let constant = usize::from(candidates.constant().is_some());
-    let sizes: Vec<usize> = match regression.method {
+    let sizes: Vec<usize> = match method {
         SparseMethod::SubspacePursuit => subspace_pursuit::sizes(candidates, limit),
         _ => (constant + 1..=limit).collect(),
     };
     let parts = partition(samples, folds);
-    let found: Result<Vec<Part>, SparseError> = blocks::map(0..folds, |fold| {
-        Part::new(regression, candidates, response, &sizes, |sample| parts[sample] == fold)
-    });
+    let found: Result<Vec<Part>, SparseError> =
+        blocks::map(0..folds, |fold| Part::new(method, candidates, response, &sizes, |sample| parts[sample] == fold));
     let (_, spread) = mean_and_spread(response);
     let scale = samples as f64 * spread * spread / (samples as f64 - 1.0);
     let mut squares = vec![0.0; sizes.len()];
@@ -42,13 +43,13 @@ pub(super) fn select(
     let best = (0..sizes.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]));
     let terms = best.map_or(constant, |best| sizes[best]);
     let start = GrowingFit::new(candidates, response);
-    let mut search = match regression.method {
+    let mut search = match method {
         SparseMethod::SubspacePursuit => {
             let fit = if terms > constant { subspace_pursuit::with_terms(start, terms) } else { start };
             Search::from_single(fit)
         }
         // The whole path, without early stopping.
-        _ => regression.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
+        _ => method.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
     };
     search.best = search.fit.terms().len().min(terms);
     let tried = std::mem::take(&mut search.path);
@@ -76,7 +77,7 @@ struct Part {
 
 impl Part {
     fn new(
-        regression: &SparseRegression,
+        method: SparseMethod,
         candidates: &Candidates<'_>,
         response: &[f64],
         sizes: &[usize],
@@ -99,14 +100,14 @@ impl Part {
         let start = GrowingFit::new(&fewer, &values);
         // A path may end early when nothing is left to explain or to enter.
         let last = |squares: &[f64]| squares.last().copied().unwrap_or(of_the_mean);
-        let squares = match regression.method {
+        let squares = match method {
             SparseMethod::SubspacePursuit => sizes
                 .iter()
                 .map(|&size| last(&squares_of(&subspace_pursuit::with_terms(start.clone(), size))))
                 .collect(),
             _ => {
                 let limit = sizes.last().copied().unwrap_or(0);
-                let squares = squares_of(&regression.search(start, limit, usize::MAX / 2).fit);
+                let squares = squares_of(&method.search(start, limit, usize::MAX / 2).fit);
                 sizes.iter().map(|&size| squares.get(size - 1).copied().unwrap_or(last(&squares))).collect()
             }
         };

@@ -3,7 +3,7 @@
 use ndarray::{Array2, ArrayView1};
 
 use super::candidates::Candidates;
-use super::{Attempt, mean_and_spread};
+use super::fit::Attempt;
 use crate::regression::is_determined;
 use asperity_base::numeric::triangular_condition;
 use asperity_base::wide::{Kernel, wide};
@@ -222,4 +222,10 @@ impl<'a> Kernel<(&'a [f64], &'a mut [f64], &'a mut [f64])> for Orthogonalise {
             }
         }
     }
+}
+
+/// Returns the mean and the length of the deviation from it.
+pub(super) fn mean_and_spread(values: &[f64]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (mean, values.iter().map(|y| (y - mean).powi(2)).sum::<f64>().sqrt())
 }

@@ -1,8 +1,9 @@
 //! Least-angle regression.
 
+use super::fit::StopReason;
 use super::growing_fit::GrowingFit;
 use super::path::Path;
-use super::{Search, StopReason};
+use super::search::Search;
 
 /// Adds terms in the order of least-angle regression.
 ///

@@ -1,8 +1,9 @@
 //! Orthogonal matching pursuit.
 
+use super::fit::StopReason;
 use super::growing_fit::GrowingFit;
 use super::path::Path;
-use super::{Search, StopReason};
+use super::search::Search;
 
 /// Adds the column most correlated with the residual, one after the other.
 ///

@@ -1,7 +1,8 @@
 //! Paths that add one term at a time.
 
+use super::fit::{Attempt, StopReason};
 use super::growing_fit::GrowingFit;
-use super::{Attempt, Search, StopReason};
+use super::search::Search;
 
 /// Squared remaining fraction of a standardised column that counts as rounding.
 const SPANNED: f64 = 1e-13;

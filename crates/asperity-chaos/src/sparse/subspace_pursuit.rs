@@ -3,8 +3,9 @@
 use std::cmp::Ordering;
 
 use super::candidates::Candidates;
+use super::fit::{Attempt, StopReason};
 use super::growing_fit::GrowingFit;
-use super::{Attempt, Search, StopReason};
+use super::search::Search;
 use asperity_base::blocks;
 
 /// Numbers of terms tried first, logarithmically spaced, and then around the best.

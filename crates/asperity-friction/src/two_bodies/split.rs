@@ -7,11 +7,28 @@
 use asperity_base::correlation::{RecordCorrelation, RecordModel, fit_record};
 use asperity_base::stats::{Interval, Moments, student_quantile};
 
-use super::TwoBodyFriction;
 use super::distances::Distances;
 
 /// Smallest number of strips with a jackknife interval.
 const LEAST_STRIPS: usize = 4;
+
+/// Friction of a window between two rough bodies at the mean load ([`Record::at_mean_load`](crate::strip::Record::at_mean_load)).
+///
+/// The squares of `between_parts_std` and `path_std` add up to the variance of all windows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoBodyFriction {
+    /// Standard deviation between parts of the slider.
+    pub between_parts_std: f64,
+    /// 95 % interval of `between_parts_std` by the jackknife over strips; `None` with fewer than four strips.
+    pub between_parts_interval: Option<Interval>,
+    /// Standard deviation of the fluctuation along the path.
+    pub path_std: f64,
+    /// Correlation length in metre of e^{−h/ℓ} fitted to the correlation of the fluctuation over the sliding distance; it contains
+    /// the effect of the window. At least half of the shortest distance, and the length of the window if nothing fluctuates.
+    pub path_length_m: f64,
+    /// 95 % interval of `path_length_m` by the jackknife over strips; `None` with fewer than four strips.
+    pub path_length_interval_m: Option<Interval>,
+}
 
 /// Separates the variance `std`² of friction. `values` are the deviations of friction of each strip from the common mean, by
 /// sliding distance and then by window.

@@ -351,11 +351,11 @@ fn the_length_of_a_simulated_process_is_recovered_under_the_windows() {
 /// Returns strips of a Beta(2.1, 5) process on [.1, .4]. The normal variables have the correlation e^{−s/ℓ}, ℓ ten
 /// steps.
 fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
-    let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
+    let marginal = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
     let phi = (-0.1_f64).exp();
     let strip = |strip: usize| {
         let g = autoregressive(phi, steps, &mut random::stream(seed, "beta strips", strip as u64));
-        let friction: Vec<f64> = g.iter().map(|g| law.translate(*g)).collect();
+        let friction: Vec<f64> = g.iter().map(|g| marginal.translate(*g)).collect();
         record(friction, vec![1.0; steps])
     };
     (0..strips).map(strip).collect()
@@ -363,7 +363,7 @@ fn beta_strips(strips: usize, steps: usize, seed: u64) -> Vec<Record> {
 
 #[test]
 fn statistics_of_a_simulated_process_are_recovered() {
-    let law = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
+    let marginal = Marginal::beta(2.1, 5.0, 0.1, 0.4).unwrap();
     let mut records = beta_strips(20, 500, 3);
     // Windows without load leave gaps.
     for window in 40..45 {
@@ -375,11 +375,11 @@ fn statistics_of_a_simulated_process_are_recovered() {
     assert!(found.effective_windows > 350.0 && found.effective_windows < 800.0, "{}", found.effective_windows);
     let estimates = found.estimates;
     for (estimate, truth) in [
-        (estimates.mean, law.mean()),
-        (estimates.std, law.std()),
-        (estimates.coefficient_of_variation, law.std() / law.mean()),
-        (estimates.skewness, law.skewness()),
-        (estimates.excess_kurtosis, law.excess_kurtosis()),
+        (estimates.mean, marginal.mean()),
+        (estimates.std, marginal.std()),
+        (estimates.coefficient_of_variation, marginal.std() / marginal.mean()),
+        (estimates.skewness, marginal.skewness()),
+        (estimates.excess_kurtosis, marginal.excess_kurtosis()),
     ] {
         let estimate = estimate.unwrap();
         assert!((estimate.value - truth).abs() < 4.0 * estimate.standard_error, "{estimate:?} for {truth}");
@@ -388,7 +388,8 @@ fn statistics_of_a_simulated_process_are_recovered() {
     let (place, beta) = (found.marginals.place().unwrap(), found.beta.as_ref().unwrap());
     println!("{} {:?}", found.marginal().unwrap().marginal, found.marginals.goodness[place]);
     assert!(
-        (beta.marginal.mean() / law.mean() - 1.0).abs() < 0.01 && (beta.marginal.std() / law.std() - 1.0).abs() < 0.05
+        (beta.marginal.mean() / marginal.mean() - 1.0).abs() < 0.01
+            && (beta.marginal.std() / marginal.std() - 1.0).abs() < 0.05
     );
     assert_eq!(found.parameters.len(), found.marginals.fits.len());
     let normal = found.marginals.fits.iter().position(|fit| fit.family == Family::Normal).unwrap();
@@ -401,7 +402,7 @@ fn statistics_of_a_simulated_process_are_recovered() {
     for mu in [0.2, 0.25, 0.3] {
         let (fraction, estimate) = found.fraction_above(mu);
         let estimate = estimate.unwrap();
-        assert!((fraction - law.survival(mu)).abs() < 4.0 * estimate.standard_error, "{mu}: {estimate:?}");
+        assert!((fraction - marginal.survival(mu)).abs() < 4.0 * estimate.standard_error, "{mu}: {estimate:?}");
     }
     let length_m = found.correlation.unwrap().exponential.length_m;
     assert!((length_m / 1e-4 - 1.0).abs() < 0.2, "{length_m:e}");

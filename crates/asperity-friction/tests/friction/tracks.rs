@@ -15,8 +15,8 @@ use asperity_friction::strip::Record;
 const TRACKS: usize = 3;
 
 /// Returns a record of a distribution with the correlation e^{−lag/10}; a periodic record is continuous at its ends.
-fn record(law: &str, n: usize, index: u64, periodic: bool) -> Vec<f64> {
-    let law: Marginal = law.parse().unwrap();
+fn record(text: &str, n: usize, index: u64, periodic: bool) -> Vec<f64> {
+    let marginal: Marginal = text.parse().unwrap();
     let phi = (-0.1_f64).exp();
     let noise = random::standard_normal(&mut random::stream(61, "lanes", index), n);
     let std = (1.0 - phi * phi).sqrt();
@@ -30,7 +30,7 @@ fn record(law: &str, n: usize, index: u64, periodic: bool) -> Vec<f64> {
         if periodic || place > 0 {
             last = phi * last + std * e;
         }
-        values.push(law.translate(last));
+        values.push(marginal.translate(last));
     }
     values
 }
@@ -168,15 +168,14 @@ fn independent_tracks_count_as_strips() {
         };
         curve.push(jackknife(&four, tracks) / jackknife(&one, 1));
     }
-    for (what, ratios, scatter) in [("mean", mean, 0.2), ("std", std, 0.2), ("ℓ", fitted, 0.2), ("curve", curve, 0.3)]
-    {
+    for (what, ratios, error) in [("mean", mean, 0.2), ("std", std, 0.2), ("ℓ", fitted, 0.2), ("curve", curve, 0.3)] {
         let logarithms: Vec<f64> = ratios.iter().map(|ratio: &f64| ratio.ln()).collect();
         let found = Moments::new(&logarithms);
         println!("{what}: {} ± {}", found.mean.exp(), found.std);
         // A standard error from some thirty blocks has an error of 1/√60 = 13 %, a quotient of two 18 %. For jackknives
         // from twenty parts of correlated curves it is some 30 %. The bound is four errors of the mean of 20
         // logarithms, and a twentieth.
-        assert!((found.mean - 0.5_f64.ln()).abs() < 4.0 * scatter / (runs as f64).sqrt() + 0.05, "{what}: {found:?}");
+        assert!((found.mean - 0.5_f64.ln()).abs() < 4.0 * error / (runs as f64).sqrt() + 0.05, "{what}: {found:?}");
     }
 }
 

@@ -79,7 +79,7 @@ fn intervals_and_bands_cover_the_true_values_at_their_level() {
             let levels = level_samples(repeat, fine, coarse);
             let found = estimate(&levels, &settings(repeat, 0.0)).unwrap();
             let holds = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;
-            let atom = holds(found.band.pointwise(0), truth(0.0));
+            let at_zero = holds(found.band.pointwise(0), truth(0.0));
             let all =
                 (0..found.band.values.len()).all(|i| holds(found.band.simultaneous(i), truth(found.band.values[i])));
             let inside = (found.mean - mean).abs() <= 1.96 * found.mean_se;
@@ -90,7 +90,7 @@ fn intervals_and_bands_cover_the_true_values_at_their_level() {
             };
             let errors =
                 [found.band.cdf[0] - truth(0.0), found.band.standard_errors[0], found.mean - mean, found.mean_se];
-            ([atom, inside, quantile(0.1), quantile(0.5), quantile(0.9), all], errors)
+            ([at_zero, inside, quantile(0.1), quantile(0.5), quantile(0.9), all], errors)
         })
         .collect();
     let names = ["P(contact)", "mean", "10 % quantile", "median", "90 % quantile", "simultaneous band"];
@@ -189,12 +189,12 @@ fn thresholds_and_nodes_have_equal_numbers_of_draws_between_them() {
     let nodes = nodes(&found, &drawn, &fine, &settings);
     assert!(nodes[0] == 0.0 && nodes.len() > NODES - 4 && nodes.len() <= NODES, "{}", nodes.len());
     for pair in nodes.windows(2) {
-        let share = (below(pair[1]) - below(pair[0])) as f64 / inside.len() as f64;
-        assert!((share * (NODES - 1) as f64 - 1.0).abs() < 0.2, "{share}");
+        let fraction = (below(pair[1]) - below(pair[0])) as f64 / inside.len() as f64;
+        assert!((fraction * (NODES - 1) as f64 - 1.0).abs() < 0.2, "{fraction}");
     }
     // Enough fine samples on both sides.
     assert!(nodes[1..].iter().all(|t| fine.iter().filter(|q| *q > t).count() >= RARE));
-    // With a share of the values at an upper bound, that bound is a threshold but no node.
+    // With a fraction of the values at an upper bound, that bound is a threshold but no node.
     let capped = Settings { largest: 0.9, ..settings };
     let cap = |values: &[f64]| values.iter().map(|q| q.min(0.9)).collect::<Vec<f64>>();
     let (fine, drawn) = (cap(&fine), cap(&drawn));

@@ -15,7 +15,7 @@ const LEAST_TAIL: f64 = 2e-12;
 /// solve ∫₀^y p_n dI = −y(1 − y)w(y)p_n′(y)/(n(n − 1 + a + b)), with w the density and p_n′ a multiple of the polynomial
 /// under Beta(a + 1, b + 1).
 pub(super) struct Transition {
-    law: Marginal,
+    marginal: Marginal,
     mirrored: Marginal,
     /// Logarithms of 1/B(a, b), a and b.
     normaliser: [f64; 3],
@@ -48,14 +48,14 @@ impl Transition {
         // Integral ∫ y(1 − y) dI.
         let spread = a * b / (total * (total + 1.0));
         let to_integral = (1..=decay.len()).map(|n| -1.0 / (spread * rate(n)).sqrt()).collect();
-        let law = Marginal::Beta { a, b, low: 0.0, high: 1.0 };
-        let log_constant = law.ln_pdf(0.5) + (total - 2.0) * std::f64::consts::LN_2;
+        let marginal = Marginal::Beta { a, b, low: 0.0, high: 1.0 };
+        let log_constant = marginal.ln_pdf(0.5) + (total - 2.0) * std::f64::consts::LN_2;
         let density = density * ENDS_PER_START as f64;
         let half = (reach * density) as i32;
         let scores: Vec<f64> = (-half..=half).map(|j| f64::from(j) / density).collect();
         let terms = decay.len();
         let mut transition = Self {
-            law,
+            marginal,
             mirrored: Marginal::Beta { a: b, b: a, low: 0.0, high: 1.0 },
             normaliser: [log_constant, a, b],
             polynomials: Polynomials::new(a, b, terms),
@@ -76,7 +76,7 @@ impl Transition {
     }
 
     fn end(&self, g: f64) -> End {
-        let (x, rest) = (self.law.translate(g), self.mirrored.translate(-g));
+        let (x, rest) = (self.marginal.translate(g), self.mirrored.translate(-g));
         let terms = self.decay.len();
         let (mut values, mut slopes) = (vec![0.0; terms + 1], vec![0.0; terms + 1]);
         self.polynomials.fill(x - rest, &mut values);

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::MeasuredError;
+use super::units::is_unit;
 
 /// Texts of cells without a value.
 const MISSING: [&str; 10] = ["", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
@@ -287,7 +288,7 @@ fn header_of(
     };
     let mut upward = above.iter().rev();
     let last = fields(upward.next())?;
-    let is_unit = |field: &String| field.is_empty() || super::record::is_unit(bracketless(field));
+    let fits = |field: &String| field.is_empty() || is_unit(bracketless(field));
     let owned = |field: &str| {
         let (name, unit) = header(field);
         (name.to_owned(), unit.map(str::to_owned))
@@ -297,7 +298,7 @@ fn header_of(
         if unit.is_empty() { owned(&name) } else { (name, Some(unit.to_owned())) }
     };
     match fields(upward.next()) {
-        Some(names) if last.iter().all(is_unit) => Some(names.into_iter().zip(&last).map(of_units).collect()),
+        Some(names) if last.iter().all(fits) => Some(names.into_iter().zip(&last).map(of_units).collect()),
         _ => Some(last.iter().map(|field| owned(field)).collect()),
     }
 }
@@ -331,7 +332,7 @@ fn header(field: &str) -> (&str, Option<&str>) {
             return (name.trim(), Some(unit.trim()));
         }
     }
-    let known = |unit: &str| super::record::is_unit(unit);
+    let known = |unit: &str| is_unit(unit);
     for sign in ["/", " in ", ","] {
         if let Some((name, unit)) =
             field.rsplit_once(sign).filter(|(name, unit)| !name.is_empty() && known(unit.trim()))

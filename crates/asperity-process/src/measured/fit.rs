@@ -11,8 +11,8 @@ use asperity_base::correlation::{
     LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
 };
 use asperity_base::distribution::Marginal;
-use asperity_base::distribution::fit::{Family, Fit, FitGoodness, Ranking, rank_by_aic};
-use asperity_base::distribution::goodness::ProcessNull;
+use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
+use asperity_base::distribution::goodness::{FitGoodness, ProcessNull};
 use asperity_base::stats::{
     Histogram, Moments, NORMAL_95, ProcessEstimate, ProcessMoments, StatsError, quantile_sorted, sorted_present,
 };
@@ -94,7 +94,7 @@ pub struct FittedRecord {
     /// Moments of μ with intervals that account for the correlation.
     pub moments: ProcessMoments,
     /// Distributions ranked by Akaike's criterion.
-    pub laws: Ranking,
+    pub marginals: Ranking,
     /// Quality of fit of the distribution, with p-values that account for the fit and the correlation; none for the
     /// quantiles of the record.
     pub goodness: Option<FitGoodness>,
@@ -114,7 +114,11 @@ pub struct FittedRecord {
 }
 
 /// Returns the ranked distributions and the selected one.
-fn law(choice: DistributionChoice, values: &[f64], effective_size: f64) -> Result<(Ranking, Marginal), MeasuredError> {
+fn marginal_of(
+    choice: DistributionChoice,
+    values: &[f64],
+    effective_size: f64,
+) -> Result<(Ranking, Marginal), MeasuredError> {
     let families = match choice {
         DistributionChoice::One(family) => vec![family],
         DistributionChoice::Auto | DistributionChoice::Empirical => {
@@ -122,7 +126,7 @@ fn law(choice: DistributionChoice, values: &[f64], effective_size: f64) -> Resul
         }
     };
     let ranking = rank_by_aic(&families, values, Some(effective_size));
-    let law = if choice == DistributionChoice::Empirical {
+    let marginal = if choice == DistributionChoice::Empirical {
         let sorted = sorted_present(values.iter().copied());
         let count = sorted.len().min(EMPIRICAL_VALUES);
         let quantiles = (0..count).map(|k| quantile_sorted(&sorted, (k as f64 + 0.5) / count as f64));
@@ -134,7 +138,7 @@ fn law(choice: DistributionChoice, values: &[f64], effective_size: f64) -> Resul
             (None, None) => return Err(MeasuredError::TooFew { present: 0, what: "are there", wanted: 10 }),
         }
     };
-    Ok((ranking, law))
+    Ok((ranking, marginal))
 }
 
 /// Returns the correlation up to half the record, and its models.
@@ -209,11 +213,12 @@ impl FittedRecord {
         }
         let moments = moments(&pieces, record.step_m, prepared.history, &best);
         let effective_size = moments.effective_size.max(LEAST_INDEPENDENT);
-        let (mut laws, marginal) = law(choice, values, effective_size)?;
+        let (mut marginals, marginal) = marginal_of(choice, values, effective_size)?;
         if let Ok(null) = ProcessNull::new(&pieces, false, DRAWS, SEED) {
-            laws.assess(&null, values);
+            marginals.assess(&null, values);
         }
-        let goodness = laws.fits.iter().position(|fit| fit.marginal == marginal).and_then(|place| laws.distance(place));
+        let goodness =
+            marginals.fits.iter().position(|fit| fit.marginal == marginal).and_then(|place| marginals.distance(place));
         // With a narrowed band, the fitted noise is not the noise of the values.
         let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
         let (shape, length_m) =
@@ -290,7 +295,7 @@ impl FittedRecord {
             process,
             std_measured: moments.moments.std,
             moments,
-            laws,
+            marginals,
             goodness,
             correlation,
             models,
@@ -305,11 +310,11 @@ impl FittedRecord {
     pub fn tables(&self, prepared: &PreparedRecord) -> Vec<(&'static str, Series)> {
         let mut tables = vec![("friction_record", record_table(prepared))];
         tables.extend(self.histogram(prepared).map(|table| ("friction_histogram", table)));
-        if let Some(law) = &self.process.marginal {
+        if let Some(marginal) = &self.process.marginal {
             let sorted = sorted_present(prepared.record.friction.iter().copied());
             let effective_size = self.moments.effective_size;
-            tables.push(("friction_pit", named(integral_transform(law, &sorted, effective_size))));
-            tables.push(("friction_qq", named(quantile_pairs(law, &sorted))));
+            tables.push(("friction_pit", named(integral_transform(marginal, &sorted, effective_size))));
+            tables.push(("friction_qq", named(quantile_pairs(marginal, &sorted))));
         }
         tables.push(("friction_acf", self.correlations()));
         tables
@@ -319,16 +324,16 @@ impl FittedRecord {
         let histogram = Histogram::new(&prepared.record.friction).ok()?;
         let centres = histogram.centres();
         let chosen = self.process.marginal.as_ref();
-        let density = |law: &Marginal| centres.iter().map(|mu| law.pdf(*mu)).collect::<Vec<f64>>();
+        let density = |marginal: &Marginal| centres.iter().map(|mu| marginal.pdf(*mu)).collect::<Vec<f64>>();
         let mut columns = vec![("mu".to_owned(), centres.clone()), ("density".into(), histogram.density())];
         // The density of an empirical distribution follows its own noise.
         columns.extend(
             chosen
-                .filter(|law| !matches!(law, Marginal::Empirical { .. }))
-                .map(|law| ("fitted_density".into(), density(law))),
+                .filter(|marginal| !matches!(marginal, Marginal::Empirical { .. }))
+                .map(|marginal| ("fitted_density".into(), density(marginal))),
         );
         let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
-        let others = self.laws.fits.iter().filter(|fit| Some(&fit.marginal) != chosen).filter(smooth);
+        let others = self.marginals.fits.iter().filter(|fit| Some(&fit.marginal) != chosen).filter(smooth);
         columns.extend(others.map(|fit| (format!("{}_density", fit.family.key()), density(&fit.marginal))));
         Some(columns)
     }

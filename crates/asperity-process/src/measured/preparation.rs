@@ -72,7 +72,7 @@ impl FromStr for Detrend {
                 }
             }
             _ => Err(format!(
-                "`{text}` is no trend; write none, mean, linear, polynomial:DEGREE or high_pass:LENGTH, such as \
+                "`{text}` is not a trend; write none, mean, linear, polynomial:DEGREE or high_pass:LENGTH, such as \
                  high_pass:5mm"
             )),
         }

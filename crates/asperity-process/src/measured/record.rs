@@ -3,8 +3,8 @@
 use super::columns::{Chosen, ColumnTable};
 use super::sampling::{Grid, even};
 use super::strokes::{Signs, Strokes, signs};
+use super::units::{force_factor, is_none, length_factor, time_factor};
 use super::{MeasuredError, sampling};
-use asperity_base::quantity::{Force, Length, Time};
 
 /// Columns of a file that contain the record, by name or by number counted from 1.
 ///
@@ -81,28 +81,6 @@ pub struct MeasuredRecord {
     pub warnings: Vec<String>,
 }
 
-/// Returns whether a text is a unit supported by this module.
-pub(super) fn is_unit(text: &str) -> bool {
-    is_none(text) || [time_factor(text), length_factor(text), force_factor(text)].iter().any(Option::is_some)
-}
-
-fn is_none(unit: &str) -> bool {
-    matches!(unit, "" | "1" | "-" | "–" | "—" | "[-]")
-}
-
-fn time_factor(unit: &str) -> Option<f64> {
-    let unit = if unit == "sec" { "s" } else { unit };
-    format!("1 {unit}").parse::<Time>().ok().map(|time| time.0)
-}
-
-fn length_factor(unit: &str) -> Option<f64> {
-    format!("1 {unit}").parse::<Length>().ok().map(|length| length.0)
-}
-
-fn force_factor(unit: &str) -> Option<f64> {
-    format!("1 {unit}").parse::<Force>().ok().map(|force| force.0)
-}
-
 /// Returns the factor to SI of a column with a known dimension.
 fn factor(
     chosen: &Chosen<'_>,
@@ -174,13 +152,13 @@ impl MeasuredRecord {
                 friction.iter_mut().for_each(|mu| *mu = -*mu);
                 warnings.push("friction is negative on average: its sign was reversed".into());
             }
-            Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_share }) => {
+            Signs::Strokes(Strokes { friction: sizes, starts: found, reversal_fraction }) => {
                 warnings.push(format!(
                     "friction alternates its sign: |μ| of {} reciprocating strokes is analysed as pieces of one process, \
                      without the reversals ({:.1} % of the values); strokes over the same track are correlated, which the \
                      intervals ignore",
                     found.len() + 1,
-                    100.0 * reversal_share
+                    100.0 * reversal_fraction
                 ));
                 (friction, starts) = (sizes, found);
             }

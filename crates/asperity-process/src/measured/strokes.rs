@@ -40,7 +40,7 @@ pub(super) struct Strokes {
     /// First value of every stroke except the first.
     pub(super) starts: Vec<usize>,
     /// Fraction of the present values that were reversals.
-    pub(super) reversal_share: f64,
+    pub(super) reversal_fraction: f64,
 }
 
 /// Classifies the signs of a record.
@@ -66,10 +66,10 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
     let (present, n) = (sampling::sum(friction).1 as f64, sliding.len() as f64);
     let positive = sliding.iter().filter(|mu| **mu > 0.0).count() as f64 / n;
     let mean = sliding.iter().map(|mu| mu.abs()).sum::<f64>() / n;
-    let scatter = (sliding.iter().map(|mu| (mu.abs() - mean).powi(2)).sum::<f64>() / n).sqrt() / mean;
+    let variation = (sliding.iter().map(|mu| (mu.abs() - mean).powi(2)).sum::<f64>() / n).sqrt() / mean;
     if positive.min(1.0 - positive) < LEAST_OF_A_SIGN
         || n < (1.0 - MOST_REVERSING) * present
-        || scatter > LARGEST_VARIATION
+        || variation > LARGEST_VARIATION
     {
         return None;
     }
@@ -100,7 +100,7 @@ fn strokes(friction: &[f64], typical: f64) -> Option<Strokes> {
     Some(Strokes {
         friction: sizes,
         starts: changes.iter().map(|(before, after)| (before + after).div_ceil(2)).collect(),
-        reversal_share: 1.0 - left / present,
+        reversal_fraction: 1.0 - left / present,
     })
 }
 
@@ -129,7 +129,7 @@ mod tests {
         assert!((sum / present as f64 - 0.4).abs() < 0.01);
         assert!(found.friction.iter().all(|mu| mu.is_nan() || *mu > 0.2));
         // Ramps are a twentieth of the record.
-        assert!((found.reversal_share - 0.05).abs() < 0.02, "{}", found.reversal_share);
+        assert!((found.reversal_fraction - 0.05).abs() < 0.02, "{}", found.reversal_fraction);
     }
 
     #[test]

@@ -17,8 +17,8 @@ const STD: f64 = 0.008;
 /// Returns an Ornstein–Uhlenbeck process under a copula with Beta(2.1, 5) margins, 1 kHz at 10 mm/s over 60 s, and a
 /// drift of zero mean.
 fn planted() -> Vec<f64> {
-    let law: Marginal = "beta:2.1,5".parse().unwrap();
-    let model = ProcessModel { correlation: TranslationKind::Corrected, ..ProcessModel::new(law, STD, LENGTH_M) };
+    let marginal: Marginal = "beta:2.1,5".parse().unwrap();
+    let model = ProcessModel { correlation: TranslationKind::Corrected, ..ProcessModel::new(marginal, STD, LENGTH_M) };
     let process = FrictionProcess::with_step(model, STEP_M).unwrap();
     let mut path = process.path(11, 0);
     let n = 60_000;

@@ -149,11 +149,6 @@ impl NeighbourhoodSurface {
         })
     }
 
-    /// Returns the number of measured heights.
-    pub fn measured_points(&self) -> usize {
-        self.values.len()
-    }
-
     /// Returns the fraction of the variance that the embedding clipped; see [`SpectralField::clipped_variance`].
     pub fn clipped_variance(&self) -> f64 {
         self.field.clipped_variance()
@@ -196,22 +191,6 @@ impl NeighbourhoodSurface {
         }
         self.correct(&misses, &mut drawn, monitor)?;
         Ok(drawn.into_iter().map(|gaussian| self.heights(gaussian)).collect())
-    }
-
-    /// Returns the conditional mean; with a marginal distribution, the conditional median.
-    ///
-    /// # Errors
-    /// Cancellation.
-    pub fn kriging_mean(&self, monitor: &dyn Monitor) -> Result<HeightMap, Cancelled> {
-        let mut mean = Array2::zeros(self.grid.shape());
-        self.places
-            .iter()
-            .zip(&self.values)
-            .for_each(|(p, value)| mean[[p / self.grid.nx(), p % self.grid.nx()]] = *value);
-        let mut means = [mean];
-        self.correct(std::slice::from_ref(&self.values), &mut means, monitor)?;
-        let [mean] = means;
-        Ok(self.heights(mean))
     }
 
     /// Corrects each map at the missing points by its differences from the measured heights.

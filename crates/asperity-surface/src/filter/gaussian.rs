@@ -2,14 +2,12 @@
 
 use ndarray::Array2;
 
-use super::FilterError;
+use super::{ALPHA, FilterError};
 use asperity_base::blocks;
 use asperity_base::fourier::{Complex64, RealFft2, Workspace, good_length};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::stats::upper_median;
 
-/// √(ln 2/π): with it the filter transmits half the amplitude of a wave of the cutoff's length.
-const ALPHA: f64 = 0.469_718_639_349_825_5;
 /// Reach of the weights over the cutoff; beyond, weights are below 1e−13 of the central one.
 const REACH: f64 = 1.45;
 /// Biweight scale over the median absolute residual, 3/Φ⁻¹(¾).

@@ -2,10 +2,9 @@
 
 use ndarray::Array2;
 
-use super::lanczos::{Operator, largest_eigenpairs};
+use super::lanczos::{Operator, largest_eigenpairs, sort_falling};
 use super::parity::Class;
 use super::profile::class_eigenpairs;
-use super::sort_falling;
 use crate::GeneratorError;
 use crate::spectral::wrapped_eigenvalues_m2;
 use asperity_base::blocks;

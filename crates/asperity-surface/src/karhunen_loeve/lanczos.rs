@@ -3,7 +3,6 @@
 use ndarray::{Array2, ArrayView2, Axis, s};
 
 use super::profile::dense_eigenpairs;
-use super::sort_falling;
 use crate::GeneratorError;
 use asperity_base::blocks;
 use asperity_base::random;
@@ -379,6 +378,17 @@ fn within_block(block: &mut Array2<f64>, vanishing: f64) -> Array2<f64> {
         block.row_mut(i).assign(&row);
     }
     coupling
+}
+
+/// Sorts by falling value, and values that only rounding tells apart by place: modes along x and along y of a square
+/// would otherwise come in another order on another processor.
+pub(super) fn sort_falling<P: Ord>(modes: &mut [(f64, P)]) {
+    const ROUNDING: f64 = 1e-12;
+    modes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let least = ROUNDING * modes.first().map_or(0.0, |first| first.0);
+    for equal in modes.chunk_by_mut(|a, b| a.0 - b.0 <= least) {
+        equal.sort_by(|a, b| a.1.cmp(&b.1));
+    }
 }
 
 #[cfg(test)]

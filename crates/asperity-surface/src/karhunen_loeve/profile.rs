@@ -1,12 +1,10 @@
 //! Eigenproblem of a stationary covariance on an interval.
 
-use std::convert::Infallible;
-
 use ndarray::{Array2, ArrayViewMut1, s};
 
 use super::parity::Class;
 use crate::GeneratorError;
-use asperity_base::numeric::{bisect, symmetric_eigen};
+use asperity_base::numeric::symmetric_eigen;
 
 /// Eigenpairs of ∫₀^L ρ(x − y) φ(y) dy = λ φ(x), of unit variance.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,37 +94,40 @@ fn fix_sign(mut vector: ArrayViewMut1<f64>) {
     }
 }
 
-/// Returns the closed-form eigenvalues of e^{−|x−y|/ℓ} on an interval of `size_m`, in metre, falling.
-///
-/// λ = 2ℓ/(1 + (ℓω)²), where with half length a, ω solves 1/ℓ = ω tan ωa (even functions) or ω = −tan(ωa)/ℓ (odd ones),
-/// one root in each half period (Ghanem & Spanos 1991, §2.3.3).
-///
-/// # Panics
-/// If a length is not positive.
-pub fn exponential_eigenvalues_m(correlation_length_m: f64, size_m: f64, count: usize) -> Vec<f64> {
-    assert!(correlation_length_m > 0.0 && size_m > 0.0, "lengths {correlation_length_m} m, {size_m} m");
-    let half = 0.5 * size_m / correlation_length_m;
-    (0..count)
-        .map(|j| {
-            // With u = ωa both equations, multiplied by cos u, are smooth with one sign change in (j, j + 1)·π/2.
-            let residual = |u: f64| {
-                let (sin, cos) = u.sin_cos();
-                if j % 2 == 0 { half * cos - u * sin } else { u * cos + half * sin }
-            };
-            let quarter = std::f64::consts::FRAC_PI_2;
-            let low = j as f64 * quarter;
-            // The residual leaves each interval's start with the sign of the middle of its first part.
-            let sign = residual(low + 1e-9 * quarter).signum();
-            let keeps_sign = |u: f64| Ok::<_, Infallible>(residual(u).signum() == sign);
-            let Ok([root, _]) = bisect(low, (j + 1) as f64 * quarter, 0.0, keeps_sign);
-            2.0 * correlation_length_m / (1.0 + (root / half).powi(2))
-        })
-        .collect()
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use std::convert::Infallible;
+
     use super::*;
+    use asperity_base::numeric::bisect;
+
+    /// Returns the closed-form eigenvalues of e^{−|x−y|/ℓ} on an interval of `size_m`, in metre, falling.
+    ///
+    /// λ = 2ℓ/(1 + (ℓω)²), where with half length a, ω solves 1/ℓ = ω tan ωa (even functions) or ω = −tan(ωa)/ℓ (odd ones),
+    /// one root in each half period (Ghanem & Spanos 1991, §2.3.3).
+    pub(in crate::karhunen_loeve) fn exponential_eigenvalues_m(
+        correlation_length_m: f64,
+        size_m: f64,
+        count: usize,
+    ) -> Vec<f64> {
+        let half = 0.5 * size_m / correlation_length_m;
+        (0..count)
+            .map(|j| {
+                // With u = ωa both equations, multiplied by cos u, are smooth with one sign change in (j, j + 1)·π/2.
+                let residual = |u: f64| {
+                    let (sin, cos) = u.sin_cos();
+                    if j % 2 == 0 { half * cos - u * sin } else { u * cos + half * sin }
+                };
+                let quarter = std::f64::consts::FRAC_PI_2;
+                let low = j as f64 * quarter;
+                // The residual leaves each interval's start with the sign of the middle of its first part.
+                let sign = residual(low + 1e-9 * quarter).signum();
+                let keeps_sign = |u: f64| Ok::<_, Infallible>(residual(u).signum() == sign);
+                let Ok([root, _]) = bisect(low, (j + 1) as f64 * quarter, 0.0, keeps_sign);
+                2.0 * correlation_length_m / (1.0 + (root / half).powi(2))
+            })
+            .collect()
+    }
 
     #[test]
     fn the_closed_form_gives_the_published_eigenvalues() {

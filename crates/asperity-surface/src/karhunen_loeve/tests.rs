@@ -1,4 +1,6 @@
+use super::lanczos::sort_falling;
 use super::profile::dense_eigenpairs;
+use super::profile::tests::exponential_eigenvalues_m;
 use super::*;
 use asperity_base::correlation::{CorrelationModel, Rotated, SeparableCovariance};
 use asperity_base::random;

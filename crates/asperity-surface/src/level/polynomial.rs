@@ -2,7 +2,6 @@
 
 use ndarray::Array2;
 
-use super::{Span, sums_over_rows};
 use asperity_base::blocks;
 use asperity_base::map::HeightMap;
 use asperity_base::numeric::solve_positive_definite;
@@ -10,6 +9,50 @@ use asperity_base::numeric::solve_positive_definite;
 /// The present points do not determine the polynomial.
 #[derive(Debug)]
 pub(super) struct Undetermined;
+
+/// Returns sums of `count` values over the rows of a map. All threads work on rows, and rows are added in order, so the
+/// result does not depend on the number of threads.
+pub(super) fn sums_over_rows(rows: usize, count: usize, of_row: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    /// Number of rows that are added before their sum is passed on.
+    const BLOCK: usize = 16;
+    let blocks: Vec<Vec<f64>> = blocks::map(0..rows.div_ceil(BLOCK), |block| {
+        let mut sums = vec![0.0; count];
+        for row in block * BLOCK..((block + 1) * BLOCK).min(rows) {
+            of_row(row, &mut sums);
+        }
+        sums
+    });
+    blocks.iter().fold(vec![0.0; count], |mut total, sums| {
+        total.iter_mut().zip(sums).for_each(|(t, s)| *t += s);
+        total
+    })
+}
+
+/// Coordinates from −1 to 1 over the columns or rows with a present point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    pub(super) centre: f64,
+    pub(super) half: f64,
+}
+
+impl Span {
+    /// Returns the spans of columns and rows.
+    pub(super) fn of(map: &HeightMap) -> (Self, Self) {
+        let ends = |place: fn((usize, usize)) -> usize| {
+            let present = map.heights_m().indexed_iter().filter(|(_, z)| !z.is_nan());
+            let (low, high) =
+                present.fold((usize::MAX, 0), |(low, high), (at, _)| (low.min(place(at)), high.max(place(at))));
+            // A single row has no extent. Its scaled coordinate is 0, and a slope is undetermined.
+            let half = if high > low { 0.5 * (high - low) as f64 } else { 1.0 };
+            Self { centre: 0.5 * (low + high) as f64, half }
+        };
+        (ends(|at| at.1), ends(|at| at.0))
+    }
+
+    fn at(self, index: usize) -> f64 {
+        (index as f64 - self.centre) / self.half
+    }
+}
 
 /// Number of times that the fit is repeated on its residual, which removes the rounding error of the normal equations.
 const REFINEMENTS: usize = 2;

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use super::{Span, polynomial, sums_over_rows};
+use super::polynomial::{self, Span, sums_over_rows};
 use asperity_base::map::HeightMap;
 use asperity_base::numeric::solve_positive_definite;
 

@@ -3,14 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use super::SurfaceModelError;
-use crate::filter::GaussianFilter;
+use crate::filter::{ALPHA, GaussianFilter};
 use crate::preparation::PreparationError;
 use asperity_base::correlation::{BlockSpectrum, StationaryCovariance};
 use asperity_base::distribution::translation::Translation;
 use asperity_base::map::HeightMap;
 
-/// √(ln 2/π): a Gaussian filter with this constant halves a wave of the cutoff length.
-const ALPHA: f64 = 0.469_718_639_349_825_5;
 /// Lag in cutoffs beyond which the weights of the filter on the covariance are negligible: e^{−π·1.5²/2α²} = 1e-7.
 const REACH: f64 = 1.5;
 /// Shortest cutoff in pixels.
@@ -165,13 +163,13 @@ mod tests {
     }
 
     #[test]
-    fn the_expected_slopes_are_those_of_generated_maps_with_any_marginal_law() {
+    fn the_expected_slopes_are_those_of_generated_maps_with_any_marginal_distribution() {
         let grid = Grid::new(192, 160, 1e-6, 1.5e-6).unwrap();
         let covariance = Covariance::new(CorrelationModel::Exponential, 1e-6, 8e-6, 5e-6).unwrap();
-        for law in ["normal", "lognormal:0,0.8", "beta:0.6,0.6"] {
-            let law: Marginal = law.parse::<Marginal>().unwrap().standardised(0.0, 1e-6).unwrap();
-            let translation = Translation::new(&law).unwrap();
-            let field = Translated::new(SpectralField::free(&covariance, grid).unwrap(), law).unwrap();
+        for text in ["normal", "lognormal:0,0.8", "beta:0.6,0.6"] {
+            let marginal: Marginal = text.parse::<Marginal>().unwrap().standardised(0.0, 1e-6).unwrap();
+            let translation = Translation::new(&marginal).unwrap();
+            let field = Translated::new(SpectralField::free(&covariance, grid).unwrap(), marginal).unwrap();
             let maps: Vec<HeightMap> = (0..12)
                 .map(|index| {
                     let xi = random::standard_normal(&mut random::stream(4, "slopes", index), field.xi_len());
@@ -180,7 +178,7 @@ mod tests {
                 .collect();
             let slopes = BandSlopes::new(&maps.iter().collect::<Vec<_>>(), 1e6).unwrap().unwrap();
             let ratio = slopes.ratio(&covariance, Some(&translation));
-            // 12 maps of some 400 patches each: under 2 % for the skewed law; at the edges the filter sees less.
+            // 12 maps of some 400 patches each: under 2 % for the skewed distribution; at the edges the filter sees less.
             assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
         }
     }

@@ -143,7 +143,7 @@ mod tests {
         let generated = pair.strip(grid, true, XiOrder::Variance).unwrap();
         let (surface, count) = (generated.surface.as_ref(), 400);
         assert!(surface.is_periodic_and_stationary() && pair.closes() && generated.std_share == 1.0);
-        // Mean over the map of z(x) z(x + lag): independent samples, so that their scatter gives the standard error.
+        // Mean over the map of z(x) z(x + lag): independent samples, so that their standard deviation gives the standard error.
         for lag in [0, 1, 4] {
             let products: Vec<f64> = (0..count)
                 .map(|index| {

@@ -6,6 +6,22 @@ use asperity_base::correlation::{CorrelationModel, Covariance, MeasuredCovarianc
 
 use super::SurfaceModelError;
 
+/// Covariance of a random surface, stated or measured on the scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CovarianceRequest {
+    /// The model, or the covariance of the scan, that keeps the spectrum and the slopes of the scan.
+    Measured,
+    /// Covariance of the scan, made positive definite.
+    Empirical,
+    /// Stated model.
+    Stated {
+        /// Correlation model.
+        model: CorrelationModel,
+        /// Lengths of the model along x and y in metre.
+        lengths_m: [f64; 2],
+    },
+}
+
 /// Covariance of random surfaces.
 #[derive(Debug, Clone)]
 pub enum SurfaceCovariance {

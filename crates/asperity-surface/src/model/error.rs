@@ -79,7 +79,7 @@ pub enum SurfaceModelError {
     Covariance(#[from] CovarianceError),
     /// A distribution is invalid.
     #[error("{0}")]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// The random surface cannot be generated.
     #[error("random surface: {0}")]
     Generator(#[from] GeneratorError),

@@ -1,9 +1,10 @@
 //! Requests for a random surface, and the model that meets them.
 
-use asperity_base::correlation::{CorrelationFamily, CorrelationModel};
+use asperity_base::correlation::CorrelationFamily;
 use asperity_base::distribution::Marginal;
 use asperity_base::translation::TranslationKind;
 
+use super::covariance::CovarianceRequest;
 use super::selection::{SelectedCovariance, select};
 use super::{SurfaceModel, SurfaceModelError, Texture, TruncatedExpansion};
 use crate::scanned::ScannedSurface;
@@ -15,22 +16,6 @@ pub enum Measurable<T> {
     Measured,
     /// Stated value.
     Stated(T),
-}
-
-/// Covariance of a random surface, stated or measured on the scan.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum CovarianceRequest {
-    /// The model, or the covariance of the scan, that keeps the spectrum and the slopes of the scan.
-    Measured,
-    /// Covariance of the scan, made positive definite.
-    Empirical,
-    /// Stated model.
-    Stated {
-        /// Correlation model.
-        model: CorrelationModel,
-        /// Lengths of the model along x and y in metre.
-        lengths_m: [f64; 2],
-    },
 }
 
 /// Request for a random surface.

@@ -28,15 +28,15 @@ impl SurfaceModel {
     /// # Errors
     /// No distribution or covariance has these parameters.
     pub fn varied(&self, variation: &Variation) -> Result<Self, SurfaceModelError> {
-        let law = &self.marginal;
-        let std_m = variation.rms_height_m.unwrap_or(law.std());
-        let marginal = match (variation.skewness, variation.skewness_change, law) {
+        let original = &self.marginal;
+        let std_m = variation.rms_height_m.unwrap_or(original.std());
+        let marginal = match (variation.skewness, variation.skewness_change, original) {
             (None, Some(change), Marginal::Empirical { sorted }) => {
-                skewed(sorted, law, change)?.standardised(0.0, std_m)?
+                skewed(sorted, original, change)?.standardised(0.0, std_m)?
             }
-            (None, ..) => law.standardised(0.0, std_m)?,
+            (None, ..) => original.standardised(0.0, std_m)?,
             (Some(skewness), ..) => {
-                let excess_kurtosis = law.excess_kurtosis() + skewness * skewness - law.skewness().powi(2);
+                let excess_kurtosis = original.excess_kurtosis() + skewness * skewness - original.skewness().powi(2);
                 Marginal::johnson_with_moments(0.0, std_m, skewness, excess_kurtosis)?
             }
         };
@@ -51,9 +51,9 @@ impl SurfaceModel {
 }
 
 /// Returns the distribution of measured heights with another skewness.
-fn skewed(heights_m: &[f64], law: &Marginal, change: f64) -> Result<Marginal, SurfaceModelError> {
-    let (mean, std, skewness) = (law.mean(), law.std(), law.skewness());
-    let bend = change / (3.0 * (law.excess_kurtosis() + 2.0 - skewness * skewness));
+fn skewed(heights_m: &[f64], marginal: &Marginal, change: f64) -> Result<Marginal, SurfaceModelError> {
+    let (mean, std, skewness) = (marginal.mean(), marginal.std(), marginal.skewness());
+    let bend = change / (3.0 * (marginal.excess_kurtosis() + 2.0 - skewness * skewness));
     let bent = heights_m.iter().map(|height_m| {
         let z = (height_m - mean) / std;
         z + bend * (z * z - 1.0 - skewness * z)
@@ -84,7 +84,7 @@ mod tests {
             let found = model.varied(&variation).unwrap();
             assert!((found.marginal.std() / 1.1e-6 - 1.0).abs() < 1e-9);
             assert!((found.marginal.skewness() - skewness).abs() < 1e-6);
-            let above = |law: &Marginal| law.excess_kurtosis() + 2.0 - law.skewness().powi(2);
+            let above = |marginal: &Marginal| marginal.excess_kurtosis() + 2.0 - marginal.skewness().powi(2);
             assert!((above(&found.marginal) - above(&beta)).abs() < 1e-6);
             let covariance = found.covariance().unwrap();
             assert!((covariance.correlation(30e-6, 0.0) - (-1.0_f64).exp()).abs() < 1e-12);

@@ -1,11 +1,10 @@
 //! Several scans of one part.
 
-use asperity_base::correlation::{Autocorrelation, EstimateError};
-use asperity_base::map::HeightMap;
+use asperity_base::correlation::Autocorrelation;
 
-use super::{MapStatistics, ScannedSurface};
-use crate::model::{Roughness, SurfaceModelError};
-use crate::pooling::{Mean, Pooled, PoolingError, Reading, pool, pooled_heights_m};
+use super::statistics::MapStatistics;
+use crate::model::Roughness;
+use crate::pooling::{Mean, Pooled, PoolingError, Reading, pool};
 
 /// Confidence level of the intervals.
 const LEVEL: f64 = 0.95;
@@ -84,38 +83,12 @@ pub struct Part {
     pub heights_m: Vec<f64>,
 }
 
-impl Part {
-    /// Pools named scans.
-    pub(super) fn new(scans: &[(String, ScannedSurface)]) -> Result<Self, SurfaceModelError> {
-        let correlations: Vec<Autocorrelation> =
-            scans.iter().map(|(_, scan)| scan.correlation.clone().and_semivariance(&scan.map)).collect();
-        let correlation =
-            Autocorrelation::pooled(&correlations.iter().collect::<Vec<_>>()).map_err(|error| match error {
-                EstimateError::Pitch { map, pitch_m, first_pitch_m } => SurfaceModelError::Pitch {
-                    file: scans[map].0.clone(),
-                    pitch_m,
-                    first: scans[0].0.clone(),
-                    first_pitch_m,
-                },
-                error => error.into(),
-            })?;
-        let maps: Vec<&HeightMap> = scans.iter().map(|(_, scan)| &scan.map).collect();
-        let named = scans.iter().map(|(file, scan)| (file.clone(), scan.statistics.clone())).collect();
-        Ok(Self {
-            statistics: PooledStatistics::new(named)?,
-            correlation,
-            roughness: Roughness::new(&maps)?,
-            heights_m: pooled_heights_m(&maps),
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fractal::Scaling;
     use crate::preparation::Preparation;
-    use asperity_base::map::Grid;
+    use asperity_base::map::{Grid, HeightMap};
     use asperity_base::random;
 
     /// Statistics of a map whose heights are a function of standard normal numbers.
@@ -143,9 +116,9 @@ mod tests {
             let found = pooled.statistics.iter().find(|(own, _)| *own == name).unwrap().1;
             found.map(|found| found.interval).unwrap()
         };
-        for share in ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant", "hurst"] {
-            let ends = interval(share);
-            assert!(ends.low >= 0.0 && ends.high <= 1.0 && ends.low < ends.high, "{share}: {ends:?}");
+        for ratio in ["Str", "Smrk1", "Smrk2", "Smrk1_secant", "Smrk2_secant", "hurst"] {
+            let ends = interval(ratio);
+            assert!(ends.low >= 0.0 && ends.high <= 1.0 && ends.low < ends.high, "{ratio}: {ends:?}");
         }
         assert_eq!((interval("Str").low, interval("Str").high), (0.0, 1.0), "as wide as two such scans make it");
         assert_eq!((interval("hurst").low, interval("hurst").high), (0.0, 1.0));

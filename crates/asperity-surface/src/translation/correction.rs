@@ -7,7 +7,7 @@ use ndarray::Array2;
 
 use super::lags::Lags;
 use super::{Predistorted, TranslationError, TranslationReport};
-use crate::spectral::WrappedSpectrum;
+use crate::spectral::{NEGLIGIBLE, WrappedSpectrum};
 use crate::{GeneratorError, SpectralField};
 use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
@@ -15,8 +15,6 @@ use asperity_base::distribution::{Marginal, translation::Translation};
 use asperity_base::fourier::{Workspace, good_length};
 use asperity_base::map::Grid;
 
-/// Fraction of negative variance that counts as rounding.
-const NEGLIGIBLE: f64 = 1e-12;
 /// Largest side of an embedding domain over the side of the grid, and its largest number of points.
 const LARGEST_FACTOR: usize = 8;
 const LARGEST_DOMAIN: usize = 1 << 22;
@@ -86,11 +84,6 @@ impl Feasibility {
     /// Returns the depth of the target below the least correlation of the distribution; 0 if it does not fall below.
     pub fn shortfall(&self) -> f64 {
         (self.least_correlation - self.least_target).max(0.0)
-    }
-
-    /// Returns whether pre-distortion reproduces the target to rounding.
-    pub fn is_feasible(&self) -> bool {
-        self.shortfall() == 0.0 && self.predistorted_negative_fraction < NEGLIGIBLE
     }
 }
 

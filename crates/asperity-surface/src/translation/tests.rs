@@ -1,6 +1,6 @@
 use super::*;
 use crate::{KarhunenLoeve, ModesRoute, SpectralField};
-use asperity_base::correlation::{CorrelationModel, Covariance};
+use asperity_base::correlation::{CorrelationModel, Covariance, StationaryCovariance};
 use asperity_base::random;
 
 fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
@@ -48,6 +48,19 @@ fn heights_have_the_distribution_at_every_point_also_of_a_truncated_field() {
     }
 }
 
+/// Returns the largest deviation of the correlation around the centre of the map from `target`.
+fn largest_deviation<S: GaussianSurface>(surface: &Translated<S>, target: &dyn StationaryCovariance) -> f64 {
+    let grid = surface.grid();
+    let (row, column) = (grid.ny() / 2, grid.nx() / 2);
+    let met = surface.correlation_with(row, column).unwrap();
+    let deviation = |((r, c), value): ((usize, usize), &f64)| {
+        let lag_x = (c as f64 - column as f64) * grid.dx_m();
+        let lag_y = (r as f64 - row as f64) * grid.dy_m();
+        (value - target.correlation(lag_x, lag_y)).abs()
+    };
+    met.indexed_iter().map(deviation).fold(0.0, f64::max)
+}
+
 #[test]
 fn a_plain_lognormal_translation_has_the_closed_form_distortion() {
     // ρ_X = (e^{σ²ρ} − 1)/(e^{σ²} − 1).
@@ -63,8 +76,7 @@ fn a_plain_lognormal_translation_has_the_closed_form_distortion() {
         assert!((value - wanted).abs() < 1e-9);
         largest = largest.max((wanted - rho).abs());
     }
-    let report = surface.correlation_report(&target).unwrap();
-    assert!((report.largest_deviation - largest).abs() < 1e-9 && largest > 0.05);
+    assert!((largest_deviation(&surface, &target) - largest).abs() < 1e-9 && largest > 0.05);
 }
 
 #[test]
@@ -77,9 +89,9 @@ fn the_corrected_translation_reproduces_the_target_and_the_plain_one_does_not() 
     let field = SpectralField::periodic(&predistorted, grid);
     let clipped = field.clipped_variance();
     let corrected = Translated::new(field, marginal).unwrap();
-    let (before, after) = (plain.correlation_report(&target).unwrap(), corrected.correlation_report(&target).unwrap());
-    assert!(before.largest_deviation > 0.03);
-    assert!(after.largest_deviation < 0.02 * before.largest_deviation + 3.0 * clipped, "{after:?}, clipped {clipped}");
+    let (before, after) = (largest_deviation(&plain, &target), largest_deviation(&corrected, &target));
+    assert!(before > 0.03);
+    assert!(after < 0.02 * before + 3.0 * clipped, "{after}, clipped {clipped}");
 }
 
 #[test]

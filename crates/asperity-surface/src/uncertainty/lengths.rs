@@ -4,10 +4,9 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::cells::Cells;
-use super::heights::HeightSums;
-use super::removal::Removal;
+use super::estimate::{Estimate, estimate};
+use super::heights::{HeightSums, Removal};
 use super::window::Window;
-use super::{Estimate, estimate};
 use asperity_base::correlation::Axis;
 use asperity_base::stats::{Interval, Spread};
 

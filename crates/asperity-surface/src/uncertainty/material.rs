@@ -4,9 +4,9 @@
 use rand::RngExt;
 
 use super::cells::Cells;
+use super::estimate::{Estimate, Values, estimate};
 use super::heights::{FITTED, HeightSums, total};
 use super::window::Window;
-use super::{Estimate, Values, estimate};
 use crate::areal::{EquivalentLine, MaterialRatio};
 use asperity_base::blocks;
 use asperity_base::random;

@@ -2,7 +2,7 @@ use super::*;
 use crate::areal::parameters;
 use crate::level::remove_form;
 use crate::{RandomSurface, SpectralField, Translated};
-use asperity_base::correlation::{CorrelationModel, Covariance};
+use asperity_base::correlation::{Autocorrelation, CorrelationModel, Covariance};
 use asperity_base::distribution::Marginal;
 use asperity_base::map::Grid;
 use asperity_base::random;
@@ -369,7 +369,7 @@ fn invalid_requests_are_refused() {
 
 #[test]
 #[ignore = "slow"]
-fn joint_errors_of_height_slope_and_skewness_equal_their_scatter_over_maps() {
+fn joint_errors_of_height_slope_and_skewness_equal_their_covariance_over_maps() {
     let marginal = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
     let count = 80;
     let mut errors = [[0.0; 3]; 3];
@@ -385,15 +385,15 @@ fn joint_errors_of_height_slope_and_skewness_equal_their_scatter_over_maps() {
         statistics.push([values.sq_m.ln(), values.sdq.unwrap().ln(), values.ssk]);
     }
     let mean = |i: usize| statistics.iter().map(|s| s[i]).sum::<f64>() / count as f64;
-    let scatter = |i: usize, j: usize| {
+    let covariance_of = |i: usize, j: usize| {
         statistics.iter().map(|s| (s[i] - mean(i)) * (s[j] - mean(j))).sum::<f64>() / (count as f64 - 1.0)
     };
     for i in 0..3 {
         for j in 0..=i {
             // The standard error of a covariance of normal errors.
-            let variance = scatter(i, i) * scatter(j, j) + scatter(i, j).powi(2);
+            let variance = covariance_of(i, i) * covariance_of(j, j) + covariance_of(i, j).powi(2);
             let tolerance = 4.0 * (variance / (count as f64 - 1.0)).sqrt();
-            let (found, wanted) = (errors[i][j], scatter(i, j));
+            let (found, wanted) = (errors[i][j], covariance_of(i, j));
             assert!((found - wanted).abs() < tolerance, "{i} {j}: {found:e} for {wanted:e} ± {tolerance:e}");
             assert!((errors[i][j] - errors[j][i]).abs() < 1e-15);
         }

@@ -3,21 +3,13 @@
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
 use super::cells::dot;
-use asperity_base::stats::{Spread, flat_top};
+use asperity_base::stats::Spread;
+use asperity_base::stats::flat_top::{self, BLOCKS_TO_SPARE, FADED, LARGEST_FITTED, REACHES};
 
-/// Value of a correlogram that defines its reach.
-const FADED: f64 = 0.2;
-/// End of the window in reaches; it is flat up to half of that. It then includes 95 % of an exponential correlogram.
-const REACHES: f64 = 4.65;
-/// Least extent of a window in correlation lengths of the heights.
-const LEAST_LENGTHS: f64 = 3.75;
-/// Number of blocks down to which a large map widens its window.
-const BLOCKS_TO_SPARE: f64 = 40.0;
 /// Longest distance between cells that a window spans.
 const LONGEST: f64 = 24.0;
-/// Largest fraction of the variance that the fitted means may remove from the window.
-const LARGEST_FITTED: f64 = 0.5;
-/// The same limit for the mean of the heights, whose own variance is wanted.
+/// Largest fraction of the variance in the window that the mean of the heights may remove, whose own variance is
+/// wanted; see [`LARGEST_FITTED`].
 const LARGEST_REMOVED: f64 = 0.15;
 /// Least number of blocks for an interval.
 const LEAST_BLOCKS: f64 = 6.0;
@@ -89,12 +81,12 @@ impl Window {
         let reach = self.reach(influence);
         let spare = 2.0 * (self.cells() * self.cell / (5.76 * BLOCKS_TO_SPARE)).sqrt();
         let spare = if self.plane { spare } else { 0.75 * self.cells() * self.cell / BLOCKS_TO_SPARE };
-        let least = (REACHES * reach).max(LEAST_LENGTHS * self.length).max(3.0);
+        let least = flat_top::least_end(reach, self.length);
         let end = self.narrowed(spare.clamp(least, 2.0 * least).min(LONGEST), fitted, LARGEST_FITTED);
         let within: Vec<&Lag> = self.lags.iter().take_while(|lag| lag.distance < end).collect();
         let (mut sum, mut taken, mut squares) = (0.0, 0.0, 0.0);
         for lag in within {
-            let weight = flat_top(lag.distance, end);
+            let weight = flat_top::weight(lag.distance, end);
             sum += weight * lag.times * products(influence, self.columns, lag.right, lag.down);
             taken += weight * lag.times * lag.fraction;
             squares += weight * weight * lag.times * lag.fraction;
@@ -143,7 +135,7 @@ impl Window {
         let mut taken = 0.0;
         let mut parts = vec![0.0; heights.len()];
         for lag in self.lags.iter().take_while(|lag| lag.distance < end) {
-            let weight = flat_top(lag.distance, end);
+            let weight = flat_top::weight(lag.distance, end);
             taken += weight * lag.times * lag.fraction;
             // Half of a pair belongs to either cell.
             let shift = lag.down * self.columns;
@@ -171,7 +163,7 @@ impl Window {
     fn narrowed(&self, mut end: f64, fitted: f64, largest: f64) -> f64 {
         let taken = |end: f64| {
             let within = self.lags.iter().take_while(|lag| lag.distance < end);
-            within.map(|lag| flat_top(lag.distance, end) * lag.times * lag.fraction).sum::<f64>()
+            within.map(|lag| flat_top::weight(lag.distance, end) * lag.times * lag.fraction).sum::<f64>()
         };
         while end > 2.0 && fitted * taken(end) > largest {
             end *= 0.95;
@@ -317,8 +309,8 @@ mod tests {
             assert!(ratio > 0.91 - 3.0 * error / wanted && ratio < 1.06 + 3.0 * error / wanted, "{radius}: {ratio}");
             // The variance varies like χ² with the number of blocks as degrees of freedom.
             let blocks = Moments::new(&spreads.iter().map(|s| s.blocks).collect::<Vec<_>>()).mean;
-            let scatter = found.std / found.mean * (0.5 * blocks).sqrt();
-            assert!(scatter > 0.7 && scatter < 1.4, "{radius}: {scatter}");
+            let ratio = found.std / found.mean * (0.5 * blocks).sqrt();
+            assert!(ratio > 0.7 && ratio < 1.4, "{radius}: {ratio}");
         }
     }
 
@@ -332,7 +324,9 @@ mod tests {
                 let step = end / f64::from(steps);
                 let sum: f64 = (0..steps)
                     .map(|i| (f64::from(i) + 0.5) * step)
-                    .map(|r| step * flat_top(r, end) * (-r / decay).exp() * r.powi(power) / decay.powi(power + 1))
+                    .map(|r| {
+                        step * flat_top::weight(r, end) * (-r / decay).exp() * r.powi(power) / decay.powi(power + 1)
+                    })
                     .sum();
                 assert!((window.tail(end, decay) - sum).abs() < 1e-7, "{columns} {end}: {sum}");
             }
@@ -345,7 +339,7 @@ mod tests {
         let side = 64;
         let fraction = vec![1.0 / (side * side) as f64; side * side];
         let window = Window::new(side, side, (1.0, 1.0), 2.0, &fraction);
-        let area: f64 = window.lags.iter().map(|lag| flat_top(lag.distance, 10.0).powi(2) * lag.times).sum();
+        let area: f64 = window.lags.iter().map(|lag| flat_top::weight(lag.distance, 10.0).powi(2) * lag.times).sum();
         assert!((area / (5.76 * 25.0) - 1.0).abs() < 0.01, "{area}");
         assert!((window.cells() / (side * side) as f64 - 1.0).abs() < 1e-12);
     }

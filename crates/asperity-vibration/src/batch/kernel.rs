@@ -4,7 +4,8 @@ use std::f64::consts::{LOG2_E, PI};
 
 use super::super::Oscillator;
 use super::super::polynomial;
-use super::super::series::{RECIPROCAL, exponential_step};
+use super::super::polynomial::RECIPROCAL;
+use super::super::series::exponential_step;
 use super::super::weakening::{Curve, Weakening};
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::Cell;
@@ -253,11 +254,12 @@ fn lower_bound<const N: usize>(c: &[Lane; N], h: &Lane) -> Lane {
     each(|l| c[0][l] + sum[l])
 }
 
+/// 2⁵², which plus an integer has the integer in its lowest bits.
+const SHIFT: f64 = 4_503_599_627_370_496.0;
+
 /// Returns x^(1/n) for positive x within 0.5 %: the upper half of the bits of a number is nearly its logarithm.
 #[inline(always)]
 fn coarse_root(x: f64, reciprocal: f64) -> f64 {
-    // Adding 2⁵² converts between a number and an integer below 2³².
-    const SHIFT: f64 = 4_503_599_627_370_496.0;
     const ONE: f64 = 1_072_693_248.0;
     let logarithm = f64::from_bits((x.to_bits() >> 32) | SHIFT.to_bits()) - SHIFT;
     f64::from_bits((ONE + (logarithm - ONE) * reciprocal + SHIFT).to_bits() << 32)
@@ -266,9 +268,8 @@ fn coarse_root(x: f64, reciprocal: f64) -> f64 {
 /// Returns e^x and e^x − 1, both to rounding, for |x| < 700. Beyond, returns the values at ±700.
 #[inline(always)]
 fn exponential(x: f64) -> (f64, f64) {
-    // Adding 3·2⁵¹ rounds a number to an integer; 2⁵² plus an integer has the integer in its lowest bits.
+    // Adding 3·2⁵¹ rounds a number to an integer.
     const ROUND: f64 = 6_755_399_441_055_744.0;
-    const SHIFT: f64 = 4_503_599_627_370_496.0;
     // ln 2 in two parts; an integer times the first part is exact.
     const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
     let x = smaller(larger(x, -700.0), 700.0);

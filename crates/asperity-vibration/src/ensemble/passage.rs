@@ -19,7 +19,7 @@ pub(super) const KINDS: [MotionKind; 3] = [MotionKind::StickSlip, MotionKind::Ov
 ///
 /// A mass vibrates while swings follow each other. A swing is one of three motions: a slip that reaches ẋ < 0 and ends
 /// in stick; a slip that reaches ẋ < 0 and then passes the velocity of the belt without stick; or a slip slower than
-/// the belt whose velocity exceeds the level of a slip cycle, see [`super::super::swing_level`].
+/// the belt whose velocity exceeds the level of a slip cycle, see [`super::super::settled::swing_level`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Passage {
     duration: f64,
@@ -108,7 +108,7 @@ impl Passage {
     }
 
     /// Returns the fraction of the second half of the time in vibration.
-    pub(super) fn late_share(&self) -> f64 {
+    pub(super) fn late_fraction(&self) -> f64 {
         (self.late_inside / (0.5 * self.duration)).min(1.0)
     }
 
@@ -268,7 +268,7 @@ mod tests {
         // The same swings up to the end.
         let lasting = recorded(52.0, &[&events[..], &swings[..]].concat());
         assert_eq!((lasting.exits, lasting.inside, lasting.kinds), (0, 52.0, [8.0, 18.0, 26.0]));
-        assert_eq!(lasting.late_share(), 1.0);
+        assert_eq!(lasting.late_fraction(), 1.0);
     }
 
     #[test]

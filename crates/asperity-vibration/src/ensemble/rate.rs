@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::super::MotionKind;
-use super::super::sample_distribution::RunningMoments;
-use super::Count;
+use super::super::sample_distribution::{Count, RunningMoments};
 use super::passage::{KINDS, Passage};
 use asperity_base::distribution::Marginal;
 use asperity_base::stats::wilson_interval;
@@ -124,7 +123,7 @@ impl Passages {
         sums.inside += passage.inside;
         sums.outside += passage.outside;
         sums.kinds.iter_mut().zip(passage.kinds).for_each(|(sum, time)| *sum += time);
-        sums.late.add(passage.late_share());
+        sums.late.add(passage.late_fraction());
     }
 
     /// Computes the results after the last trajectory.

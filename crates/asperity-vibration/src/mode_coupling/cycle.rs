@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::super::VibrationError;
-use super::motion::{Cut, Motion, Now};
+use super::motion::state::Now;
+use super::motion::{Cut, Motion};
 use super::trajectory::default_start;
 use super::{Contact, CoupledEventKind, Model, State};
 use asperity_process as process;

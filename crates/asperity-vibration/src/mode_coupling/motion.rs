@@ -1,41 +1,18 @@
 //! Motion along one trajectory: steps of the Taylor series that end at events.
 
 mod series;
+pub(super) mod state;
 
 use serde::{Deserialize, Serialize};
 
 use self::series::{Series, holding};
+use self::state::{Contact, Now, State};
 use super::super::VibrationError;
 use super::Model;
 use asperity_process::{Cell, Fluctuation};
 
 /// Largest number of consecutive steps without progress in time.
 const MAX_IDLE_STEPS: usize = 100;
-
-/// Contact of the mass with the belt.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Contact {
-    /// The mass moves with the belt.
-    Stick,
-    /// The mass is slower than the belt.
-    Slip,
-    /// The mass is faster than the belt.
-    OverSlip,
-    /// The mass has left the belt.
-    Flight,
-}
-
-impl Contact {
-    /// Returns the sign of friction on the mass in slip, otherwise 0.
-    fn direction(self) -> f64 {
-        match self {
-            Self::Slip => 1.0,
-            Self::OverSlip => -1.0,
-            Self::Stick | Self::Flight => 0.0,
-        }
-    }
-}
 
 /// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,20 +47,6 @@ impl CoupledEventKind {
     }
 }
 
-/// Displacements and velocities of the mass.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct State {
-    /// x, along the belt.
-    pub tangential: f64,
-    /// x′.
-    pub tangential_velocity: f64,
-    /// y, into the belt.
-    pub normal: f64,
-    /// y′.
-    pub normal_velocity: f64,
-}
-
 /// Event of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CoupledEvent {
@@ -108,40 +71,6 @@ pub(super) enum Cut {
     Minimum,
     /// An event.
     Event(CoupledEvent),
-}
-
-/// State between two steps.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Now {
-    pub(super) tau: f64,
-    pub(super) x: f64,
-    pub(super) u: f64,
-    pub(super) y: f64,
-    pub(super) v: f64,
-    pub(super) contact: Contact,
-    /// Fluctuation of friction.
-    pub(super) m: f64,
-    pub(super) sliding_distance: f64,
-    /// Stick ended here: the holding force is exactly at the limit.
-    released: bool,
-    /// The normal force is exactly zero.
-    touching: bool,
-}
-
-impl Now {
-    /// Returns the normal force 1 + k₃y.
-    fn normal(&self, model: &Model) -> f64 {
-        if self.touching { 0.0 } else { 1.0 + model.parameters().contact_stiffness * self.y }
-    }
-
-    /// Returns |V − x′| in slip, otherwise 0.
-    fn speed(&self, model: &Model) -> f64 {
-        self.contact.direction() * (model.belt_velocity() - self.u)
-    }
-
-    pub(super) fn state(&self) -> State {
-        State { tangential: self.x, tangential_velocity: self.u, normal: self.y, normal_velocity: self.v }
-    }
 }
 
 /// Motion of a mass under one realisation of the friction process.

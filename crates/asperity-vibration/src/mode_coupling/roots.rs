@@ -1,6 +1,25 @@
-//! Zeros of a real polynomial of degree four, as pairs.
+//! Modes: zeros of a real polynomial of degree four, as pairs.
 
-use super::spectrum::Mode;
+use serde::{Deserialize, Serialize};
+
+/// Eigenvalue: motion grows like e^{growth·τ} and oscillates with an angular frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mode {
+    /// Real part.
+    pub growth: f64,
+    /// Imaginary part ≥ 0.
+    pub frequency: f64,
+}
+
+impl Mode {
+    pub(super) fn minus(self, other: Self) -> Self {
+        Self { growth: self.growth - other.growth, frequency: self.frequency - other.frequency }
+    }
+
+    pub(super) fn size(self) -> f64 {
+        self.growth.hypot(self.frequency)
+    }
+}
 
 /// Complex number. Products are not fused, so results are the same on every machine.
 #[derive(Debug, Clone, Copy)]

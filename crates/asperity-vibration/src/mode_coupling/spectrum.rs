@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::{VibrationError, positive};
 use super::Model;
-use super::roots;
+use super::roots::{self, Mode};
 use asperity_base::numeric::root_between;
 
 /// Number of intervals in the search for a change of stability when friction falls with velocity.
@@ -14,25 +14,6 @@ const ROUNDING: f64 = 1e-13;
 /// Range of the search for the loss of stability, relative to the largest of the scan, the coalescence and the
 /// machine's own friction.
 const BEYOND: f64 = 10.0;
-
-/// Eigenvalue: motion grows like e^{growth·τ} and oscillates with an angular frequency.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Mode {
-    /// Real part.
-    pub growth: f64,
-    /// Imaginary part ≥ 0.
-    pub frequency: f64,
-}
-
-impl Mode {
-    fn minus(self, other: Self) -> Self {
-        Self { growth: self.growth - other.growth, frequency: self.frequency - other.frequency }
-    }
-
-    fn size(self) -> f64 {
-        self.growth.hypot(self.frequency)
-    }
-}
 
 /// Kind of the loss of stability of steady sliding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

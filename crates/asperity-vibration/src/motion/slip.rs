@@ -1,7 +1,7 @@
 //! Slip: a Taylor step and its end.
 
 use super::super::arrival::Turning;
-use super::super::series::Loading;
+use super::super::weakening::Loading;
 use super::super::{Drive, Event, EventKind, Phase, VibrationError};
 use super::{Motion, Segment};
 use asperity_process::Fluctuation;

@@ -2,7 +2,29 @@
 
 use std::collections::BTreeMap;
 
-use super::{Place, Square};
+/// Point (column, row) of the finest grid.
+pub(super) type Place = (usize, usize);
+
+/// Square of the quadtree: its lower corner and its side, on the finest grid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Square {
+    pub(super) corner: Place,
+    pub(super) side: usize,
+}
+
+impl Square {
+    pub(super) fn corners(&self) -> [Place; 4] {
+        let (i, j) = self.corner;
+        let side = self.side;
+        [(i, j), (i + side, j), (i + side, j + side), (i, j + side)]
+    }
+
+    pub(super) fn quarters(&self) -> [Self; 4] {
+        let (i, j) = self.corner;
+        let side = self.side / 2;
+        [(i, j), (i + side, j), (i, j + side), (i + side, j + side)].map(|corner| Self { corner, side })
+    }
+}
 
 /// Vertex of the triangles: a point of a grid with half the finest spacing, so that centres of squares are grid points.
 type Vertex = (usize, usize);

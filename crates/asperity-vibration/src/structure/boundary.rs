@@ -149,7 +149,7 @@ pub fn critical_curve(
             detachment_phase: None,
         })
     };
-    let mut shares = vec![0.0];
+    let mut fractions = vec![0.0];
     let mut points = vec![point(0.0)?];
     let mut step = f64::min(0.01, settings.longest_step);
     let mut end = BranchEnd::Points;
@@ -158,7 +158,7 @@ pub fn critical_curve(
             return Err(Cancelled.into());
         }
         let n = points.len();
-        let (last, at) = (points[n - 1].critical_damping_ratio, shares[n - 1]);
+        let (last, at) = (points[n - 1].critical_damping_ratio, fractions[n - 1]);
         let fraction = f64::min(at + step, 1.0);
         let next = match point(fraction) {
             Ok(next) => next,
@@ -172,13 +172,13 @@ pub fn critical_curve(
             }
         };
         let found = next.critical_damping_ratio;
-        let slope = if n > 1 { (last - points[n - 2].critical_damping_ratio) / (at - shares[n - 2]) } else { 0.0 };
+        let slope = if n > 1 { (last - points[n - 2].critical_damping_ratio) / (at - fractions[n - 2]) } else { 0.0 };
         let deviation = if n > 1 { (found - last - slope * (fraction - at)).abs() / found.max(last) } else { 0.0 };
         if deviation > settings.deviation && step > LEAST_STEP {
             step *= 0.5;
             continue;
         }
-        shares.push(fraction);
+        fractions.push(fraction);
         points.push(next);
         monitor.progress("critical curve, parts per thousand", (1000.0 * fraction) as usize, 1000);
         if fraction == 1.0 {

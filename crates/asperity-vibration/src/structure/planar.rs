@@ -4,8 +4,8 @@
 //! sliding, and W′ = r there. The derivative of the map r → P(r) is (r/P)·exp ∫g, with g the divergence of the flow.
 
 use super::super::polynomial;
-use super::super::series::{Loading, Series};
-use super::super::weakening::Weakening;
+use super::super::series::Series;
+use super::super::weakening::{Loading, Weakening};
 use super::super::{Oscillator, VibrationError};
 use super::tangent::{Linear, Step};
 

@@ -42,11 +42,6 @@ pub struct SlipCycle {
 }
 
 impl SlipCycle {
-    /// Returns half the range of the velocity.
-    pub fn velocity_amplitude(&self) -> f64 {
-        0.5 * (self.velocity_max - self.velocity_min)
-    }
-
     /// Returns whether the cycle attracts.
     pub fn is_stable(&self) -> bool {
         self.multiplier < 1.0
@@ -344,7 +339,7 @@ mod tests {
             let lyapunov = 6.0 / 16.0 * decay.powi(3) * friction / (1.0_f64 + decay * velocity).powi(4);
             let off = |fraction: f64| {
                 let cycle = slip_cycles(&of(ends.hopf_damping_ratio + fraction * width)).unwrap()[0];
-                cycle.velocity_amplitude() / (fraction * width / lyapunov).sqrt() - 1.0
+                0.5 * (cycle.velocity_max - cycle.velocity_min) / (fraction * width / lyapunov).sqrt() - 1.0
             };
             // √((ζ − ζ_H)/ℓ)·(1 + O(ζ − ζ_H)).
             let (far, near) = (off(1e-2), off(1e-3));

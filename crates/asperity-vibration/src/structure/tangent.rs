@@ -8,12 +8,11 @@
 //! Gauss points, of order 24 like the series that gives W there. The friction law therefore only has to provide W(t)
 //! and the slope of the law.
 
-use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use super::super::Oscillator;
 use super::super::series::Series;
-use asperity_base::numeric::solve;
+use asperity_base::numeric::{gauss_legendre, solve};
 
 /// Number of Gauss points of a step.
 const NODES: usize = 12;
@@ -45,20 +44,9 @@ fn legendre(x: f64) -> [f64; NODES + 1] {
 
 impl Rule {
     fn new() -> Self {
-        let n = NODES as f64;
-        let slope = |x: f64, p: &[f64; NODES + 1]| n * (x * p[NODES] - p[NODES - 1]) / (x * x - 1.0);
-        let roots: Vector = std::array::from_fn(|i| {
-            let mut x = -(PI * (i as f64 + 0.75) / (n + 0.5)).cos();
-            for _ in 0..8 {
-                let p = legendre(x);
-                x -= p[NODES] / slope(x, &p);
-            }
-            x
-        });
-        let doubled = roots.map(|x| {
-            let d = slope(x, &legendre(x));
-            2.0 / ((1.0 - x * x) * d * d)
-        });
+        let mut rule = gauss_legendre::<NODES>();
+        rule.reverse();
+        let (roots, doubled) = (rule.map(|(x, _)| x), rule.map(|(_, weight)| weight));
         // The integral of P_k from −1 to x is (P_{k+1} − P_{k−1})/(2k + 1), and x + 1 for k = 0.
         let integrals = std::array::from_fn(|i| {
             let p = legendre(roots[i]);
@@ -157,7 +145,7 @@ fn speed(step: Step, node: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::series::Loading;
+    use super::super::super::weakening::Loading;
     use super::super::super::weakening::Weakening;
     use super::*;
 

@@ -47,7 +47,7 @@ fn the_load_curve_lies_between_its_levels_and_inverts_itself() {
         // Heights of the plane in units of Sq = 0.5 µm; every other one defines the curve.
         let heights_m: Vec<f64> = (0..9).map(|k| 0.5e-6 * (1.5 - 0.25 * f64::from(k))).collect();
         let levels = planes(strips, &heights_m);
-        let curve = LoadCurve::from_levels(levels.iter().step_by(2)).unwrap();
+        let curve = LoadCurve::from_points(levels.iter().step_by(2).map(LoadPoint::from_strips).collect()).unwrap();
         for level in levels.iter().skip(1).step_by(2) {
             let between = curve.mean_pressure_pa(level.penetration_m).unwrap();
             println!("{:e}: {between:e} for {:e}", level.penetration_m, level.mean_pressure_pa);

@@ -6,6 +6,7 @@ use super::band::RecordBand;
 use super::checked_moments;
 use super::likelihood::{Likelihood, RecordEnds, WindowedRecords};
 use super::model::{RecordModel, WindowedModel};
+use super::tangent::Tangent;
 use crate::correlation::estimate::EstimateError;
 use crate::numeric::scanned_minimum;
 use crate::stats::{Interval, Moments, student_quantile};
@@ -120,8 +121,8 @@ pub fn fit_length(
     let narrowest = narrowest(channels);
     let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
     let theory = likelihood.spread();
-    let scattered = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
-    let (dispersion, track_redundancy, freedom, count) = match scattered {
+    let found = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
+    let (dispersion, track_redundancy, freedom, count) = match found {
         Some((found, track_redundancy, count)) => {
             let own = count as f64 - 1.0;
             ((PRIOR * theory * track_redundancy + own * found) / (PRIOR + own), track_redundancy, PRIOR + own, count)
@@ -134,7 +135,7 @@ pub fn fit_length(
         low: if curve(0.0) <= bound { 0.0 } else { crossing(&curve, bound, length_m, low_m).unwrap_or(0.0) },
         high: crossing(&curve, bound, length_m.max(low_m), high_m).unwrap_or(high_m),
     };
-    let tangent = likelihood.tangent(length_m, noise_fraction);
+    let tangent = Tangent::new(&likelihood, length_m, noise_fraction);
     // Skewed records, and so their scores, have a larger variance than the theoretical one.
     let lack_of_fit =
         tangent.lack_of_fit(dispersion.max(theory * track_redundancy)).and_then(|(statistic, degrees_of_freedom)| {
@@ -271,7 +272,7 @@ impl Pieces {
     /// Returns the ratio of the variance of the block scores to their information, the redundancy of the tracks, and
     /// the number of blocks.
     fn dispersion(&self, length_m: f64, noise: f64, tracks: usize) -> Option<(f64, f64, usize)> {
-        let (scores, information) = self.likelihood.tangent(length_m, noise).scores(self.places.len());
+        let (scores, information) = Tangent::new(&self.likelihood, length_m, noise).scores(self.places.len());
         let of = |scores: &[f64]| {
             let spread = Moments::new(scores).sample_std();
             scores.len() as f64 * spread * spread / information

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use super::band::RecordBand;
 use super::model::WindowedModel;
-use super::tangent::Tangent;
 use crate::fourier::RealFft2;
 use crate::numeric::scanned_minimum;
 use crate::stats::{Moments, lag_sums};
@@ -346,30 +345,6 @@ impl Likelihood {
         let spectra = self.spectra(length_m);
         let (fraction, value) = if noise { self.best_noise(&spectra) } else { (0.0, self.negative_log(&spectra)) };
         (fraction, if value.is_nan() { f64::INFINITY } else { value })
-    }
-
-    /// Returns the model at a length and a noise fraction, with its derivatives by the parameters.
-    pub(super) fn tangent(&self, length_m: f64, noise: f64) -> Tangent<'_> {
-        let step: f64 = 1e-3;
-        let at = |length_m: f64| self.with_noise(&self.spectra(length_m), noise);
-        let (plain, mut directions) = (self.spectra(length_m), Vec::new());
-        let expected = self.with_noise(&plain, noise);
-        if length_m > 0.0 {
-            let (below, above) = (at(length_m * (-step).exp()), at(length_m * step.exp()));
-            let slope = |(low, high): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-                low.iter().zip(high).map(|(l, h)| (h / l).ln() / (2.0 * step)).collect()
-            };
-            directions.push(below.0.iter().zip(&above.0).map(slope).collect());
-        }
-        if noise > 0.0 {
-            let all_noise = self.with_noise(&plain, 1.0);
-            let slope = |((white, own), e): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| -> Vec<f64> {
-                white.iter().zip(own).zip(e).map(|((w, o), e)| (w - o) / e).collect()
-            };
-            directions.push(all_noise.0.iter().zip(&plain.0).zip(&expected.0).map(slope).collect());
-        }
-        let variance = self.variance(&expected);
-        Tangent { likelihood: self, expected, variance, directions }
     }
 
     /// Returns the variance of the mean of ordinates relative to independent ones.

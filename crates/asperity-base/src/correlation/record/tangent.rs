@@ -10,13 +10,37 @@ const MOST_BANDS: f64 = 16.0;
 /// Fitted model with ∂ ln E/∂θ for its parameters ln ℓ (if ℓ > 0) and noise (if fitted); the derivative by the log
 /// variance is 1.
 pub(super) struct Tangent<'a> {
-    pub(super) likelihood: &'a Likelihood,
-    pub(super) expected: Spectra,
-    pub(super) variance: f64,
-    pub(super) directions: Vec<Vec<Vec<f64>>>,
+    likelihood: &'a Likelihood,
+    expected: Spectra,
+    variance: f64,
+    directions: Vec<Vec<Vec<f64>>>,
 }
 
-impl Tangent<'_> {
+impl<'a> Tangent<'a> {
+    /// Returns the model at a length and a noise fraction, with its derivatives by the parameters.
+    pub(super) fn new(likelihood: &'a Likelihood, length_m: f64, noise: f64) -> Self {
+        let step: f64 = 1e-3;
+        let at = |length_m: f64| likelihood.with_noise(&likelihood.spectra(length_m), noise);
+        let (plain, mut directions) = (likelihood.spectra(length_m), Vec::new());
+        let expected = likelihood.with_noise(&plain, noise);
+        if length_m > 0.0 {
+            let (below, above) = (at(length_m * (-step).exp()), at(length_m * step.exp()));
+            let slope = |(low, high): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                low.iter().zip(high).map(|(l, h)| (h / l).ln() / (2.0 * step)).collect()
+            };
+            directions.push(below.0.iter().zip(&above.0).map(slope).collect());
+        }
+        if noise > 0.0 {
+            let all_noise = likelihood.with_noise(&plain, 1.0);
+            let slope = |((white, own), e): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| -> Vec<f64> {
+                white.iter().zip(own).zip(e).map(|((w, o), e)| (w - o) / e).collect()
+            };
+            directions.push(all_noise.0.iter().zip(&plain.0).zip(&expected.0).map(slope).collect());
+        }
+        let variance = likelihood.variance(&expected);
+        Self { likelihood, expected, variance, directions }
+    }
+
     /// Returns the variance of the values without filters, including noise.
     pub(super) fn variance(&self) -> f64 {
         self.variance

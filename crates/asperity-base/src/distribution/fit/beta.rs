@@ -1,7 +1,7 @@
 //! Beta distribution with given or free bounds.
 
+use super::family::{End, Family, Fit};
 use super::maximise::{FARTHEST, NEAREST};
-use super::{End, Family, Fit};
 use crate::distribution::special::{digamma, ln_beta, trigamma};
 use crate::distribution::{DistributionError, Marginal};
 use crate::numeric::simplex;

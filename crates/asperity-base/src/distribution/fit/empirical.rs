@@ -1,6 +1,6 @@
 //! Piecewise constant density of a sample.
 
-use super::{End, Family, Fit};
+use super::family::{End, Family, Fit};
 use crate::distribution::{DistributionError, Marginal};
 use crate::stats::quantile_sorted;
 

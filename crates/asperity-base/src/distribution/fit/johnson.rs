@@ -3,8 +3,8 @@
 //! For given ξ and λ, f((x − ξ)/λ) is a normal sample with γ and δ from its moments. The search is over ξ and λ, or
 //! over the two ends.
 
+use super::family::{End, Family, Fit};
 use super::maximise::FARTHEST;
-use super::{End, Family, Fit};
 use crate::distribution::{DistributionError, JohnsonSystem, Marginal};
 use crate::numeric::simplex;
 use crate::stats::Moments;

@@ -1,6 +1,6 @@
 //! Local maxima of profile likelihoods over free ends.
 
-use super::{End, Family, Fit};
+use super::family::{End, Family, Fit};
 use crate::distribution::{DistributionError, Marginal};
 use crate::numeric::golden_section;
 

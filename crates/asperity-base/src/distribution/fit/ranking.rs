@@ -2,7 +2,7 @@
 
 use super::{End, Family, Fit, fit};
 use crate::distribution::DistributionError;
-use crate::distribution::goodness::{Goodness, ProcessNull, anderson_darling, kolmogorov_smirnov};
+use crate::distribution::goodness::{FitGoodness, ProcessNull};
 
 /// Fits of several families, best first, and the families without a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,16 +16,6 @@ pub struct Ranking {
     pub effective_size: f64,
     /// Families without a fit, with the error.
     pub failed: Vec<(Family, DistributionError)>,
-}
-
-/// Distances between a sample and a distribution fitted to it; the p-values are too large, see [`Goodness`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FitGoodness {
-    /// Largest difference of the distribution functions.
-    pub kolmogorov_smirnov: Goodness,
-    /// Anderson–Darling distance, which weights the tails; absent if a value is at the end of the support, where it is
-    /// infinite.
-    pub anderson_darling: Option<Goodness>,
 }
 
 /// Fits the families and orders them by [`Fit::aic_correlated`]; an `effective_size` of `None` treats the values as
@@ -58,7 +48,7 @@ pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f
         empirical += usize::from(matches!(fit.family, Family::Empirical { .. }));
         empirical < 2 || !matches!(fit.family, Family::Empirical { .. })
     });
-    let goodness = fits.iter().filter_map(|fit| FitGoodness::new(fit, values, effective_size)).collect();
+    let goodness = fits.iter().filter_map(|fit| FitGoodness::new(&fit.marginal, values, effective_size)).collect();
     Ranking { fits, goodness, effective_size, failed }
 }
 
@@ -87,16 +77,6 @@ impl Ranking {
         if let Some(known) = known {
             self.goodness = known;
         }
-    }
-}
-
-impl FitGoodness {
-    /// `None` for an empty sample.
-    fn new(fit: &Fit, values: &[f64], effective_size: f64) -> Option<Self> {
-        Some(Self {
-            kolmogorov_smirnov: kolmogorov_smirnov(values, &fit.marginal, Some(effective_size)).ok()?,
-            anderson_darling: anderson_darling(values, &fit.marginal, Some(effective_size)).ok(),
-        })
     }
 }
 

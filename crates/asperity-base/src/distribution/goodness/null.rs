@@ -1,8 +1,8 @@
 //! Null distribution of the goodness of fit of distributions fitted to correlated records.
 
-use super::{Goodness, anderson_darling, kolmogorov_smirnov};
+use super::{FitGoodness, Goodness, anderson_darling, kolmogorov_smirnov};
 use crate::blocks;
-use crate::distribution::fit::{Fit, FitGoodness};
+use crate::distribution::fit::Fit;
 use crate::distribution::{DistributionError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use crate::fourier::RealFft2;
 use crate::numeric::inverse;

@@ -46,7 +46,7 @@ impl Marginal {
             distribution: "johnson",
             skewness,
             kurtosis,
-            reason: "the distribution is nearly two atoms; the kurtosis must exceed 1 + skewness² by more",
+            reason: "the distribution is nearly two point masses; the kurtosis must exceed 1 + skewness² by more",
         })?;
         let mirrored = if skewness < 0.0 { johnson.mirrored() } else { johnson };
         Self::Johnson(mirrored).standardised(mean, std)

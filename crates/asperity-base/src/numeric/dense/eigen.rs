@@ -1,15 +1,10 @@
 //! Eigenproblems of symmetric matrices.
 
 use ndarray::{Array2, s};
-use thiserror::Error;
 
+use super::NotConverged;
 use super::divide::eigenpairs;
 use super::tridiagonal::Tridiagonal;
-
-/// The eigenvalues cannot be computed, for example because an entry is not finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("the eigenvalues of a matrix cannot be computed")]
-pub struct NotConverged;
 
 /// Eigenpairs of a symmetric matrix.
 #[derive(Debug, Clone)]

@@ -283,7 +283,7 @@ fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answe
     if !json {
         return answer;
     }
-    let laws = &fitted.laws;
+    let laws = &fitted.marginals;
     let law = |fit: &Fit| {
         let aic = fit.aic_correlated(laws.effective_size);
         json!({ "name": fit.family.key(), "law": fit.marginal.to_string(), "aic": aic })

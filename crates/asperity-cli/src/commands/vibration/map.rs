@@ -85,7 +85,7 @@ impl Map {
         let stated = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let (over, x, y) = match (self.damping_ratios, self.belt_velocities, self.friction_stds, self.loads) {
             (Some(x), Some(y), None, None) => (MapOver::DampingVelocity, x, y),
-            (Some(x), None, Some(y), None) => (MapOver::DampingScatter, x, y),
+            (Some(x), None, Some(y), None) => (MapOver::DampingStd, x, y),
             (None, Some(x), None, Some(y)) => (MapOver::VelocityLoad, x, y),
             _ => {
                 let message = "the map needs two axes: --damping-ratios with --belt-velocities or --friction-stds, or \
@@ -95,7 +95,7 @@ impl Map {
         };
         // Points of the first grid only: refined points hardly change the order of magnitude.
         let belt_velocity = match over {
-            MapOver::DampingScatter => stated.belt_velocity(),
+            MapOver::DampingStd => stated.belt_velocity(),
             MapOver::DampingVelocity => 0.5 * (y.from + y.to),
             MapOver::VelocityLoad => 0.5 * (x.from + x.to),
         };

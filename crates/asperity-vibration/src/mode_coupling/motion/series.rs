@@ -4,7 +4,7 @@ use super::super::super::VelocityLaw;
 use super::super::super::polynomial::{self, CAPACITY};
 use super::super::super::series::exponential_step;
 use super::super::Model;
-use super::{Contact, Now};
+use super::state::{Contact, Now};
 
 /// Largest number of coefficients of a series; even, for pairwise evaluation.
 const MOST_TERMS: usize = 24;
