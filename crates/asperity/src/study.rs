@@ -31,6 +31,7 @@ mod schema;
 mod series;
 mod specimen;
 mod spectra;
+mod stage;
 mod store;
 mod surface_result;
 mod surface_stage;
@@ -70,11 +71,11 @@ pub use result::{
     BandMethod, CampaignResults, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison,
     TwinModel,
 };
-pub use run::Stage;
 pub use run_machine::RunMachine;
 pub use schema::study_schema;
 pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen, draw_map};
+pub use stage::Stage;
 pub use store::{Staging, StoreError, StoredField, StoredRun, file_hash, json_bytes};
 pub use surface_result::{covariance_result, part_statistics, surface_statistics};
 pub use system::{forget_peak_memory, free_memory_bytes, machine, peak_memory_bytes};

@@ -29,8 +29,6 @@ const CROSSING_ENSEMBLES: usize = 20;
 const FLUCTUATION_VALUES: f64 = 20.0;
 /// Bytes per point of a stability map, including cells and contours.
 const MAP_POINT_BYTES: f64 = 400.0;
-/// Bytes of a double.
-const DOUBLE_BYTES: f64 = 8.0;
 /// Bytes of a value of a field in a run folder: a double in the NPY file, and in base64 in the VTK image.
 const FIELD_BYTES: f64 = 8.0 + 32.0 / 3.0;
 /// Bytes of the tables, the figures and the page of one stage in a run folder.

@@ -89,7 +89,3 @@ fn least_valid_share() -> f64 {
 fn is_least_valid_share(share: &f64) -> bool {
     *share == least_valid_share()
 }
-
-fn solve_tolerance() -> f64 {
-    1e-6
-}

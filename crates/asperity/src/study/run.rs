@@ -4,7 +4,6 @@ use std::fmt::Debug;
 use std::mem;
 use std::path::{Path, PathBuf};
 
-use asperity_base::choice;
 use serde::{Deserialize, Serialize};
 
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
@@ -19,28 +18,12 @@ use crate::study::store::file_hash;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::write_run::with_paths;
 use crate::study::{
-    FailureKind, RunBlocks, Study, StudyError, blocks, counterface, coupled_stage, friction_process, friction_stage,
-    implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
+    FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
+    friction_stage, implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
 };
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
 const NOMINAL_AREA: Area = Area(833e-6);
-
-choice! {
-    /// Stage of a study.
-    pub enum Stage: "stage" {
-        /// Statistics and random surfaces.
-        Surface = "surface",
-        /// Distribution of the random pressure.
-        Pressure = "pressure",
-        /// Friction as a process.
-        Friction = "friction",
-        /// Stick-slip, or mode coupling.
-        Vibration = "vibration",
-        /// Probability of vibration over uncertain values.
-        Verdict = "verdict",
-    }
-}
 
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.

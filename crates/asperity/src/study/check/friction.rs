@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use super::pressure::Material;
-use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use crate::friction::window::{Window, WindowError};

@@ -1,6 +1,6 @@
 //! Checks of `[material]` and `[pressure]`.
 
-use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
+use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::contact::{Elastic, ElasticPair, contact_modulus_pa};
 use crate::friction::LevelControl;

@@ -2,7 +2,7 @@
 
 use toml::Table;
 
-use super::{InvalidValue, at_least, invalid, positive, within};
+use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
 use crate::study::file::{Hold, RemedySection, VerdictSection};
@@ -73,7 +73,7 @@ impl StudyFile {
         let stated = self.verdict.clone().unwrap_or_default();
         let VerdictSection { duration, remedies, targets, half_width, evaluations } = stated;
         if let Some(duration) = duration {
-            within(SECTION, "duration", duration, positive, super::POSITIVE)?;
+            within(SECTION, "duration", duration, positive, POSITIVE)?;
         }
         for target in &targets {
             within(SECTION, "targets", *target, |p| p > 0.0 && p < 1.0, PROBABILITY)?;

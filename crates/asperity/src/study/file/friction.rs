@@ -4,7 +4,8 @@ use asperity_base::choice;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{fixed_list, solve_tolerance};
+use super::fixed_list::fixed_list;
+use super::pressure::solve_tolerance;
 use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::scatter::{LengthScatter, NumberScatter};
