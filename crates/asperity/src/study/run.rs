@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
-use crate::quantity::Area;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
@@ -21,9 +20,6 @@ use crate::study::{
     FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
     friction_stage, implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
 };
-
-/// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
-const NOMINAL_AREA: Area = Area(833e-6);
 
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.
@@ -212,16 +208,6 @@ impl Study {
         Ok(SharedFriction { window, warnings: gathered.results.warnings })
     }
 
-    /// Returns the nominal area that friction is scaled up to.
-    fn nominal_area_m2(&self) -> f64 {
-        self.stated_nominal_area().unwrap_or(NOMINAL_AREA).0
-    }
-
-    fn stated_nominal_area(&self) -> Option<Area> {
-        let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.nominal_area);
-        self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
-    }
-
     /// Runs the surface stage, with the tables of the scan or without; `None` if the study has no surface.
     fn run_surface(
         &self,
@@ -248,14 +234,9 @@ impl Study {
     ) -> Result<Option<(SolvedLevel, RoughBody)>, StudyError> {
         let Some(study) = &self.friction else { return Ok(None) };
         let (level, nominal_area_m2) = (self.operating_level(), self.nominal_area_m2());
-        if self.stated_nominal_area().is_none() {
-            let assumed =
-                format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
-            gathered.results.assumptions.push(assumed);
-        }
         let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &nominal_area_m2, &self.seed()];
         let stage = stages.run(Stage::Friction.name(), &depends_on, |monitor| {
-            friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)
+            friction_stage::run(study, surface, level, self.stated_nominal_area(), self.seed(), monitor)
         })?;
         // Nothing that follows is possible without friction.
         let stage = stage.ok_or(StudyError::Incomplete)?;
@@ -344,18 +325,15 @@ impl Study {
                     // The friction of the file is that of the window.
                     *file = PathBuf::new();
                 }
-                let depends_on: [&dyn Debug; 3] = [&own, window, &self.seed()];
-                let mut stage = stages
+                // The friction of a part of a rough slider on a smooth track has no course along the path.
+                let has_path = self.friction.as_ref().is_none_or(|friction| friction.body != RoughBody::Slider);
+                let depends_on: [&dyn Debug; 4] = [&own, window, &has_path, &self.seed()];
+                let stage = stages
                     .run(Stage::Vibration.name(), &depends_on, |monitor| {
-                        vibration_stage::run(study, window, self.seed(), monitor)
+                        vibration_stage::run(study, window, has_path, self.seed(), monitor)
                     })?
                     .ok_or(StudyError::Incomplete)?;
-                // The friction of a part of a rough slider on a smooth track has no course along the path.
-                if self.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) {
-                    (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
-                } else {
-                    gathered.machine = Some(stage.machine);
-                }
+                gathered.machine = stage.machine;
                 gathered.add(stage.output);
                 gathered.results.vibration = Some(stage.result);
             }

@@ -191,8 +191,8 @@ impl Twins {
                     .into(),
             );
         }
-        let kurtosis = self.target.statistics.Sku.unwrap_or(f64::NAN);
-        if kurtosis > SPIKE_KURTOSIS && section.outliers.is_none() {
+        let kurtosis = self.target.statistics.Sku.filter(|kurtosis| *kurtosis > SPIKE_KURTOSIS);
+        if let Some(kurtosis) = kurtosis.filter(|_| section.outliers.is_none()) {
             self.warnings.push(format!(
                 "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
                 sentence::digits(kurtosis)

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use super::pressure::Material;
 use crate::chaos::Propagation;
+use crate::friction::cutoff::CutoffPlan;
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use crate::friction::window::{Window, WindowError};
 use crate::friction::{LevelControl, RoughBody};
@@ -66,6 +67,13 @@ impl FrictionStudy {
             invalid(SECTION, key, error.to_string())
         })?;
         Ok((grid, window))
+    }
+
+    /// Returns the plan of the study of the cut-off with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
+    pub(in crate::study) fn cutoff_plan(&self, levels: usize) -> Option<CutoffPlan> {
+        // Laws that depend on the contact have a plastic floor at any hardness.
+        let depends_on_contact = self.law.plastic_floor(1.0).is_some();
+        depends_on_contact.then(|| CutoffPlan::new(self.points, self.size_m, levels * self.realisations))
     }
 }
 
@@ -244,4 +252,19 @@ fn check_uncertainty(
     at_least(UNCERTAINTY, "realisations", realisations, 4)?;
     let &UncertaintySection { rms_height, correlation_length, skewness, points, .. } = u;
     Ok(UncertaintyStudy { rms_height, correlation_length, skewness, points, realisations })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::study::Study;
+
+    #[test]
+    fn coulombs_law_has_no_plan_of_the_cut_off() {
+        let text = "seed = 1\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                    correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
+                    shear_strength = \"385 MPa\"\n[friction]\n";
+        let study = |law: &str| Study::parse(&format!("{text}{law}"), "study.toml").unwrap().friction.unwrap();
+        assert!(study("").cutoff_plan(5).is_some());
+        assert_eq!(study("law = \"coulomb\"\ncoefficient = 0.2\n").cutoff_plan(5), None);
+    }
 }

@@ -4,11 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::friction::WindowFriction;
 use crate::study::check::VibrationStudy;
-use crate::study::coupled_stage;
+use crate::study::motion_entries::{coupled_cycle_result, instability_result, kind_result};
 use crate::study::result::{KindResult, ModelResult, NominalMachine};
-use crate::study::vibration_stage::kind_result;
-use crate::vibration::mode_coupling::{Model, modes};
+use crate::vibration::mode_coupling::{Model, friction_margin, instability, limit_cycle_within, modes};
 use crate::vibration::{DampingMargins, Oscillator, Scales, VibrationError, limit_cycle, limit_damping, smallest_kick};
+
+/// Number of waves after which the motion of a sampled machine counts as irregular.
+const MOST_WAVES: usize = 2_000;
 
 /// Machine of either model.
 #[derive(Debug, Clone)]
@@ -52,7 +54,7 @@ impl Dynamics {
                 Ok(Margins { from_stick, from_steady_sliding })
             }
             Self::ModeCoupling(model) => {
-                let margin = coupled_stage::margin(model)?;
+                let margin = friction_margin(model)?;
                 Ok(Margins { from_stick: margin, from_steady_sliding: margin })
             }
         }
@@ -62,34 +64,36 @@ impl Dynamics {
     pub(super) fn kind(&self) -> Result<KindResult, VibrationError> {
         match self {
             Self::StickSlip(oscillator) => Ok(kind_result(limit_cycle(oscillator)?.kind())),
-            Self::ModeCoupling(model) => coupled_stage::kind(model),
+            Self::ModeCoupling(model) => Ok(instability_result(instability(model)?)),
         }
     }
 
     /// Returns the kind of motion, frequency in Hz, and amplitudes of the velocity in m/s and of the displacement in metre along the
-    /// belt, NaN if unknown; `None` without vibration.
-    pub(super) fn cycle(&self, scales: &Scales) -> Result<Option<(KindResult, [f64; 3])>, VibrationError> {
+    /// belt, `None` if unknown; `None` without vibration.
+    pub(super) fn cycle(&self, scales: &Scales) -> Result<Option<(KindResult, [Option<f64>; 3])>, VibrationError> {
         match self {
             Self::StickSlip(oscillator) => Ok(limit_cycle(oscillator)?.cycle().map(|cycle| {
                 let hertz = 1.0 / (cycle.period * scales.time_s());
                 let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
                 let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
-                (kind_result(cycle.kind), [hertz, velocity, displacement])
+                (kind_result(cycle.kind), [hertz, velocity, displacement].map(Some))
             })),
             Self::ModeCoupling(model) => {
-                let kind = coupled_stage::kind(model)?;
-                if kind == KindResult::None {
-                    return Ok(None);
-                }
-                let found = coupled_stage::cycle(model, scales)?;
-                // A motion that does not repeat has the frequency of the growing mode, and no amplitude.
-                let [first, second] = modes(model, model.sliding_friction());
-                let growing = if first.growth > second.growth { first } else { second };
-                let numbers = found.map_or(
-                    [growing.frequency / (std::f64::consts::TAU * scales.time_s()), f64::NAN, f64::NAN],
-                    |cycle| [cycle.frequency_hz, cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m],
-                );
-                Ok(Some((kind, numbers)))
+                let Some(kind) = instability(model)? else { return Ok(None) };
+                // The motion starts 1 % away from steady sliding.
+                let numbers = match limit_cycle_within(model, None, MOST_WAVES)?.cycle() {
+                    Some(cycle) => {
+                        let cycle = coupled_cycle_result(model, cycle, scales)?;
+                        [cycle.frequency_hz, cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m].map(Some)
+                    }
+                    // A motion that does not repeat has the frequency of the growing mode, and no amplitude.
+                    None => {
+                        let [first, second] = modes(model, model.sliding_friction());
+                        let growing = if first.growth > second.growth { first } else { second };
+                        [Some(growing.frequency / (std::f64::consts::TAU * scales.time_s())), None, None]
+                    }
+                };
+                Ok(Some((instability_result(Some(kind)), numbers)))
             }
         }
     }
@@ -109,7 +113,7 @@ impl Dynamics {
                 })
             }
             Self::ModeCoupling(model) => {
-                let margin = coupled_stage::margin(model)?;
+                let margin = friction_margin(model)?;
                 Ok(NominalMachine {
                     vibrates,
                     kind: self.kind()?,

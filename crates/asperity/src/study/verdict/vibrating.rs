@@ -46,7 +46,7 @@ pub(super) fn vibrating_machines(
     }
     let quantiles = |which: usize| {
         let mut sorted: Vec<f64> =
-            cycles.iter().map(|(_, numbers)| numbers[which]).filter(|number| number.is_finite()).collect();
+            cycles.iter().filter_map(|(_, numbers)| numbers[which]).filter(|number| number.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|probability| quantile_sorted(&sorted, probability));
         (!sorted.is_empty()).then_some(Quantiles { q05, q50, q95 })

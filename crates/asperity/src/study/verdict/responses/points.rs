@@ -8,7 +8,7 @@ use super::{LevelMoments, strips_per_point};
 use crate::friction::replicates::MomentReplicates;
 use crate::friction::{LevelControl, OperatingLevel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
-use crate::study::friction_stage;
+use crate::study::friction_strips::solve_level;
 use crate::study::output::StageOutput;
 use crate::study::surface_stage::{self, SurfaceStage};
 use crate::study::uncertain::without_latent;
@@ -82,7 +82,7 @@ impl ContactPoints<'_> {
         };
         let realisations = strips_per_point(friction.realisations);
         let monitor = &Quiet(self.monitor);
-        friction_stage::solve_level(friction, &model, level, realisations, own.seed(), monitor)
+        solve_level(friction, &model, level, realisations, own.seed(), monitor)
     }
 }
 

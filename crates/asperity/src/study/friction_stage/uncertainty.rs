@@ -1,5 +1,8 @@
 //! Friction of surfaces with uncertain parameters: results, tables and words.
 
+use super::entries::prescribed;
+use super::uncertain_surface::UncertainSurface;
+use super::words::no_variance;
 use crate::chaos::{Observed, Propagated, Propagation, Resamples};
 use crate::contact::Control;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
@@ -8,14 +11,12 @@ use crate::friction::uncertain::{PointMoments, UncertainPlan};
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
-use crate::study::friction_stage::{no_variance, prescribed};
 use crate::study::output::StageOutput;
 use crate::study::result::{
     FailedPoint, ParameterIndexResult, Prescribed, UncertainLevel, UncertainParameter, UncertainResponse,
     UncertaintyResult, law_result, pair,
 };
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::uncertain_surface::UncertainSurface;
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::model::XiOrder;
 
