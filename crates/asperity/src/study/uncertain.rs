@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-pub(super) use self::keys::{KEYS, UncertainKey};
+pub(super) use self::keys::{BETWEEN_PARTS, KEYS, UncertainKey};
 use self::keys::{LATENT, any_quantity};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;

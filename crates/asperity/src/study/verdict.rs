@@ -2,20 +2,25 @@
 
 mod answers;
 pub(super) mod area;
+pub(super) mod axis;
 pub(super) mod decided;
 mod drivers;
 mod dynamics;
 mod fluctuating;
+pub(super) mod learning;
 mod machines;
 pub(super) mod map;
 pub(super) mod margins;
 mod plastic;
+pub(super) mod points;
 mod probability;
 pub(super) mod remedies;
-pub(super) mod responses;
+pub(super) mod replicates;
+mod responses;
 mod rests_on;
 pub(super) mod sampled;
 pub(super) mod scan;
+mod sharing;
 mod vibrating;
 
 use std::borrow::Cow;
@@ -23,10 +28,11 @@ use std::borrow::Cow;
 use self::drivers::MarginModel;
 use self::dynamics::Dynamics;
 use self::machines::{Machine, Machines};
+use self::points::ContactPoints;
 use self::probability::{Estimator, Event, Probability};
-use self::responses::{ContactPoints, FrictionResponses};
+
 use self::sampled::{Evaluated, Sampled};
-use self::scan::ScanErrors;
+use self::scan::errors::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
@@ -77,7 +83,7 @@ pub(super) fn run(
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
         latent.extend(machines::between_parts(window).map_err(|error| StudyError::Verdict(error.to_string()))?);
         study = Cow::Owned(study.with_latent(latent));
-        responses = FrictionResponses::learn(&points, &study, window, monitor, &mut output)?;
+        responses = learning::learn(&points, &study, window, monitor, &mut output)?;
     }
     let study = &*study;
     let machines = Machines::new(study, window, responses.as_ref(), seed);

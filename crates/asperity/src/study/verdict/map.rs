@@ -4,7 +4,7 @@ use asperity_base::blocks::Task;
 
 use super::machines::{Change, Machines};
 use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
-use super::remedies::{fraction_below_zero, points};
+use super::replicates::{fraction_below_zero, points};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::check::{RemedyStudy, VerdictStudy};
