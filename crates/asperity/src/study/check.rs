@@ -58,7 +58,13 @@ impl StudyFile {
     /// # Errors
     /// A value is out of range, a required value is missing, or two values exclude each other.
     pub fn check(mut self) -> Result<Study, InvalidValue> {
-        within("", "valid_share", self.valid_share, |share| share > 0.0 && share <= 1.0, "a share above 0, at most 1")?;
+        within(
+            "",
+            "valid_share",
+            self.valid_share,
+            |fraction| fraction > 0.0 && fraction <= 1.0,
+            "a share above 0, at most 1",
+        )?;
         let surface = self.check_surface()?;
         let counterface = self.check_counterface()?;
         let material = self.check_material()?;

@@ -26,7 +26,7 @@ pub(super) fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Opti
         law,
         hardness_pa: material.hardness_pa,
         solver,
-        valid_share: study.valid_share,
+        valid_share: study.valid_fraction,
     };
     Ok((problem, mean_compliance_m_per_pa))
 }

@@ -60,7 +60,7 @@ pub(super) fn run(
         variables: study.variables.min(surface.xi_len()),
         degree: study.degree,
         stiffness: study.stiffness,
-        valid_fraction: study.valid_share,
+        valid_fraction: study.valid_fraction,
         ..MethodComparison::new(seed)
     };
     let results = sizes.run(&problem, monitor)?;

@@ -6,8 +6,8 @@ pub(super) mod axis;
 pub(super) mod decided;
 mod drivers;
 mod dynamics;
+pub(super) mod expansion;
 mod fluctuating;
-pub(super) mod learning;
 mod machines;
 pub(super) mod map;
 pub(super) mod margins;
@@ -83,7 +83,7 @@ pub(super) fn run(
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
         latent.extend(machines::between_parts(window).map_err(|error| StudyError::Verdict(error.to_string()))?);
         study = Cow::Owned(study.with_latent(latent));
-        responses = learning::learn(&points, &study, window, monitor, &mut output)?;
+        responses = expansion::expand_friction(&points, &study, window, monitor, &mut output)?;
     }
     let study = &*study;
     let machines = Machines::new(study, window, responses.as_ref(), seed);
@@ -123,7 +123,7 @@ pub(super) fn run(
     let valid = sampled.valid().count();
     let failed = sampled.machines.len() - valid;
     let first_failure = sampled.machines.iter().find_map(|machine| machine.as_ref().err().cloned());
-    if (valid as f64) < study.valid_share * sampled.machines.len() as f64 {
+    if (valid as f64) < study.valid_fraction * sampled.machines.len() as f64 {
         let reason = first_failure.unwrap_or_default();
         return Err(StudyError::Verdict(format!(
             "{failed} of {} sampled machines have no answer; the first because {reason}",
@@ -168,7 +168,7 @@ pub(super) fn run(
         probability,
         probability_interval: [interval.low, interval.high],
         error_sources: error_sources(&sources),
-        friction: responses.as_ref().map(|responses| responses.learnt.clone()),
+        friction: responses.as_ref().map(|responses| responses.result.clone()),
         probability_from_steady_sliding: sliding.value,
         probability_from_steady_sliding_interval: [sliding.interval.low, sliding.interval.high],
         evaluations,

@@ -12,7 +12,7 @@ use crate::friction::{LevelControl, RoughBody};
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Area, Compliance};
 use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowLawKind, WindowShape};
-use crate::study::scatter::{LengthScatter, NumberScatter};
+use crate::study::standard_deviation::{LengthStd, NumberStd};
 use crate::surface::SurfaceGenerator;
 
 const SECTION: &str = "friction";
@@ -21,8 +21,8 @@ const UNCERTAINTY: &str = "friction.uncertainty";
 /// Settings of the friction stage: friction of windows on solved strips.
 #[derive(Debug, Clone)]
 pub(in crate::study) struct FrictionStudy {
-    /// Least share of valid samples.
-    pub(in crate::study) valid_share: f64,
+    /// Least fraction of valid samples.
+    pub(in crate::study) valid_fraction: f64,
     pub(in crate::study) material: Material,
     pub(in crate::study) law: Arc<dyn WindowLaw>,
     /// Bodies that are rough.
@@ -80,9 +80,9 @@ impl FrictionStudy {
 /// Standard deviations of the uncertain parameters of the surface; `None` for parameters that are certain.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct UncertaintyStudy {
-    pub(in crate::study) rms_height: Option<LengthScatter>,
-    pub(in crate::study) correlation_length: Option<LengthScatter>,
-    pub(in crate::study) skewness: Option<NumberScatter>,
+    pub(in crate::study) rms_height: Option<LengthStd>,
+    pub(in crate::study) correlation_length: Option<LengthStd>,
+    pub(in crate::study) skewness: Option<NumberStd>,
     /// Number of surfaces, each with other parameters.
     pub(in crate::study) points: usize,
     /// Number of strips of each surface.
@@ -121,7 +121,7 @@ impl StudyFile {
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")?;
         let uncertainty = f.uncertainty.as_ref().map(|u| check_uncertainty(u, surface, f.realisations)).transpose()?;
         let study = FrictionStudy {
-            valid_share: self.valid_share,
+            valid_fraction: self.valid_share,
             material,
             law,
             body: RoughBody::default(),
@@ -212,15 +212,15 @@ fn check_uncertainty(
     }
     for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
         match std {
-            Some(std @ LengthScatter::Relative(fraction)) if !(f64::MIN_POSITIVE..=1.0).contains(&fraction) => {
+            Some(std @ LengthStd::Relative(fraction)) if !(f64::MIN_POSITIVE..=1.0).contains(&fraction) => {
                 let message = format!("found {std}, expected a standard deviation above 0 % and of at most 100 %");
                 return Err(invalid(UNCERTAINTY, key, message));
             }
-            Some(LengthScatter::Absolute(length)) => within(UNCERTAINTY, key, length, positive, POSITIVE)?,
-            Some(LengthScatter::Relative(_) | LengthScatter::Measured) | None => {}
+            Some(LengthStd::Absolute(length)) => within(UNCERTAINTY, key, length, positive, POSITIVE)?,
+            Some(LengthStd::Relative(_) | LengthStd::Measured) | None => {}
         }
     }
-    if let Some(NumberScatter::Absolute(std)) = u.skewness {
+    if let Some(NumberStd::Absolute(std)) = u.skewness {
         within(UNCERTAINTY, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
     }
     let fractal = surface.generator == SurfaceGenerator::WeierstrassMandelbrot;
@@ -231,13 +231,9 @@ fn check_uncertainty(
     }
     // A measured interval describes the estimate of the scan, so the study must use that estimate.
     let measured = [
-        ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
-        (
-            "correlation_length",
-            u.correlation_length == Some(LengthScatter::Measured),
-            surface.covariance.is_of_the_scan(),
-        ),
-        ("skewness", u.skewness == Some(NumberScatter::Measured), surface.marginal == "measured"),
+        ("rms_height", u.rms_height == Some(LengthStd::Measured), surface.rms_height.is_none()),
+        ("correlation_length", u.correlation_length == Some(LengthStd::Measured), surface.covariance.is_of_the_scan()),
+        ("skewness", u.skewness == Some(NumberStd::Measured), surface.marginal == "measured"),
     ];
     for (key, asked, of_the_scan) in measured {
         if asked && !(of_the_scan && surface.file.is_some()) {

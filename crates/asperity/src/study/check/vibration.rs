@@ -72,7 +72,7 @@ impl StudyFile {
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
         let study = VibrationStudy {
-            valid_share: self.valid_share,
+            valid_fraction: self.valid_share,
             coupled,
             scales,
             normal_force: v.normal_force,
@@ -80,7 +80,7 @@ impl StudyFile {
             damping_ratio: v.damping_ratio,
             belt_velocity,
             forcing,
-            kinetic_share: v.kinetic_share,
+            kinetic_fraction: v.kinetic_share,
             velocity_law,
             stribeck,
             friction: self.check_source(v)?,
@@ -255,10 +255,10 @@ fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, O
         VelocityLawKind::Table => {
             let points = v.friction_table.as_deref().ok_or_else(|| missing("friction_table"))?;
             let kinetic = points.first().map_or(1.0, |(_, coefficient)| *coefficient);
-            let share = |(velocity, coefficient): &(Velocity, f64)| {
+            let scaled = |(velocity, coefficient): &(Velocity, f64)| {
                 [velocity.0 / scales.velocity_m_per_s(), coefficient / kinetic]
             };
-            let table = FrictionTable::new(&points.iter().map(share).collect::<Vec<_>>());
+            let table = FrictionTable::new(&points.iter().map(scaled).collect::<Vec<_>>());
             let table = table.map_err(|error| invalid(SECTION, "friction_table", error.to_string()))?;
             Ok((VelocityLaw::Tabulated(table), None))
         }

@@ -18,8 +18,8 @@ pub(super) const SECTION: &str = "vibration";
 /// Settings of the vibration stage: a mass on a belt.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct VibrationStudy {
-    /// Least share of valid samples.
-    pub(in crate::study) valid_share: f64,
+    /// Least fraction of valid samples.
+    pub(in crate::study) valid_fraction: f64,
     /// Springs of two coupled modes; `None` for stick-slip of a mass with one degree of freedom.
     pub(in crate::study) coupled: Option<CoupledStudy>,
     pub(in crate::study) scales: Scales,
@@ -31,7 +31,7 @@ pub(in crate::study) struct VibrationStudy {
     /// Dimensionless harmonic force on the mass.
     pub(in crate::study) forcing: Option<Forcing>,
     /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
-    pub(in crate::study) kinetic_share: f64,
+    pub(in crate::study) kinetic_fraction: f64,
     /// Velocity law of a kinetic friction coefficient of 1.
     pub(in crate::study) velocity_law: VelocityLaw,
     /// Stribeck coefficient as stated, if the law has one.
@@ -92,8 +92,8 @@ impl VibrationStudy {
         static_friction: f64,
         stribeck: Option<f64>,
     ) -> Result<Oscillator, VibrationError> {
-        let kinetic = self.kinetic_share * static_friction;
-        let own = self.velocity_law.with_coefficients(|share| share * kinetic)?;
+        let kinetic = self.kinetic_fraction * static_friction;
+        let own = self.velocity_law.with_coefficients(|ratio| ratio * kinetic)?;
         let law = stribeck.and_then(|rate| own.with_weakening_rate(rate)).unwrap_or(own);
         Oscillator::new(Parameters {
             static_friction,

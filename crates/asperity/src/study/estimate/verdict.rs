@@ -8,7 +8,7 @@ use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
 use crate::study::result::ModelResult;
 use crate::study::verdict::replicates::REPLICATES;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
-use crate::study::verdict::{area, axis, decided, learning, map, margins, points, remedies, sampled};
+use crate::study::verdict::{area, axis, decided, expansion, map, margins, points, remedies, sampled};
 use crate::study::{Stage, Study};
 
 /// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
@@ -66,7 +66,7 @@ impl Study {
         let values = axis::contact_places(study).len() + scans;
         let contact = friction.filter(|_| values > 0);
         let solutions = contact.map_or(0, |friction| {
-            (learning::solved_points(values) + scans * SCAN_POINTS) * points::strips_per_point(friction.realisations)
+            (expansion::solved_points(values) + scans * SCAN_POINTS) * points::strips_per_point(friction.realisations)
         });
         let cells = contact.map_or(0, |friction| friction.points[0].saturating_mul(friction.points[1]));
         let free = contact.is_some_and(|friction| friction.boundary == BoundaryKind::Free);

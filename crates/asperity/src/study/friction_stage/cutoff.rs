@@ -124,8 +124,8 @@ fn mean_at(points: &[CutoffPoint], cutoff_m: f64) -> f64 {
     let after = points.partition_point(|point| point.cutoff_m <= cutoff_m);
     match (after.checked_sub(1).map(|before| &points[before]), points.get(after)) {
         (Some(low), Some(high)) => {
-            let share = (cutoff_m / low.cutoff_m).ln() / (high.cutoff_m / low.cutoff_m).ln();
-            low.mean + share * (high.mean - low.mean)
+            let fraction = (cutoff_m / low.cutoff_m).ln() / (high.cutoff_m / low.cutoff_m).ln();
+            low.mean + fraction * (high.mean - low.mean)
         }
         (Some(end), None) | (None, Some(end)) => end.mean,
         (None, None) => f64::NAN,

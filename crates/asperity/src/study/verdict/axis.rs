@@ -7,7 +7,7 @@ use crate::study::StudyError;
 use crate::study::check::VerdictStudy;
 use crate::study::uncertain::{BETWEEN_PARTS, Place};
 
-/// Probability of values below and above the range on which friction is learnt.
+/// Probability of values below and above the range on which friction is expanded.
 const TAIL: f64 = 1e-3;
 
 /// Keys of [vibration] that change the pressure of the contact.
@@ -61,7 +61,7 @@ impl Axis {
         if self.logarithmic { scaled.exp() } else { scaled }
     }
 
-    /// Returns the position of a study file's value: −1 … 1 on the range on which friction is learnt.
+    /// Returns the position of a study file's value: −1 … 1 on the range on which friction is expanded.
     pub(super) fn xi(&self, table: &Table) -> f64 {
         let [low, high] = [self.low, self.high].map(|end| self.scale(end));
         let value = self.place.value_in(table).unwrap_or(self.low);

@@ -1,4 +1,4 @@
-//! Friction of the contact as a function of the uncertain values, learnt from solved strips.
+//! Friction of the contact as a function of the uncertain values, expanded from solved strips.
 
 use toml::Table;
 
@@ -15,11 +15,11 @@ use crate::study::{StudyError, sentence};
 const SLOPE_STEP: f64 = 1e-3;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
-/// Learnt moments, the mean first.
+/// Expanded moments, the mean first.
 const MOMENTS: [fn(&LevelMoments) -> f64; 4] =
     [|level| level.mean, |level| level.std, |level| level.correlation_length_m, |level| level.stiffness_pa_per_m];
 const MEAN: usize = 0;
-/// Friction learnt as a function of the values that change the contact.
+/// Friction as a function of the values that change the contact.
 pub(super) struct FrictionResponses {
     pub(super) axes: Vec<Axis>,
     /// Expansions of the logarithms of the moments, which are nearly products of powers.
@@ -28,7 +28,7 @@ pub(super) struct FrictionResponses {
     pub(super) strips_error: f64,
     /// Relative standard error of the mean near the limit of vibration that is due to the expansion.
     pub(super) expansion_error: f64,
-    pub(super) learnt: LearntFriction,
+    pub(super) result: LearntFriction,
 }
 
 impl FrictionResponses {
@@ -42,21 +42,21 @@ impl FrictionResponses {
         let mut moments = [const { None }; MOMENTS.len()];
         let (mut strips_error, mut expansion_error) = (0.0, 0.0);
         for (own, moment) in moments.iter_mut().zip(0..) {
-            if let Some((expansion, [noise, unexplained])) = learn_moment(propagation, found, moment, seed)? {
+            if let Some((expansion, [noise, unexplained])) = expand_moment(propagation, found, moment, seed)? {
                 if moment == MEAN {
                     (strips_error, expansion_error) = (noise, unexplained);
                 }
                 *own = Some(expansion);
             }
         }
-        let learnt = LearntFriction {
+        let result = LearntFriction {
             inputs: axes.iter().map(|axis| axis.place.name()).collect(),
             points: found.len(),
             points_near_limit: 0,
             difference_near_limit: None,
             standard_error: strips_error.hypot(expansion_error),
         };
-        Ok(Self { axes, moments, strips_error, expansion_error, learnt })
+        Ok(Self { axes, moments, strips_error, expansion_error, result })
     }
 
     /// Returns the relative standard errors of the mean by cause.
@@ -64,23 +64,23 @@ impl FrictionResponses {
         vec![("strips", self.strips_error), ("expansion", self.expansion_error)]
     }
 
-    /// States what was learnt, with its error.
+    /// States the expansion with its error.
     pub(super) fn state(&mut self, output: &mut StageOutput) {
         let error = self.strips_error.hypot(self.expansion_error);
-        self.learnt.standard_error = error;
-        let percent = |share: f64| sentence::digits(100.0 * share);
-        let difference = self.learnt.difference_near_limit.map_or_else(String::new, |difference| {
+        self.result.standard_error = error;
+        let percent = |fraction: f64| sentence::digits(100.0 * fraction);
+        let difference = self.result.difference_near_limit.map_or_else(String::new, |difference| {
             format!(
                 "; before the {} points near the limit of vibration were added, it differed there from the solved coefficient by {} % \
                  (root mean square)",
-                self.learnt.points_near_limit,
+                self.result.points_near_limit,
                 percent(difference)
             )
         });
         output.assumptions.push(format!(
             "The friction coefficient as a function of {} is expanded from {} solved points{difference}. Its standard error is {} %.",
-            self.learnt.inputs.join(", "),
-            self.learnt.points,
+            self.result.inputs.join(", "),
+            self.result.points,
             percent(error)
         ));
         if 100.0 * error > LARGEST_PERCENT {
@@ -126,7 +126,7 @@ fn continued(expansion: &Expansion, xi: &[f64]) -> f64 {
 }
 
 /// Expands the logarithm of one moment, with the standard errors due to the few strips and to the expansion; `None` for a moment that is undefined or zero.
-fn learn_moment(
+fn expand_moment(
     propagation: &Propagation,
     found: &[Option<MomentReplicates>],
     moment: usize,
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn learnt_powers_of_a_value_are_predicted_within_its_range_and_beyond() {
+    fn expanded_powers_of_a_value_are_predicted_within_its_range_and_beyond() {
         let study = Study::parse(STUDY, "study.toml").unwrap();
         let verdict = study.verdict.as_ref().unwrap();
         let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
@@ -210,7 +210,7 @@ mod tests {
             .collect();
         let responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
         assert!(responses.errors().iter().all(|(_, error)| *error < 1e-9), "{:?}", responses.errors());
-        assert_eq!((responses.learnt.inputs[0].as_str(), responses.learnt.points), ("material.shear_strength", 8));
+        assert_eq!((responses.result.inputs[0].as_str(), responses.result.points), ("material.shear_strength", 8));
         let stated = StatedFriction {
             mean: 0.2,
             std: 0.04,

@@ -106,7 +106,7 @@ impl<'a> Ensembles<'a> {
         EnsembleSettings {
             drive: self.study.drive,
             method: self.study.method,
-            least_valid_share: self.study.valid_share,
+            least_valid_share: self.study.valid_fraction,
             ..EnsembleSettings::new(self.study.trajectories, self.study.duration, self.seed)
         }
     }
@@ -198,7 +198,7 @@ impl<'a> Ensembles<'a> {
         for (oscillator, slips) in machines.iter().zip(deterministic_slips(&machines, &self.followed())) {
             let (damping_ratio, cycles) = (oscillator.damping_ratio(), slips?.cycles);
             let kind = limit_cycle(oscillator)?.kind();
-            let share = if kind.is_vibration() { 1.0 } else { 0.0 };
+            let fraction = if kind.is_vibration() { 1.0 } else { 0.0 };
             damping.push(DampingResult {
                 damping_ratio,
                 kind: kind_result(kind),
@@ -207,11 +207,11 @@ impl<'a> Ensembles<'a> {
                 cycles_se: 0.0,
                 difference_mean: 0.0,
                 difference_interval: [0.0, 0.0],
-                share_in_cycle: share,
-                vibration_share: share,
+                share_in_cycle: fraction,
+                vibration_share: fraction,
                 vibration_share_se: 0.0,
-                sustained_share: share,
-                sustained_share_interval: [share, share],
+                sustained_share: fraction,
+                sustained_share_interval: [fraction, fraction],
                 failed_samples: 0,
             });
         }

@@ -50,13 +50,13 @@ pub fn points_table(points: &SampleDistribution) -> Option<CsvTable> {
 /// `share`, `share_low`, `share_high`.
 pub fn survival_table(passages: &Passages, duration: f64) -> CsvTable {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
-    let shares: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
-    let column = |of: fn(&Fraction) -> f64| shares.iter().map(of).collect::<Vec<f64>>();
+    let fractions: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
+    let column = |of: fn(&Fraction) -> f64| fractions.iter().map(of).collect::<Vec<f64>>();
     CsvTable::new([
         ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
-        ("share", column(|share| share.value)),
-        ("share_low", column(|share| share.interval[0])),
-        ("share_high", column(|share| share.interval[1])),
+        ("share", column(|fraction| fraction.value)),
+        ("share_low", column(|fraction| fraction.interval[0])),
+        ("share_high", column(|fraction| fraction.interval[1])),
     ])
 }
 

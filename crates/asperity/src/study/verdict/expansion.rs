@@ -28,7 +28,7 @@ const PART_OF_HALF_WIDTH: f64 = 0.5;
 ///
 /// # Errors
 /// A point has no answer, or the monitor cancelled.
-pub(super) fn learn(
+pub(super) fn expand_friction(
     points: &ContactPoints<'_>,
     verdict: &VerdictStudy,
     window: &WindowFriction,
@@ -69,12 +69,12 @@ pub(super) fn learn(
             found.push(solved);
         }
         let difference = Moments::new(&differences);
-        let near_limit = responses.learnt.points_near_limit + near.tables.len();
+        let near_limit = responses.result.points_near_limit + near.tables.len();
         responses = FrictionResponses::fit(responses.axes, &propagation, &found, seed)?;
-        responses.learnt.points_near_limit = near_limit;
+        responses.result.points_near_limit = near_limit;
         if differences.len() > 1 {
             responses.expansion_error = difference.mean.hypot(difference.standard_error());
-            responses.learnt.difference_near_limit = Some(difference.mean.hypot(difference.std));
+            responses.result.difference_near_limit = Some(difference.mean.hypot(difference.std));
         }
         let error = responses.strips_error.hypot(responses.expansion_error);
         if near.change(error) <= PART_OF_HALF_WIDTH * verdict.half_width
@@ -129,11 +129,11 @@ impl Near {
 
     /// Returns the half width of the probability's interval that a relative standard error of friction causes.
     fn change(&self, error: f64) -> f64 {
-        let share = |sign: f64| {
+        let fraction = |sign: f64| {
             let vibrates = |(margin, slope): &&(f64, f64)| margin + sign * NORMAL_95 * error * slope < 0.0;
             self.margins.iter().filter(vibrates).count() as f64 / self.margins.len().max(1) as f64
         };
-        0.5 * (share(1.0) - share(-1.0)).abs()
+        0.5 * (fraction(1.0) - fraction(-1.0)).abs()
     }
 }
 
