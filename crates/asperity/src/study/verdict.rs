@@ -21,7 +21,7 @@ mod rests_on;
 pub(super) mod sampled;
 pub(super) mod scan;
 mod sharing;
-mod vibrating;
+pub(super) mod vibrating;
 
 use std::borrow::Cow;
 
@@ -49,7 +49,7 @@ const EVENT_RANGE: std::ops::Range<f64> = 0.05..0.95;
 /// Standard deviation of friction over its mean below which friction counts as constant.
 const NEGLIGIBLE_STD: f64 = 1e-6;
 /// Factor of the duration after which the probability is computed again.
-const LATER: f64 = 4.0;
+pub(super) const LATER: usize = 4;
 /// Fraction of unexplained variance above which there is a warning.
 const UNEXPLAINED: f64 = 0.05;
 
@@ -189,7 +189,7 @@ pub(super) fn run(
             &machines,
             &|machine, index| {
                 let seed = seed.wrapping_add(index as u64);
-                fluctuating::vibrates(machine, LATER * duration_s, seed, monitor)
+                fluctuating::vibrates(machine, LATER as f64 * duration_s, seed, monitor)
                     .map(|vibrates| vibrates.unwrap_or(false))
             },
             monitor,

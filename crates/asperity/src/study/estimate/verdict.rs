@@ -6,9 +6,10 @@ use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
 use crate::study::result::ModelResult;
+use crate::study::verdict::LATER;
 use crate::study::verdict::replicates::REPLICATES;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
-use crate::study::verdict::{area, axis, decided, expansion, map, margins, points, remedies, sampled};
+use crate::study::verdict::{area, axis, decided, expansion, map, margins, points, remedies, sampled, vibrating};
 use crate::study::{Stage, Study};
 
 /// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
@@ -20,9 +21,7 @@ const TRAJECTORIES_NEAR_LIMIT: usize = 100;
 const EVALUATIONS_PER_TARGET: usize = 15;
 const FLUCTUATING_EVALUATIONS_PER_TARGET: usize = 6;
 /// Limit cycles of sampled machines, in machines: those of the samples' table and of the machines that vibrate.
-const CYCLES: usize = 4096 + 1024;
-/// Factor of the duration of the machines that are followed for a longer time.
-const LATER_FACTOR: usize = 4;
+const CYCLES: usize = vibrating::MOST_ROWS + vibrating::MOST;
 
 impl Study {
     /// Returns the rough cost of the verdict beyond that of the stages that it needs; `None` for a study without vibration.
@@ -57,8 +56,7 @@ impl Study {
         let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
         if fluctuates {
             // The samples follow the fluctuation, and so do their longer paths, the windows that share the load and remedies.
-            let followed =
-                samples + LATER_FACTOR * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
+            let followed = samples + LATER * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
             paths = TRAJECTORIES * followed + TRAJECTORIES_NEAR_LIMIT * decided;
         } else {
             machines += parts * area::ROWS * samples.min(area::CONSTANT);

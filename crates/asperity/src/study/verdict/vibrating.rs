@@ -12,9 +12,9 @@ use crate::study::CsvTable;
 use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
-const MOST_ROWS: usize = 4096;
+pub(in crate::study) const MOST_ROWS: usize = 4096;
 /// Largest number of machines whose cycles are computed; cycles of two coupled modes take longer.
-const MOST: usize = 1024;
+pub(in crate::study) const MOST: usize = 1024;
 const MOST_COUPLED: usize = 64;
 
 /// Returns the kinds, frequencies and amplitudes of the machines that vibrate; `None` if there are none. Cycles are those without
