@@ -31,6 +31,17 @@ pub(super) struct Margins {
     pub(super) from_steady_sliding: f64,
 }
 
+/// Vibration of a machine.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Vibration {
+    pub(super) kind: KindResult,
+    pub(super) frequency_hz: f64,
+    /// Amplitude of the velocity; `None` for motion that does not repeat.
+    pub(super) velocity_amplitude_m_per_s: Option<f64>,
+    /// Amplitude of the displacement along the belt; `None` for motion that does not repeat.
+    pub(super) displacement_amplitude_m: Option<f64>,
+}
+
 impl Dynamics {
     /// Returns the machine of a study with this friction.
     pub(super) fn new(study: &VibrationStudy, window: &WindowFriction) -> Result<Self, VibrationError> {
@@ -68,32 +79,38 @@ impl Dynamics {
         }
     }
 
-    /// Returns the kind of motion, frequency in Hz, and amplitudes of the velocity in m/s and of the displacement in metre along the
-    /// belt, `None` if unknown; `None` without vibration.
-    pub(super) fn cycle(&self, scales: &Scales) -> Result<Option<(KindResult, [Option<f64>; 3])>, VibrationError> {
+    /// Returns the vibration of the machine; `None` without vibration.
+    pub(super) fn vibration(&self, scales: &Scales) -> Result<Option<Vibration>, VibrationError> {
         match self {
             Self::StickSlip(oscillator) => Ok(limit_cycle(oscillator)?.cycle().map(|cycle| {
-                let hertz = 1.0 / (cycle.period * scales.time_s());
                 let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
                 let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
-                (kind_result(cycle.kind), [hertz, velocity, displacement].map(Some))
+                Vibration {
+                    kind: kind_result(cycle.kind),
+                    frequency_hz: 1.0 / (cycle.period * scales.time_s()),
+                    velocity_amplitude_m_per_s: Some(velocity),
+                    displacement_amplitude_m: Some(displacement),
+                }
             })),
             Self::ModeCoupling(model) => {
-                let Some(kind) = instability(model)? else { return Ok(None) };
-                // The motion starts 1 % away from steady sliding.
-                let numbers = match limit_cycle_within(model, None, MOST_WAVES)?.cycle() {
-                    Some(cycle) => {
-                        let cycle = coupled_cycle_result(model, cycle, scales)?;
-                        [cycle.frequency_hz, cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m].map(Some)
-                    }
-                    // A motion that does not repeat has the frequency of the growing mode, and no amplitude.
-                    None => {
-                        let [first, second] = modes(model, model.sliding_friction());
-                        let growing = if first.growth > second.growth { first } else { second };
-                        [Some(growing.frequency / (std::f64::consts::TAU * scales.time_s())), None, None]
-                    }
+                let kind = instability(model)?;
+                if kind.is_none() {
+                    return Ok(None);
+                }
+                let regime = limit_cycle_within(model, None, MOST_WAVES)?;
+                let cycle = regime.cycle().map(|cycle| coupled_cycle_result(model, cycle, scales)).transpose()?;
+                // A motion that does not repeat has the frequency of the growing mode.
+                let growing_hz = || {
+                    let [first, second] = modes(model, model.sliding_friction());
+                    let growing = if first.growth > second.growth { first } else { second };
+                    growing.frequency / (std::f64::consts::TAU * scales.time_s())
                 };
-                Ok(Some((instability_result(Some(kind)), numbers)))
+                Ok(Some(Vibration {
+                    kind: instability_result(kind),
+                    frequency_hz: cycle.as_ref().map_or_else(growing_hz, |cycle| cycle.frequency_hz),
+                    velocity_amplitude_m_per_s: cycle.as_ref().map(|cycle| cycle.velocity_amplitude_m_per_s),
+                    displacement_amplitude_m: cycle.as_ref().map(|cycle| cycle.displacement_amplitude_m),
+                }))
             }
         }
     }
