@@ -25,11 +25,6 @@ use crate::surface::model::XiOrder;
 const NOMINAL_AREA: Area = Area(833e-6);
 
 impl Study {
-    /// Returns the nominal area that friction is scaled up to.
-    pub(super) fn nominal_area_m2(&self) -> f64 {
-        self.stated_nominal_area().unwrap_or(NOMINAL_AREA).0
-    }
-
     /// Returns the nominal area that `[friction]` or `[vibration]` states.
     pub(super) fn stated_nominal_area(&self) -> Option<Area> {
         let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.nominal_area);

@@ -185,7 +185,7 @@ impl Study {
             surface,
             friction,
             self.operating_level(),
-            self.nominal_area_m2(),
+            self.stated_nominal_area(),
             vibration.nominal_contact(),
             self.seed(),
         );
@@ -233,10 +233,10 @@ impl Study {
         gathered: &mut Gathered,
     ) -> Result<Option<(SolvedLevel, RoughBody)>, StudyError> {
         let Some(study) = &self.friction else { return Ok(None) };
-        let (level, nominal_area_m2) = (self.operating_level(), self.nominal_area_m2());
-        let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &nominal_area_m2, &self.seed()];
+        let (level, stated_area) = (self.operating_level(), self.stated_nominal_area());
+        let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &stated_area, &self.seed()];
         let stage = stages.run(Stage::Friction.name(), &depends_on, |monitor| {
-            friction_stage::run(study, surface, level, self.stated_nominal_area(), self.seed(), monitor)
+            friction_stage::run(study, surface, level, stated_area, self.seed(), monitor)
         })?;
         // Nothing that follows is possible without friction.
         let stage = stage.ok_or(StudyError::Incomplete)?;
