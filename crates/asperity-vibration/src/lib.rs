@@ -27,6 +27,7 @@
 mod arrival;
 mod batch;
 mod clipping;
+mod cloud;
 mod critical;
 mod cycle;
 mod deterministic;
@@ -64,6 +65,7 @@ mod weakening;
 use thiserror::Error;
 
 pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
+pub use cloud::phase_cloud;
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use deterministic::deterministic_slips;

@@ -9,7 +9,7 @@
 //! in N₀/c, stiffnesses in c, τ = ω₀t, V = v_b·mω₀/N₀, forces in N₀, sliding distance in N₀/c.
 //!
 //! [`Model`] → [`eigenvalue_scan`] (modes against μ), [`Model::coalescence`] and [`critical_friction`] (loss of
-//! stability of steady sliding), [`CoupledTrajectory`] (stick, slip and flight under one realisation of the friction process),
+//! stability of steady sliding), [`friction_margin`], [`CoupledTrajectory`] (stick, slip and flight under one realisation of the friction process),
 //! [`limit_cycle`], [`growth_rates`] (growth of small motion under fluctuating friction), [`CoupledEnsemble`] (probability of
 //! vibration).
 //!
@@ -23,6 +23,7 @@ mod growth;
 mod limit;
 mod model;
 mod motion;
+mod onset;
 mod roots;
 mod spectrum;
 mod trajectory;
@@ -33,6 +34,7 @@ pub use growth::{GrowthRates, GrowthSettings, growth_rates};
 pub use model::{CoupledParameters, Damping, Model, SteadySliding};
 pub use motion::state::{Contact, State};
 pub use motion::{CoupledEvent, CoupledEventKind};
+pub use onset::{SCAN_POINTS, friction_margin, instability, onset, scan_end};
 pub use roots::Mode;
 pub use spectrum::{Critical, EigenvalueScan, Instability, critical_friction, eigenvalue_scan, modes};
 pub use trajectory::{CoupledTrajectory, CoupledTrajectorySettings, Point};

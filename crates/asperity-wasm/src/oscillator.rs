@@ -1,14 +1,11 @@
 //! Stick-slip of a mass on a belt.
 
-use std::f64::consts::TAU;
-
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::Histogram;
 use asperity_process::{FrictionProcess, ProcessModel};
 use asperity_vibration::{
-    Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales,
-    TrajectorySettings, VelocityLaw, VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping,
-    smallest_kick, trajectory_portrait,
+    Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales, VelocityLaw,
+    VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, phase_cloud, smallest_kick,
 };
 use serde::Deserialize;
 use serde_json::json;
@@ -17,10 +14,8 @@ use wasm_bindgen::prelude::*;
 use crate::answer::{Answer, Failure, read};
 use crate::monitor::Progress;
 
-/// Trajectories of the phase cloud, points of each, and the time τ that they span.
+/// Number of trajectories of the phase cloud.
 const CLOUD: usize = 30;
-const CLOUD_POINTS: usize = 72;
-const CLOUD_SPAN: f64 = 1.1 * TAU;
 
 /// Machine with the paper's friction law μ_st/(1 + a|v|), and the fluctuation of its friction.
 #[derive(Debug, Deserialize)]
@@ -97,8 +92,8 @@ fn oscillator(parameters: &str) -> Result<Oscillator, Failure> {
 }
 
 /// Returns the displacements and the velocities of a portrait.
-fn columns(portrait: &[PhasePoint]) -> (Vec<f64>, Vec<f64>) {
-    portrait.iter().map(|point| (point.displacement, point.velocity)).unzip()
+fn columns<'a>(portrait: impl IntoIterator<Item = &'a PhasePoint>) -> (Vec<f64>, Vec<f64>) {
+    portrait.into_iter().map(|point| (point.displacement, point.velocity)).unzip()
 }
 
 pub(crate) fn motion(parameters: &str, points: usize) -> Result<Answer, Failure> {
@@ -172,7 +167,8 @@ fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
         ..EnsembleSettings::new(request.trajectories, request.duration, request.seed)
     };
     let found = asperity_vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)?;
-    let (displacement, velocity) = cloud(&oscillator, &process, &settings)?;
+    let cloud = phase_cloud(&oscillator, &process, &settings, CLOUD, monitor)?;
+    let (displacement, velocity) = columns(cloud.iter().flatten().flatten());
     let histogram = Histogram::new(&found.reattachments.sample).ok();
     let passages = &found.passages;
     let answer = Answer::new(&json!({
@@ -203,27 +199,6 @@ fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
         .with("reattachment_density", histogram.as_ref().map(Histogram::density).unwrap_or_default())
         .with("displacement", displacement)
         .with("velocity", velocity))
-}
-
-/// Returns the ends of the first trajectories of an ensemble, without failed ones.
-fn cloud(
-    oscillator: &Oscillator,
-    process: &FrictionProcess,
-    settings: &EnsembleSettings,
-) -> Result<(Vec<f64>, Vec<f64>), VibrationError> {
-    let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
-    let followed = TrajectorySettings { duration, start, drive, method };
-    let from = (duration - CLOUD_SPAN).max(0.0);
-    let mut points = Vec::new();
-    for index in 0..settings.trajectories.min(CLOUD) {
-        let path = process.path(seed, index as u64);
-        match trajectory_portrait(oscillator, path, &followed, from, CLOUD_POINTS) {
-            Ok(curve) => points.extend(curve),
-            Err(error @ VibrationError::Parameter { .. }) => return Err(error),
-            Err(_) => {}
-        }
-    }
-    Ok(columns(&points))
 }
 
 #[cfg(test)]
@@ -279,7 +254,7 @@ mod tests {
         let centres = found.take("reattachment");
         let area: f64 = density.iter().sum::<f64>() * (centres[1] - centres[0]);
         assert!((area - 1.0).abs() < 1e-12, "area {area}");
-        assert_eq!(found.take("velocity").len(), CLOUD * CLOUD_POINTS);
+        assert_eq!(found.take("velocity").len(), CLOUD * 72);
     }
 
     #[test]

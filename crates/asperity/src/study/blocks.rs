@@ -22,6 +22,7 @@ use sha2::{Digest, Sha256};
 
 #[cfg(fuzzing)]
 pub use self::file::read_blocks;
+pub use self::file::sha256;
 use self::file::{Block, Entry, Round};
 pub use self::record::{RunRecord, program, program_difference};
 use self::writer::Writer;
@@ -29,11 +30,6 @@ use crate::study::StoreError;
 
 /// Name of the folder of blocks beside a run.
 const FOLDER: &str = ".asperity-blocks";
-
-/// Returns the SHA-256 of bytes as lower-case hexadecimal digits.
-pub fn sha256(bytes: &[u8]) -> String {
-    file::hex(&Sha256::digest(bytes))
-}
 
 /// Returns the SHA-256 of parts as hexadecimal digits.
 pub(super) fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {

@@ -2,24 +2,24 @@
 
 mod counterface;
 mod friction;
+mod invalid_value;
 mod keys_without_effect;
 mod mode_coupling;
 mod pressure;
 mod surface;
 mod verdict;
 mod vibration;
+mod vibration_study;
 
-use std::fmt::Display;
-
-use thiserror::Error;
-
+use self::invalid_value::within;
 use crate::study::file::StudyFile;
 use crate::surface::model::SurfaceRequest;
 pub(super) use counterface::CounterfaceStudy;
 pub(super) use friction::{FrictionStudy, UncertaintyStudy};
+pub use invalid_value::InvalidValue;
 pub(super) use pressure::PressureStudy;
 pub(super) use verdict::{RemedyStudy, VerdictStudy};
-pub(super) use vibration::{FrictionSource, VibrationStudy};
+pub(super) use vibration_study::{FrictionSource, VibrationStudy};
 
 /// Study with checked values, made from a [`StudyFile`].
 #[derive(Debug, Clone)]
@@ -52,64 +52,19 @@ impl Study {
     }
 }
 
-/// Error of a well-formed value that is invalid.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{}{key}: {message}", prefix(section))]
-pub struct InvalidValue {
-    /// Section of the value, such as `friction.uncertainty`; empty above the sections.
-    pub section: &'static str,
-    /// Key of the value.
-    pub key: &'static str,
-    message: String,
-}
-
-fn prefix(section: &str) -> String {
-    if section.is_empty() { String::new() } else { format!("[{section}] ") }
-}
-
-fn invalid(section: &'static str, key: &'static str, message: impl Into<String>) -> InvalidValue {
-    InvalidValue { section, key, message: message.into() }
-}
-
-/// Fails unless `value`, a number or a quantity in SI, lies in the stated range.
-fn within<T: Copy + Display + Into<f64>>(
-    section: &'static str,
-    key: &'static str,
-    value: T,
-    fits: impl Fn(f64) -> bool,
-    expected: &str,
-) -> Result<(), InvalidValue> {
-    if value.into().is_finite() && fits(value.into()) {
-        Ok(())
-    } else {
-        Err(invalid(section, key, format!("found {value}, expected {expected}")))
-    }
-}
-
-fn at_least(section: &'static str, key: &'static str, value: usize, least: usize) -> Result<(), InvalidValue> {
-    within(section, key, value as f64, |value| value >= least as f64, &format!("at least {least}"))
-}
-
-/// Fails if a value of a list occurs twice.
-fn once<T: PartialEq + Display>(section: &'static str, key: &'static str, values: &[T]) -> Result<(), InvalidValue> {
-    let repeated = values.iter().enumerate().find(|(index, value)| values[..*index].contains(value));
-    repeated.map_or(Ok(()), |(_, value)| Err(invalid(section, key, format!("found {value} twice"))))
-}
-
-const POSITIVE: &str = "a positive value";
-const PERCENT: &str = "a percentage strictly between 0 and 100";
-
-fn positive(value: f64) -> bool {
-    value > 0.0
-}
-
 impl StudyFile {
     /// Checks the values and returns the study.
     ///
     /// # Errors
     /// A value is out of range, a required value is missing, or two values exclude each other.
     pub fn check(mut self) -> Result<Study, InvalidValue> {
-        within("", "valid_share", self.valid_share, |share| share > 0.0 && share <= 1.0, "a share above 0, at most 1")?;
+        within(
+            "",
+            "valid_share",
+            self.valid_share,
+            |fraction| fraction > 0.0 && fraction <= 1.0,
+            "a share above 0, at most 1",
+        )?;
         let surface = self.check_surface()?;
         let counterface = self.check_counterface()?;
         let material = self.check_material()?;

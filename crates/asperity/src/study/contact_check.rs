@@ -10,7 +10,7 @@ const POINTS: usize = 512;
 /// Fraction of the scan in contact at which they are compared, and the mean pressure over E*h' that a Gaussian surface takes for it.
 const FRACTION: f64 = 0.05;
 const FIRST_PRESSURE: f64 = 0.02;
-/// The fraction is met to this share of it, in this many solutions at most.
+/// The fraction is met to this fraction of it, in this many solutions at most.
 const TOLERANCE: f64 = 0.1;
 const SOLUTIONS: usize = 8;
 /// Random maps pressed at most.

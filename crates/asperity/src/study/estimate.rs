@@ -6,7 +6,6 @@ mod verdict;
 use crate::friction::DISTANCES;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, VibrationStudy};
-use crate::study::friction_stage::cutoff;
 use crate::study::{Stage, Study};
 use crate::vibration::EnsembleSettings;
 
@@ -29,8 +28,6 @@ const CROSSING_ENSEMBLES: usize = 20;
 const FLUCTUATION_VALUES: f64 = 20.0;
 /// Bytes per point of a stability map, including cells and contours.
 const MAP_POINT_BYTES: f64 = 400.0;
-/// Bytes of a double.
-const DOUBLE_BYTES: f64 = 8.0;
 /// Bytes of a value of a field in a run folder: a double in the NPY file, and in base64 in the VTK image.
 const FIELD_BYTES: f64 = 8.0 + 32.0 / 3.0;
 /// Bytes of the tables, the figures and the page of one stage in a run folder.
@@ -131,7 +128,7 @@ impl Study {
             let slides = self.counterface.is_some() && f.boundary == BoundaryKind::Periodic;
             let slid = if slides { DISTANCES * f.realisations } else { 0 };
             let solutions = levels * (f.realisations + uncertain) + slid;
-            let plan = cutoff::plan(f, levels);
+            let plan = f.cutoff_plan(levels);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let bytes = self.friction_bytes(f, levels, plan, threads);
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, bytes);

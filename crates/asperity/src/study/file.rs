@@ -86,10 +86,6 @@ fn least_valid_share() -> f64 {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_least_valid_share(share: &f64) -> bool {
-    *share == least_valid_share()
-}
-
-fn solve_tolerance() -> f64 {
-    1e-6
+fn is_least_valid_share(fraction: &f64) -> bool {
+    *fraction == least_valid_share()
 }

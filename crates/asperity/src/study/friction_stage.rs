@@ -1,51 +1,34 @@
 //! Friction stage: solved strips at several levels of contact.
 
-pub(super) mod cutoff;
+mod cutoff;
 mod entries;
 mod tables;
+mod uncertain_surface;
+mod uncertainty;
 mod words;
 
-use std::sync::Arc;
-
-pub(super) use self::words::no_variance;
-
-use crate::contact::{Control, Solver};
-use crate::friction::replicates::MomentReplicates;
-use crate::friction::strip::{StripProblem, Strips};
+use crate::contact::Control;
+use crate::friction::strip::Strips;
 use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel, TwoBodyFriction};
 use crate::monitor::Monitor;
+use crate::quantity::Area;
 use crate::study::check::FrictionStudy;
-use crate::study::friction_uncertainty;
+use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
-use crate::study::pressure_stage::half_space;
-use crate::study::result::{
-    AreaScatter, FrictionResult, LevelResult, PaperScatter, Prescribed, RoughBodyResult, UpscalingResult,
-};
+use crate::study::result::{FrictionResult, LevelResult, RoughBodyResult};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{QuantityMap, StudyError};
-use crate::surface::model::{CompositeModel, XiOrder};
+use crate::study::{QuantityMap, Study, StudyError};
+use crate::surface::model::XiOrder;
 
-/// Returns the variability over the nominal area by both upscalings.
-fn upscaling(solved: &SolvedLevel, nominal_area_m2: f64) -> UpscalingResult {
-    let (std, variance_reduction) = (solved.process.moments.std, solved.variance_reduction(nominal_area_m2));
-    UpscalingResult {
-        paper: PaperScatter { std },
-        area: AreaScatter {
-            nominal_area_m2,
-            windows: nominal_area_m2 / solved.window.area_m2(),
-            variance_reduction,
-            std: std * variance_reduction.sqrt(),
-        },
-    }
-}
+/// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
+const NOMINAL_AREA: Area = Area(833e-6);
 
-/// Returns the kind of a level in results.
-pub(super) fn prescribed(level: LevelControl) -> Prescribed {
-    match level {
-        LevelControl::Percentile(_) => Prescribed::Percentile,
-        LevelControl::MeanPressure(_) | LevelControl::Nominal(_) => Prescribed::MeanPressure,
-        LevelControl::Penetration(_) => Prescribed::Penetration,
+impl Study {
+    /// Returns the nominal area that `[friction]` or `[vibration]` states.
+    pub(super) fn stated_nominal_area(&self) -> Option<Area> {
+        let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.nominal_area);
+        self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
     }
 }
 
@@ -66,52 +49,16 @@ pub(super) struct FrictionStage {
     pub(super) output: StageOutput,
 }
 
-/// Returns the contact problem of the strips with its mean compliance, in m/Pa.
-fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Option<f64>), StudyError> {
-    let ((grid, window), material) = (study.strip()?, &study.material);
-    let compliance = study.mean_compliance.map(|c| c.0);
-    let (half_space, mean_compliance_m_per_pa) =
-        half_space("friction", grid, material.contact_modulus_pa, study.boundary, compliance)?;
-    let solver = Solver { tolerance: study.tolerance, ..Solver::default() };
-    let law = Arc::clone(&study.law);
-    let problem = StripProblem {
-        half_space,
-        window,
-        law,
-        hardness_pa: material.hardness_pa,
-        solver,
-        valid_share: study.valid_share,
-    };
-    Ok((problem, mean_compliance_m_per_pa))
-}
-
-/// Solves a few strips at one level and returns the moments of friction at the mean load; `None` if they have no solution. All surfaces
-/// are drawn from the same random numbers.
-pub(super) fn solve_level(
-    study: &FrictionStudy,
-    model: &CompositeModel,
-    level: LevelControl,
-    realisations: usize,
-    seed: u64,
-    monitor: &dyn Monitor,
-) -> Result<Option<MomentReplicates>, StudyError> {
-    let (problem, _) = strip_problem(study)?;
-    let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
-    let strips = Strips { stiff_level: Some(0), ..problem.strips(generated.surface.as_ref(), realisations, seed) };
-    let solved = strips.solve(&[level.contact(|probability| model.height_quantile_m(probability))], monitor)?;
-    let step_m = problem.window.step_m();
-    Ok(solved.into_iter().flatten().next().map(|level| MomentReplicates::from_mean_load(&level, step_m)))
-}
-
 /// Solves the strips at the levels of the study and at the operating level.
 pub(super) fn run(
     study: &FrictionStudy,
     surface: &SurfaceStage,
     operating: OperatingLevel,
-    nominal_area_m2: f64,
+    stated_area: Option<Area>,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<FrictionStage, StudyError> {
+    let nominal_area_m2 = stated_area.unwrap_or(NOMINAL_AREA).0;
     let (problem, mean_compliance_m_per_pa) = strip_problem(study)?;
     let grid = problem.grid();
     let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
@@ -144,7 +91,7 @@ pub(super) fn run(
         levels[lead].two_bodies =
             found.map_err(|error| StudyError::Friction { level: levels[lead].control.name(), error })?;
     }
-    let uncertain = friction_uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
+    let uncertain = uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
     let window = &problem.window;
     let mut result = FrictionResult {
@@ -160,7 +107,7 @@ pub(super) fn run(
             .enumerate()
             .map(|(index, level)| LevelResult {
                 leading: index == lead,
-                ..entries::level_result(level, study.body, upscaling(level, nominal_area_m2))
+                ..entries::level_result(level, study.body, nominal_area_m2)
             })
             .collect(),
         cutoff,
@@ -177,7 +124,12 @@ pub(super) fn run(
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", QuantityMap { grid, unit: "Pa", values: pressure_pa.clone() }));
     }
-    output.assumptions = words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]);
+    if stated_area.is_none() {
+        let assumed =
+            format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
+        output.assumptions.push(assumed);
+    }
+    output.assumptions.extend(words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]));
     output.assumptions.extend(generated.correction.clone());
     output.extend(of_cutoff);
     if let Some((found, own)) = uncertain {

@@ -1,10 +1,18 @@
 //! Conversion of the text of a study file to a checked [`Study`], with errors that name a line.
 
+use std::path::Path;
+
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
 
-use crate::study::{InvalidValue, Study, StudyFile, sentence, uncertain};
+use crate::study::uncertain::{UncertainValue, has_samples, uncertain_value};
+use crate::study::{InvalidValue, Study, StudyFile, sentence};
+
+/// Sections whose numbers and quantities may be uncertain.
+const SECTIONS: [&str; 5] = ["surface", "counterface", "material", "friction", "vibration"];
 
 /// Error of a study file.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -36,7 +44,7 @@ impl StudyFile {
     /// # Errors
     /// A key, type or unit is wrong.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        let study = uncertain::read(text, file)?;
+        let study = read_with_uncertain_values(text, file)?;
         let written = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
         study.with_defaults_of(&written).map_err(|message| {
             let line = line_of_key(text, "", "unstated");
@@ -66,6 +74,57 @@ impl StudyFileError {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         Self { file: file.into(), line, message: explain(error.message()), in_data: false }
     }
+}
+
+/// Reads the text of a study file with its uncertain values; `file` names it in errors. Files of samples are relative to its
+/// folder.
+///
+/// # Errors
+/// A key, type, unit or distribution is wrong.
+pub(super) fn read_with_uncertain_values(text: &str, file: &str) -> Result<StudyFile, StudyFileError> {
+    let written: Table = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    let mut uncertain = Vec::new();
+    for section in SECTIONS {
+        let Some(Value::Table(values)) = written.get(section) else { continue };
+        for (name, value) in values {
+            let elements: Vec<(Option<usize>, &Value)> = match value {
+                Value::Array(list) => {
+                    list.iter().enumerate().map(|(position, value)| (Some(position), value)).collect()
+                }
+                value => vec![(None, value)],
+            };
+            for (element, value) in elements {
+                let found = uncertain_value(section, name, element, value, folder).map_err(|message| {
+                    let line = line_of_key(text, section, name);
+                    let message = format!("[{section}] {name}: {message}");
+                    StudyFileError { file: file.into(), line, message, in_data: has_samples(section, name, value) }
+                })?;
+                uncertain.extend(found);
+            }
+        }
+    }
+    let central = uncertain.iter().map(|value| value.place().key().show(value.input().central()).to_string());
+    let central: Vec<String> = central.collect();
+    let mut root = DeTable::parse(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    for (place, central) in uncertain.iter().map(UncertainValue::place).zip(&central) {
+        let central = DeValue::parse(central).map_err(|error| StudyFileError::toml(&error, text, file))?;
+        let section = root.get_mut().get_mut(place.key().section).map(|section| section.get_mut());
+        let Some(DeValue::Table(section)) = section else { continue };
+        let value = section.get_mut(place.key().name).map(|value| value.get_mut());
+        match (value, place.element) {
+            (Some(DeValue::Array(list)), Some(position)) => {
+                if let Some(element) = list.get_mut(position) {
+                    *element.get_mut() = central.into_inner();
+                }
+            }
+            (Some(value), None) => *value = central.into_inner(),
+            _ => {}
+        }
+    }
+    let deserializer = toml::de::Deserializer::from(root);
+    let study = StudyFile::deserialize(deserializer).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    Ok(StudyFile { uncertain, ..study })
 }
 
 /// Returns the line of a byte, counted from 1.

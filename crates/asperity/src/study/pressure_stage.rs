@@ -3,16 +3,17 @@
 mod entries;
 mod indices;
 mod maps;
+mod scalars;
 mod tables;
 
 use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use crate::friction::LevelControl;
-use crate::map::BoundaryKind;
-use crate::map::{Grid, HeightMap};
+use crate::map::HeightMap;
 use crate::monitor::Monitor;
 use crate::pressure::{Method, MethodComparison, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
+use crate::study::half_space::half_space;
 use crate::study::output::{StageOutput, left_out};
 use crate::study::result::PressureResult;
 use crate::study::{QuantityMap, StudyError, sentence};
@@ -22,27 +23,6 @@ use entries::Prescribed;
 
 /// Bias of a method over the mean pressure above which the stage warns.
 const LARGE_BIAS: f64 = 0.25;
-
-/// Returns the half-space of a section, and its mean compliance if it is periodic.
-pub(super) fn half_space(
-    section: &'static str,
-    grid: Grid,
-    modulus_pa: f64,
-    boundary: BoundaryKind,
-    mean_compliance_m_per_pa: Option<f64>,
-) -> Result<(HalfSpace, Option<f64>), StudyError> {
-    let (boundary, compliance) = match boundary {
-        BoundaryKind::Free => (Boundary::Free, None),
-        BoundaryKind::Periodic => {
-            let usual = HalfSpace::default_mean_compliance_m_per_pa(grid, modulus_pa);
-            let mean_compliance_m_per_pa = mean_compliance_m_per_pa.unwrap_or(usual);
-            (Boundary::Periodic { mean_compliance_m_per_pa }, Some(mean_compliance_m_per_pa))
-        }
-    };
-    let half_space =
-        HalfSpace::new(grid, modulus_pa, boundary).map_err(|error| StudyError::Contact { section, error })?;
-    Ok((half_space, compliance))
-}
 
 /// Methods whose contact solutions the others share.
 const DESIGNS: [Method; 3] = [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol];
@@ -80,7 +60,7 @@ pub(super) fn run(
         variables: study.variables.min(surface.xi_len()),
         degree: study.degree,
         stiffness: study.stiffness,
-        valid_fraction: study.valid_share,
+        valid_fraction: study.valid_fraction,
         ..MethodComparison::new(seed)
     };
     let results = sizes.run(&problem, monitor)?;

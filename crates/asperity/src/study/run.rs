@@ -4,13 +4,11 @@ use std::fmt::Debug;
 use std::mem;
 use std::path::{Path, PathBuf};
 
-use asperity_base::choice;
 use serde::{Deserialize, Serialize};
 
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
-use crate::quantity::Area;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::{CounterfaceSection, SurfaceSection};
 use crate::study::output::Gathered;
@@ -19,28 +17,9 @@ use crate::study::store::file_hash;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::write_run::with_paths;
 use crate::study::{
-    FailureKind, RunBlocks, Study, StudyError, blocks, counterface, coupled_stage, friction_process, friction_stage,
-    implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
+    FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
+    friction_stage, implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
 };
-
-/// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
-const NOMINAL_AREA: Area = Area(833e-6);
-
-choice! {
-    /// Stage of a study.
-    pub enum Stage: "stage" {
-        /// Statistics and random surfaces.
-        Surface = "surface",
-        /// Distribution of the random pressure.
-        Pressure = "pressure",
-        /// Friction as a process.
-        Friction = "friction",
-        /// Stick-slip, or mode coupling.
-        Vibration = "vibration",
-        /// Probability of vibration over uncertain values.
-        Verdict = "verdict",
-    }
-}
 
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.
@@ -206,7 +185,7 @@ impl Study {
             surface,
             friction,
             self.operating_level(),
-            self.nominal_area_m2(),
+            self.stated_nominal_area(),
             vibration.nominal_contact(),
             self.seed(),
         );
@@ -227,16 +206,6 @@ impl Study {
         // The Stribeck coefficient is that of each machine.
         let window = WindowFriction::from_level(&level, body, vibration.nominal_contact(), None);
         Ok(SharedFriction { window, warnings: gathered.results.warnings })
-    }
-
-    /// Returns the nominal area that friction is scaled up to.
-    fn nominal_area_m2(&self) -> f64 {
-        self.stated_nominal_area().unwrap_or(NOMINAL_AREA).0
-    }
-
-    fn stated_nominal_area(&self) -> Option<Area> {
-        let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.nominal_area);
-        self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
     }
 
     /// Runs the surface stage, with the tables of the scan or without; `None` if the study has no surface.
@@ -264,15 +233,10 @@ impl Study {
         gathered: &mut Gathered,
     ) -> Result<Option<(SolvedLevel, RoughBody)>, StudyError> {
         let Some(study) = &self.friction else { return Ok(None) };
-        let (level, nominal_area_m2) = (self.operating_level(), self.nominal_area_m2());
-        if self.stated_nominal_area().is_none() {
-            let assumed =
-                format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
-            gathered.results.assumptions.push(assumed);
-        }
-        let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &nominal_area_m2, &self.seed()];
+        let (level, stated_area) = (self.operating_level(), self.stated_nominal_area());
+        let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &stated_area, &self.seed()];
         let stage = stages.run(Stage::Friction.name(), &depends_on, |monitor| {
-            friction_stage::run(study, surface, level, nominal_area_m2, self.seed(), monitor)
+            friction_stage::run(study, surface, level, stated_area, self.seed(), monitor)
         })?;
         // Nothing that follows is possible without friction.
         let stage = stage.ok_or(StudyError::Incomplete)?;
@@ -361,18 +325,15 @@ impl Study {
                     // The friction of the file is that of the window.
                     *file = PathBuf::new();
                 }
-                let depends_on: [&dyn Debug; 3] = [&own, window, &self.seed()];
-                let mut stage = stages
+                // The friction of a part of a rough slider on a smooth track has no course along the path.
+                let has_path = self.friction.as_ref().is_none_or(|friction| friction.body != RoughBody::Slider);
+                let depends_on: [&dyn Debug; 4] = [&own, window, &has_path, &self.seed()];
+                let stage = stages
                     .run(Stage::Vibration.name(), &depends_on, |monitor| {
-                        vibration_stage::run(study, window, self.seed(), monitor)
+                        vibration_stage::run(study, window, has_path, self.seed(), monitor)
                     })?
                     .ok_or(StudyError::Incomplete)?;
-                // The friction of a part of a rough slider on a smooth track has no course along the path.
-                if self.friction.as_ref().is_some_and(|friction| friction.body == RoughBody::Slider) {
-                    (stage.result.friction_correlation_length_m, stage.result.correlation_length) = (None, None);
-                } else {
-                    gathered.machine = Some(stage.machine);
-                }
+                gathered.machine = stage.machine;
                 gathered.add(stage.output);
                 gathered.results.vibration = Some(stage.result);
             }

@@ -139,6 +139,23 @@ pub struct QuantityMap {
     pub values: Array2<f64>,
 }
 
+/// Returns the points of numbered lines, with the level of each if lines have levels.
+pub(super) fn lines_table<'a>(
+    [x, y]: [&str; 2],
+    lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>,
+    levels: bool,
+) -> CsvTable {
+    let mut columns = [(); 4].map(|()| Vec::new());
+    for (number, (level, line)) in lines.enumerate() {
+        for place in line {
+            let row = [level, number as f64, place[0], place[1]];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let names = ["level", "line", x, y];
+    CsvTable::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,7 +18,6 @@ use thiserror::Error;
 use crate::friction::process::ProcessError;
 use crate::study::result::{Provenance, Results, SCHEMA_VERSION};
 use crate::study::run_machine::RunMachine;
-use crate::study::write_run::array_name;
 use crate::study::{CsvTable, TableError};
 use manifest::{MANIFEST, Manifest};
 pub use staging::Staging;
@@ -30,11 +29,11 @@ pub(super) const FRICTION_PROCESS: &str = "friction_process.json";
 /// Name of the file with the machine of the run.
 pub(super) const MACHINE: &str = "machine.json";
 /// Name of the file with the study of the run.
-const STUDY: &str = "study.toml";
-/// Name of the file with the numbers of the run.
-const RESULTS: &str = "results.json";
-/// Name of the file with the provenance of the run.
-const PROVENANCE: &str = "provenance.json";
+pub(super) const STUDY: &str = "study.toml";
+/// Name of the file with the results of a run or a campaign.
+pub(super) const RESULTS: &str = "results.json";
+/// Name of the file with the provenance of a run or a campaign.
+pub(super) const PROVENANCE: &str = "provenance.json";
 /// Name of the file with the grids and units of the fields.
 pub(super) const FIELD_INDEX: &str = "fields/index.json";
 
@@ -147,7 +146,7 @@ pub enum StoreError {
         "{}: {}, but this program reads version {SCHEMA_VERSION}; run the study again with `asperity run {}`",
         path.display(),
         found.map_or_else(|| "the results state no schema_version".to_owned(), |found| format!("the results have schema_version {found}")),
-        path.with_file_name("study.toml").display()
+        path.with_file_name(STUDY).display()
     )]
     SchemaVersion {
         /// The file.
@@ -186,6 +185,11 @@ pub(super) struct FieldEntry {
     pub(super) dx_m: f64,
     pub(super) dy_m: f64,
     pub(super) unit: String,
+}
+
+/// Returns the name of the array of a field in its archive.
+pub(super) fn array_name(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name}_{}", unit.to_lowercase()) }
 }
 
 /// Schema version of `results.json`.

@@ -3,26 +3,18 @@
 use std::mem;
 use std::path::Path;
 
-use asperity_formats::Scan;
-
-use crate::correlation::{CorrelationModel, StationaryCovariance};
 use crate::map::HeightMap;
+use crate::study::StudyError;
 use crate::study::contact_check::contact_warning;
 use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, law_result};
 use crate::study::scan_tables::scan_tables;
+use crate::study::surface_model::model_of;
 use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
-use crate::study::{QuantityMap, StudyError, sentence};
-use crate::surface::CovarianceSource;
-use crate::surface::level::Level;
-use crate::surface::model::{
-    CapturedModes, CompositeModel, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel,
-    SurfaceModelError, SurfaceRequest, Texture,
-};
-use crate::surface::preparation::{Preparation, Prepared};
+use crate::study::surface_scans::{measure_all, of_one};
+use crate::surface::model::{CapturedModes, CompositeModel, Measurable, SurfaceModelError, SurfaceRequest};
 use crate::surface::scanned::ScannedSurface;
-use crate::translation::TranslationKind;
 
 /// Model of the random surfaces, and the scans on which it is measured.
 pub(super) struct SurfaceStage {
@@ -79,14 +71,6 @@ pub(super) fn check_scans(
     Ok(warnings)
 }
 
-/// Returns the error of one of several scans.
-fn of_one(file: &str, error: StudyError) -> StudyError {
-    match error {
-        error @ StudyError::Map { .. } => error,
-        error => StudyError::OneOf { file: file.into(), error: Box::new(error) },
-    }
-}
-
 /// Runs the stage; `folder` is the folder of the study file.
 pub(super) fn run(
     section: &SurfaceSection,
@@ -121,196 +105,4 @@ pub(super) fn without_tables(
     let band_end_m = measured.as_ref().and_then(ScannedSurface::band_end_m);
     let model = CompositeModel { surface: model, counterface: None };
     Ok(SurfaceStage { model, measured, measured_counterface: None, band_end_m, covariance, output })
-}
-
-/// Makes the model of the random surfaces that a section requests and, if it has a covariance, reports its selection.
-pub(super) fn model_of(
-    section: &SurfaceSection,
-    request: SurfaceRequest,
-    measured: Option<&ScannedSurface>,
-    output: &mut StageOutput,
-) -> Result<(SurfaceModel, Option<SelectedCovariance>), StudyError> {
-    let (model, selected) = SurfaceModel::new(request, measured)?;
-    let part = measured.and_then(|m| m.part.as_ref());
-    output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
-    if let Some(selected) = &selected {
-        output.assumptions.extend(selected.reason.clone());
-        output.warnings.extend(selected.warnings.iter().cloned());
-    }
-    Ok((model, selected))
-}
-
-/// Prepares and measures all scans; maps and series show the first.
-fn measure_all(
-    section: &SurfaceSection,
-    scans: Vec<(String, Scan)>,
-    output: &mut StageOutput,
-) -> Result<Option<ScannedSurface>, StudyError> {
-    if scans.len() < 2 {
-        let one = scans.into_iter().next();
-        return one.map(|(file, scan)| measure(section, &file, scan, output)).transpose();
-    }
-    let mut measured = Vec::with_capacity(scans.len());
-    for (file, scan) in scans {
-        let mut own = StageOutput::default();
-        let scan = measure(section, &file, scan, &mut own).map_err(|error| of_one(&file, error))?;
-        if measured.is_empty() {
-            output.fields = own.fields;
-        }
-        output.assumptions.append(&mut own.assumptions);
-        output.warnings.extend(own.warnings.into_iter().map(|warning| format!("{file}: {warning}")));
-        measured.push((file, scan));
-    }
-    output.assumptions.push(format!(
-        "The {} scans are taken as samples of one part: statistics are weighted means over the scans, the correlation is \
-         that of all pairs of heights within a scan, the marginal distribution that of all heights. Maps and figures of the \
-         measured heights show {}.",
-        measured.len(),
-        measured[0].0
-    ));
-    let mut names: Vec<&String> = measured.iter().map(|(file, _)| file).collect();
-    names.sort();
-    for pair in names.windows(2).filter(|pair| pair[0] == pair[1]) {
-        output.warnings.push(format!("{} is listed twice and counts as two places: intervals are too narrow", pair[0]));
-    }
-    Ok(Some(ScannedSurface::from_scans(measured)?))
-}
-
-/// Prepares a scan and computes its statistics.
-pub(super) fn measure(
-    section: &SurfaceSection,
-    file: &str,
-    mut scan: Scan,
-    output: &mut StageOutput,
-) -> Result<ScannedSurface, StudyError> {
-    output.warnings.append(&mut scan.warnings);
-    let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
-    let preparation = section.preparation();
-    let prepared = preparation.apply(&raw).map_err(SurfaceModelError::from)?;
-    let map = &prepared.map;
-    output.fields.push(("height_raw", QuantityMap { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
-    output
-        .fields
-        .push(("height_levelled", QuantityMap { grid: map.grid(), unit: "m", values: map.heights_m().clone() }));
-    let grid = map.grid();
-    output.assumptions.push(format!(
-        "The scan {file} {}. Its statistics hold for pixels of {} on a field of {}. {} of {} points are missing and stay \
-         missing.",
-        in_words(&preparation, &prepared),
-        sentence::size(grid.dx_m(), grid.dy_m()),
-        sentence::size(grid.width_m(), grid.height_m()),
-        map.missing_points(),
-        grid.points()
-    ));
-    if prepared.lost > 0 {
-        let lost = sentence::count(prepared.lost, "height", "heights");
-        output.warnings.push(format!("the robust filter found no surface around {lost}, which count as missing"));
-    }
-    Ok(ScannedSurface::new(prepared)?)
-}
-
-/// Returns the preparation of a scan as the end of a sentence.
-fn in_words(preparation: &Preparation, prepared: &Prepared) -> String {
-    let form = match preparation.level {
-        Level::None => "was not levelled".to_owned(),
-        Level::Mean => "was counted from its mean".to_owned(),
-        Level::Polynomial(degree) => format!("was levelled by its least-squares polynomial of degree {degree}"),
-        Level::Cylinder | Level::Sphere => format!(
-            "was levelled by its least-squares {} of radius {}",
-            preparation.level,
-            sentence::si(prepared.radius_m.unwrap_or(f64::NAN), "m")
-        ),
-        Level::Plane | Level::Quadratic => format!("was levelled by its least-squares {}", preparation.level),
-    };
-    let outliers = preparation.outliers.map_or_else(
-        || "no outliers were looked for".to_owned(),
-        |k| {
-            let rejected = sentence::count(prepared.outliers, "height", "heights");
-            format!("{rejected} beyond {k} robust standard deviations rejected")
-        },
-    );
-    let filter = |name: &str, cutoff_m: Option<f64>| {
-        cutoff_m.map_or_else(|| format!("no {name}-filter"), |m| format!("{name}-filter at {}", sentence::si(m, "m")))
-    };
-    let kind = if preparation.robust { " (robust)" } else { "" };
-    let (short, long) = (filter("S", preparation.s_filter_m), filter("L", preparation.l_filter_m));
-    format!("{form} ({outliers}; {short}; {long}{kind})")
-}
-
-fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -> String {
-    match &model.texture {
-        Texture::WeierstrassMandelbrot { dimension } => format!(
-            "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
-             {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
-             are taken as normal; covariance and marginal distribution of the study have no effect.",
-            sentence::digits(*dimension),
-            if section.fractal_dimension.is_some() { "stated".into() } else { format!("measured on {scans}") },
-            sentence::si(model.marginal.std(), "m"),
-        ),
-        Texture::Translated { covariance, translation, .. } => format!(
-            "Random surfaces have {} of rms height {}. {} imposed by {} translation.",
-            covariance_words(section, covariance, scans),
-            sentence::si(covariance.std_m(), "m"),
-            if section.marginal == "measured" {
-                "The distribution of the measured heights is".to_owned()
-            } else {
-                format!("The marginal distribution `{}` is", section.marginal)
-            },
-            match translation {
-                TranslationKind::Plain => "plain",
-                TranslationKind::Corrected => "corrected",
-            }
-        ),
-    }
-}
-
-/// Returns a description of a covariance.
-fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, scans: &str) -> String {
-    let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
-    match covariance {
-        SurfaceCovariance::Model(model) => {
-            let (name, lengths) = match model.model() {
-                CorrelationModel::Matern { .. } => ("Matérn", "scales"),
-                CorrelationModel::SelfAffine { .. } => ("self-affine", "roll-off lengths"),
-                CorrelationModel::Exponential => ("exponential", "lengths"),
-                CorrelationModel::SquaredExponential => ("squared exponential", "lengths"),
-            };
-            let along = along(model.length_x_m(), model.length_y_m());
-            match section.covariance {
-                CovarianceSource::Measured => format!("a {name} covariance (fitted to {scans}, {lengths} {along})"),
-                _ => format!("a {name} covariance (stated, {lengths} {along})"),
-            }
-        }
-        SurfaceCovariance::Empirical(own) => {
-            let report = own.report();
-            format!(
-                "the covariance of {scans} itself (lags up to {} as estimated, then tapered; to make it positive definite {} % of \
-                 the variance was clipped and correlations changed by at most {})",
-                along(report.reliable_x_m, report.reliable_y_m),
-                sentence::digits(100.0 * report.clipped_variance),
-                sentence::digits(report.clipping_change),
-            )
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::correlation::Covariance;
-
-    #[test]
-    fn the_lengths_of_a_model_are_named() {
-        let words = |model| {
-            let covariance = SurfaceCovariance::Model(Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap());
-            covariance_words(&SurfaceSection::default(), &covariance, "the scan")
-        };
-        for (model, said) in [
-            (CorrelationModel::Exponential, "lengths 20 µm along x"),
-            (CorrelationModel::Matern { nu: 1.5 }, "scales 20 µm along x"),
-            (CorrelationModel::SelfAffine { hurst: 0.7 }, "roll-off lengths 20 µm along x"),
-        ] {
-            assert!(words(model).contains(said), "{}", words(model));
-        }
-    }
 }

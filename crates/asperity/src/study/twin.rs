@@ -23,8 +23,9 @@ use crate::random;
 use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::{BandMethod, Comparison, TwinModel, law_result};
+use crate::study::surface_model::model_of;
 use crate::study::surface_result::covariance_result;
-use crate::study::surface_stage::{measure, model_of};
+use crate::study::surface_scans::measure;
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
@@ -43,7 +44,7 @@ const TRIAL_STAGE: &str = "twin trial";
 /// Number of maps that estimate the fraction of variance in the form.
 const TRIALS: usize = 8;
 /// Fraction of variance in the form above which the height of the long waves is reported as uncertain.
-const LARGE_FORM_SHARE: f64 = 0.25;
+const LARGE_FORM_FRACTION: f64 = 0.25;
 /// Kurtosis above which a scan is suspected of spikes. Lognormal heights with σ = 0.9 have a kurtosis of 20.
 const SPIKE_KURTOSIS: f64 = 20.0;
 
@@ -129,19 +130,19 @@ impl Twins {
             warnings: output.warnings,
         };
         if section.rms_height.is_none() {
-            let share = if grid == own {
-                twins.form_share(&*twins.surface)?
+            let fraction = if grid == own {
+                twins.form_fraction(&*twins.surface)?
             } else {
-                twins.form_share(&*model.patch(own, periodic)?.surface)?
+                twins.form_fraction(&*model.patch(own, periodic)?.surface)?
             };
-            twins.compensate_form(share, &model.marginal)?;
+            twins.compensate_form(fraction, &model.marginal)?;
         }
         twins.add_sentences(section, grid);
         Ok(twins)
     }
 
     /// Returns the fraction of the variance that is removed with the form from maps on the scan's grid.
-    fn form_share(&self, surface: &dyn RandomSurface) -> Result<f64, StudyError> {
+    fn form_fraction(&self, surface: &dyn RandomSurface) -> Result<f64, StudyError> {
         let square = |map: &HeightMap| map.present_m().map(|z| z * z).sum::<f64>();
         let squares: Result<Vec<(f64, f64)>, StudyError> = blocks::map(0..TRIALS, |index| {
             let mut stream = random::stream(self.seed, TRIAL_STAGE, index as u64);
@@ -157,11 +158,11 @@ impl Twins {
     }
 
     /// Scales the twins so that their variance without the form equals the scan's.
-    fn compensate_form(&mut self, share: f64, law: &Marginal) -> Result<(), StudyError> {
-        self.gain = 1.0 / (1.0 - share).sqrt();
+    fn compensate_form(&mut self, fraction: f64, law: &Marginal) -> Result<(), StudyError> {
+        self.gain = 1.0 / (1.0 - fraction).sqrt();
         let model = &mut self.model;
         model.rms_height_m *= self.gain;
-        model.form_share = Some(share);
+        model.form_share = Some(fraction);
         model.marginal = law_result(&law.standardised(0.0, model.rms_height_m)?);
         if let Some(covariance) = &mut model.covariance {
             covariance.std_m = model.rms_height_m;
@@ -169,14 +170,14 @@ impl Twins {
         self.assumptions.push(format!(
             "The removal of the form removes {} % of the variance of such a surface ({TRIALS} trial maps), so \
              twins were drawn with the rms height {}: without their form they have that of the scan.",
-            sentence::digits(100.0 * share),
+            sentence::digits(100.0 * fraction),
             sentence::si(self.model.rms_height_m, "m")
         ));
-        if share > LARGE_FORM_SHARE {
+        if fraction > LARGE_FORM_FRACTION {
             self.warnings.push(format!(
                 "{} % of the variance of such a surface goes with the form of a map of this size: how high its long waves \
                  are is a guess, which the scan cannot confirm; a form of higher degree or an L-filter leaves what it shows",
-                sentence::digits(100.0 * share)
+                sentence::digits(100.0 * fraction)
             ));
         }
         Ok(())
@@ -191,8 +192,8 @@ impl Twins {
                     .into(),
             );
         }
-        let kurtosis = self.target.statistics.Sku.unwrap_or(f64::NAN);
-        if kurtosis > SPIKE_KURTOSIS && section.outliers.is_none() {
+        let kurtosis = self.target.statistics.Sku.filter(|kurtosis| *kurtosis > SPIKE_KURTOSIS);
+        if let Some(kurtosis) = kurtosis.filter(|_| section.outliers.is_none()) {
             self.warnings.push(format!(
                 "the kurtosis of the scan is {}: single spikes or pits, which twins do not have; reject them as outliers",
                 sentence::digits(kurtosis)

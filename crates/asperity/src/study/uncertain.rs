@@ -9,20 +9,13 @@ mod stated;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-pub(super) use self::keys::{KEYS, UncertainKey};
+pub(super) use self::keys::{BETWEEN_PARTS, KEYS, UncertainKey};
 use self::keys::{LATENT, any_quantity};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
-use crate::study::parse::line_of_key;
-use crate::study::{StudyFile, StudyFileError};
-
-/// Sections whose numbers and quantities may be uncertain.
-const SECTIONS: [&str; 5] = ["surface", "counterface", "material", "friction", "vibration"];
 
 /// Uncertain value of a study file.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +63,7 @@ impl UncertainValue {
 pub(super) struct Place {
     key: &'static UncertainKey,
     /// Position in a list of values.
-    element: Option<usize>,
+    pub(super) element: Option<usize>,
 }
 
 impl Place {
@@ -164,66 +157,15 @@ pub(super) fn without_latent(table: &mut Table) {
     }
 }
 
-/// Reads the text of a study file with its uncertain values; `file` names it in errors. Files of samples are relative to its
-/// folder.
-///
-/// # Errors
-/// A key, type, unit or distribution is wrong.
-pub(super) fn read(text: &str, file: &str) -> Result<StudyFile, StudyFileError> {
-    let written: Table = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
-    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-    let mut uncertain = Vec::new();
-    for section in SECTIONS {
-        let Some(Value::Table(values)) = written.get(section) else { continue };
-        for (name, value) in values {
-            let elements: Vec<(Option<usize>, &Value)> = match value {
-                Value::Array(list) => {
-                    list.iter().enumerate().map(|(position, value)| (Some(position), value)).collect()
-                }
-                value => vec![(None, value)],
-            };
-            for (element, value) in elements {
-                let found = uncertain_value(section, name, element, value, folder).map_err(|message| {
-                    let line = line_of_key(text, section, name);
-                    let message = format!("[{section}] {name}: {message}");
-                    StudyFileError { file: file.into(), line, message, in_data: has_samples(section, name, value) }
-                })?;
-                uncertain.extend(found);
-            }
-        }
-    }
-    let central: Vec<String> =
-        uncertain.iter().map(|value| value.place.key.show(value.input.central()).to_string()).collect();
-    let mut root = DeTable::parse(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
-    for (UncertainValue { place, .. }, central) in uncertain.iter().zip(&central) {
-        let central = DeValue::parse(central).map_err(|error| StudyFileError::toml(&error, text, file))?;
-        let section = root.get_mut().get_mut(place.key.section).map(|section| section.get_mut());
-        let Some(DeValue::Table(section)) = section else { continue };
-        let value = section.get_mut(place.key.name).map(|value| value.get_mut());
-        match (value, place.element) {
-            (Some(DeValue::Array(list)), Some(position)) => {
-                if let Some(element) = list.get_mut(position) {
-                    *element.get_mut() = central.into_inner();
-                }
-            }
-            (Some(value), None) => *value = central.into_inner(),
-            _ => {}
-        }
-    }
-    let deserializer = toml::de::Deserializer::from(root);
-    let study = StudyFile::deserialize(deserializer).map_err(|error| StudyFileError::toml(&error, text, file))?;
-    Ok(StudyFile { uncertain, ..study })
-}
-
 /// Returns whether a value that may be uncertain has the distribution of a file of samples.
-fn has_samples(section: &str, name: &str, value: &Value) -> bool {
+pub(super) fn has_samples(section: &str, name: &str, value: &Value) -> bool {
     let Ok(Some(Stated { distribution, .. })) = Stated::read(value) else { return false };
     let is_uncertain = UncertainKey::find(section, name, distribution.example()).is_some();
     is_uncertain && matches!(distribution, StatedDistribution::Samples(_))
 }
 
 /// Returns the uncertain value at a key, if the value is one.
-fn uncertain_value(
+pub(super) fn uncertain_value(
     section: &str,
     name: &str,
     element: Option<usize>,

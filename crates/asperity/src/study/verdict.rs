@@ -2,31 +2,37 @@
 
 mod answers;
 pub(super) mod area;
+pub(super) mod axis;
 pub(super) mod decided;
 mod drivers;
 mod dynamics;
+pub(super) mod expansion;
 mod fluctuating;
 mod machines;
 pub(super) mod map;
 pub(super) mod margins;
 mod plastic;
+pub(super) mod points;
 mod probability;
 pub(super) mod remedies;
-pub(super) mod responses;
+pub(super) mod replicates;
+mod responses;
 mod rests_on;
 pub(super) mod sampled;
 pub(super) mod scan;
-mod vibrating;
+mod sharing;
+pub(super) mod vibrating;
 
 use std::borrow::Cow;
 
 use self::drivers::MarginModel;
 use self::dynamics::Dynamics;
 use self::machines::{Machine, Machines};
+use self::points::ContactPoints;
 use self::probability::{Estimator, Event, Probability};
-use self::responses::{ContactPoints, FrictionResponses};
+
 use self::sampled::{Evaluated, Sampled};
-use self::scan::ScanErrors;
+use self::scan::errors::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
@@ -43,7 +49,7 @@ const EVENT_RANGE: std::ops::Range<f64> = 0.05..0.95;
 /// Standard deviation of friction over its mean below which friction counts as constant.
 const NEGLIGIBLE_STD: f64 = 1e-6;
 /// Factor of the duration after which the probability is computed again.
-const LATER: f64 = 4.0;
+pub(super) const LATER: usize = 4;
 /// Fraction of unexplained variance above which there is a warning.
 const UNEXPLAINED: f64 = 0.05;
 
@@ -77,7 +83,7 @@ pub(super) fn run(
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
         latent.extend(machines::between_parts(window).map_err(|error| StudyError::Verdict(error.to_string()))?);
         study = Cow::Owned(study.with_latent(latent));
-        responses = FrictionResponses::learn(&points, &study, window, monitor, &mut output)?;
+        responses = expansion::expand_friction(&points, &study, window, monitor, &mut output)?;
     }
     let study = &*study;
     let machines = Machines::new(study, window, responses.as_ref(), seed);
@@ -117,7 +123,7 @@ pub(super) fn run(
     let valid = sampled.valid().count();
     let failed = sampled.machines.len() - valid;
     let first_failure = sampled.machines.iter().find_map(|machine| machine.as_ref().err().cloned());
-    if (valid as f64) < study.valid_share * sampled.machines.len() as f64 {
+    if (valid as f64) < study.valid_fraction * sampled.machines.len() as f64 {
         let reason = first_failure.unwrap_or_default();
         return Err(StudyError::Verdict(format!(
             "{failed} of {} sampled machines have no answer; the first because {reason}",
@@ -162,7 +168,7 @@ pub(super) fn run(
         probability,
         probability_interval: [interval.low, interval.high],
         error_sources: error_sources(&sources),
-        friction: responses.as_ref().map(|responses| responses.learnt.clone()),
+        friction: responses.as_ref().map(|responses| responses.result.clone()),
         probability_from_steady_sliding: sliding.value,
         probability_from_steady_sliding_interval: [sliding.interval.low, sliding.interval.high],
         evaluations,
@@ -183,7 +189,7 @@ pub(super) fn run(
             &machines,
             &|machine, index| {
                 let seed = seed.wrapping_add(index as u64);
-                fluctuating::vibrates(machine, LATER * duration_s, seed, monitor)
+                fluctuating::vibrates(machine, LATER as f64 * duration_s, seed, monitor)
                     .map(|vibrates| vibrates.unwrap_or(false))
             },
             monitor,

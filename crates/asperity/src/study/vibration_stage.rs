@@ -1,59 +1,44 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
 mod clipping;
+mod ensembles;
 mod entries;
 mod map;
 mod tables;
 
 pub use self::clipping::clipping_warning;
-pub(super) use self::clipping::refuse_clipping;
-pub(super) use self::entries::kind_result;
-use self::entries::{crossing_result, cycle_result, damping_result, motion_result, points_result};
-pub(super) use self::map::lines;
+use self::ensembles::Ensembles;
+pub(super) use self::ensembles::refuse_clipping;
+use self::entries::cycle_result;
 pub use self::map::stability_map_tables;
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
-use asperity_base::choice::Choice;
-
-use crate::friction::process::{Cancellable, FrictionProcess, ProcessModel};
 use crate::friction::{Upscaling, WindowFriction};
-use crate::monitor::{Cancelled, Monitor, Quiet};
+use crate::monitor::Monitor;
+use crate::study::StudyError;
 use crate::study::check::{FrictionSource, VibrationStudy};
+use crate::study::motion_entries::kind_result;
 use crate::study::output::StageOutput;
-use crate::study::output::left_out;
-use crate::study::result::{
-    DampingResult, EnsembleResult, MapResolutionResult, MapResult, PointsResult, VibrationResult, law_result,
-};
+use crate::study::result::{MapResolutionResult, MapResult, VibrationResult, law_result};
 use crate::study::run_machine::RunMachine;
-use crate::study::{CsvTable, StudyError, sentence};
 use crate::vibration::{
-    CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, MapResolution, Oscillator, TrajectorySettings,
-    VibrationError, clipped_to_positive, critical_damping, crossings_without_fluctuation, cycle_portrait,
-    deterministic_slips, limit_cycle, limit_damping, smallest_kick, trajectory_portrait,
+    CONSTANT_STD, MapResolution, VibrationError, critical_damping, limit_cycle, limit_damping, smallest_kick,
 };
-
-/// Points of a plotted limit cycle and trajectory, and the duration τ of the trajectory.
-const CYCLE_POINTS: usize = 600;
-const TRAJECTORY_POINTS: usize = 6000;
-const TRAJECTORY_SPAN: f64 = 120.0;
-/// Number of trajectories of a cloud.
-const CLOUD_TRAJECTORIES: usize = 60;
-/// Levels of the mean fraction of time in vibration whose damping ratios are reported.
-const LEVELS: [f64; 3] = [0.95, 0.5, 0.05];
-/// Multiples of the fastest expected slip for which friction is kept positive; the next is tried if slips are faster.
-const MARGINS: [f64; 3] = [1.0, 5.0, 25.0];
 
 /// Output of the vibration stage.
 pub(super) struct VibrationStage {
     pub(super) result: VibrationResult,
-    pub(super) machine: RunMachine,
+    /// Machine of the run; `None` if friction has no course along the path.
+    pub(super) machine: Option<RunMachine>,
     pub(super) output: StageOutput,
 }
 
+/// Simulates the ensembles of a study. `has_path` states whether friction has a course along the path.
 pub(super) fn run(
     study: &VibrationStudy,
     window: &WindowFriction,
+    has_path: bool,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<VibrationStage, StudyError> {
@@ -90,15 +75,15 @@ pub(super) fn run(
         let resolution = MapResolutionResult { x: width, y: height, unresolved_share };
         map = Some(MapResult { x: x.into(), y: y.into(), resolution });
     }
-    let (assumptions, machine) = (ensembles.sentences(), ensembles.machine());
+    let (assumptions, machine) = (ensembles.sentences(), has_path.then(|| ensembles.machine()));
     let result = VibrationResult {
         damping_ratio: study.damping_ratio,
         belt_velocity: oscillator.belt_velocity(),
         static_friction: window.mean,
         level_percentile: window.level_percentile,
         level_mean_pressure_pa: window.level_mean_pressure_pa,
-        friction_correlation_length_m: Some(window.length_m),
-        correlation_length: Some(ensembles.correlation_length()),
+        friction_correlation_length_m: has_path.then_some(window.length_m),
+        correlation_length: has_path.then(|| ensembles.correlation_length()),
         marginal: (window.std >= CONSTANT_STD).then(|| law_result(&window.marginal)),
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
@@ -122,275 +107,5 @@ fn found_or_none<T>(answer: Result<T, VibrationError>) -> Result<Option<T>, Vibr
         Ok(found) => Ok(Some(found)),
         Err(VibrationError::NotFound { .. }) => Ok(None),
         Err(error) => Err(error),
-    }
-}
-
-/// Ensembles of one study.
-struct Ensembles<'a> {
-    study: &'a VibrationStudy,
-    oscillator: Oscillator,
-    window: &'a WindowFriction,
-    seed: u64,
-}
-
-impl<'a> Ensembles<'a> {
-    /// Prepares the ensembles of a study with this friction.
-    fn new(study: &'a VibrationStudy, window: &'a WindowFriction, seed: u64) -> Result<Self, StudyError> {
-        Ok(Self { study, oscillator: study.oscillator(window.mean, window.stribeck)?, window, seed })
-    }
-
-    /// Returns the model of the dimensionless fluctuation.
-    fn model(&self, upscaling: Upscaling) -> ProcessModel {
-        self.window.process_model(upscaling, self.study.generator, self.study.scales.length_m())
-    }
-
-    fn machine(&self) -> RunMachine {
-        let (study, model) = (self.study, self.model(self.study.upscaling));
-        RunMachine {
-            parameters: self.oscillator.parameters().clone(),
-            process: (model.std >= CONSTANT_STD).then_some(model),
-            length_m: study.scales.length_m(),
-            time_s: study.scales.time_s(),
-            drive: study.drive,
-            trajectories: study.trajectories,
-            duration: study.duration,
-            seed: self.seed,
-        }
-    }
-
-    /// Returns the dimensionless correlation length.
-    fn correlation_length(&self) -> f64 {
-        self.window.length_m / self.study.scales.length_m()
-    }
-
-    /// Returns the process of the fluctuation; `None` if friction is constant.
-    ///
-    /// # Errors
-    /// More of its values are clipped than the study allows.
-    fn process(&self, upscaling: Upscaling, margin: f64) -> Result<Option<FrictionProcess>, StudyError> {
-        let model = self.model(upscaling);
-        if model.std < CONSTANT_STD {
-            return Ok(None);
-        }
-        let model = clipped_to_positive(&self.oscillator, model, margin);
-        self.clipped(&model, upscaling)?;
-        Ok(Some(FrictionProcess::new(model)?))
-    }
-
-    fn settings(&self) -> EnsembleSettings {
-        EnsembleSettings {
-            drive: self.study.drive,
-            method: self.study.method,
-            least_valid_share: self.study.valid_share,
-            ..EnsembleSettings::new(self.study.trajectories, self.study.duration, self.seed)
-        }
-    }
-
-    fn followed(&self) -> TrajectorySettings {
-        TrajectorySettings {
-            duration: self.study.duration,
-            start: None,
-            drive: self.study.drive,
-            method: self.study.method,
-        }
-    }
-
-    /// Simulates ensembles over the sweep, and one at the study's own damping ratio. If slips are faster than expected,
-    /// so that friction would change its sign, retries with a stronger clipping, which the result reports.
-    fn run(
-        &self,
-        upscaling: Upscaling,
-        monitor: &dyn Monitor,
-        warnings: &mut Vec<String>,
-    ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let mut result = self.run_with_margin(upscaling, MARGINS[0], monitor, warnings);
-        for margin in &MARGINS[1..] {
-            if let Err(StudyError::Vibration(VibrationError::TooFewValid { .. })) = result {
-                result = self.run_with_margin(upscaling, *margin, monitor, warnings);
-            }
-        }
-        result
-    }
-
-    fn run_with_margin(
-        &self,
-        upscaling: Upscaling,
-        margin: f64,
-        monitor: &dyn Monitor,
-        warnings: &mut Vec<String>,
-    ) -> Result<(EnsembleResult, Option<Ensemble>), StudyError> {
-        let (from, to, count) = self.study.damping_sweep;
-        let ratios = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
-        let friction_std = self.window.upscaled_std(upscaling);
-        let Some(process) = self.process(upscaling, margin)? else {
-            return Ok((self.constant_friction(friction_std, ratios, monitor)?, None));
-        };
-        let clipped_fraction = process.model().clipped_fraction();
-        let (mut damping_ratios, mut ensembles) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut damping = Vec::with_capacity(count);
-        let task = format!("vibration ({upscaling})");
-        for (done, damping_ratio) in ratios.enumerate() {
-            monitor.progress(&task, done, count + 2);
-            let oscillator = self.oscillator.with_damping(damping_ratio)?;
-            let settings = EnsembleSettings { sample_capacity: 0, ..self.settings() };
-            let ensemble = Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?;
-            damping.push(damping_result(damping_ratio, limit_cycle(&oscillator)?.kind(), &ensemble));
-            damping_ratios.push(damping_ratio);
-            ensembles.push(ensemble);
-        }
-        monitor.progress(&task, count, count + 2);
-        let ensemble = Ensemble::simulate(&self.oscillator, &process, &self.settings(), &Quiet(monitor))?;
-        monitor.progress(&task, count + 1, count + 2);
-        let sweep = DampingSweep { damping_ratios, ensembles };
-        let crossings = sweep.crossings(&self.oscillator, &process, &LEVELS, &self.settings(), monitor)?;
-        monitor.progress(&task, count + 2, count + 2);
-        let failed: usize = damping.iter().map(|found: &DampingResult| found.failed_samples).sum();
-        let what = format!("trajectories of the damping sweep with the {upscaling} upscaling");
-        warnings.extend(left_out(&what, failed, count * self.study.trajectories));
-        let clipping = clipping_warning(clipped_fraction);
-        warnings.extend(clipping.map(|warning| format!("with the {upscaling} upscaling, {warning}")));
-        let result = EnsembleResult {
-            friction_std,
-            clipped_fraction,
-            damping,
-            crossings: crossings.into_iter().map(crossing_result).collect(),
-            reattachment: points_result(&ensemble.reattachments),
-            release: points_result(&ensemble.releases),
-            motion: Some(motion_result(&ensemble)),
-        };
-        Ok((result, Some(ensemble)))
-    }
-
-    /// Returns the result of constant friction: every trajectory is the deterministic one.
-    fn constant_friction(
-        &self,
-        friction_std: f64,
-        ratios: impl Iterator<Item = f64>,
-        monitor: &dyn Monitor,
-    ) -> Result<EnsembleResult, StudyError> {
-        let machines = ratios.map(|ratio| self.oscillator.with_damping(ratio)).collect::<Result<Vec<_>, _>>()?;
-        let mut damping = Vec::new();
-        for (oscillator, slips) in machines.iter().zip(deterministic_slips(&machines, &self.followed())) {
-            let (damping_ratio, cycles) = (oscillator.damping_ratio(), slips?.cycles);
-            let kind = limit_cycle(oscillator)?.kind();
-            let share = if kind.is_vibration() { 1.0 } else { 0.0 };
-            damping.push(DampingResult {
-                damping_ratio,
-                kind: kind_result(kind),
-                cycles_deterministic: cycles,
-                cycles_mean: cycles as f64,
-                cycles_se: 0.0,
-                difference_mean: 0.0,
-                difference_interval: [0.0, 0.0],
-                share_in_cycle: share,
-                vibration_share: share,
-                vibration_share_se: 0.0,
-                sustained_share: share,
-                sustained_share_interval: [share, share],
-                failed_samples: 0,
-            });
-        }
-        let crossings = crossings_without_fluctuation(&self.oscillator, &LEVELS, self.study.damping_sweep.1, monitor)?;
-        let crossings = crossings.into_iter().map(crossing_result).collect();
-        let (reattachment, release) = (PointsResult::default(), PointsResult::default());
-        Ok(EnsembleResult {
-            friction_std,
-            clipped_fraction: 0.0,
-            damping,
-            crossings,
-            reattachment,
-            release,
-            motion: None,
-        })
-    }
-
-    /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
-    fn portraits(&self, monitor: &dyn Monitor) -> Result<Vec<(&'static str, CsvTable)>, StudyError> {
-        let mut tables = Vec::new();
-        if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
-            tables.push(("limit_cycle", portrait_table(&points)));
-        }
-        let settings = self.followed();
-        let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
-        for margin in MARGINS {
-            let process = match self.process(self.study.upscaling, margin) {
-                Ok(Some(process)) => process,
-                // The ensembles did not reach this velocity.
-                Ok(None) | Err(StudyError::Clipped { .. }) => break,
-                Err(error) => return Err(error),
-            };
-            let path = Cancellable::new(process.path(self.seed, 0), monitor);
-            match trajectory_portrait(&self.oscillator, path, &settings, from, TRAJECTORY_POINTS) {
-                Ok(points) => {
-                    tables.push(("trajectory", portrait_table(&points)));
-                    let (of, most) = (self.settings(), CLOUD_TRAJECTORIES);
-                    tables.push(("phase_cloud", cloud_table(&self.oscillator, &process, &of, most, monitor)?));
-                    break;
-                }
-                Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
-                Err(VibrationError::FrictionNotPositive { .. }) => {}
-                Err(error) => return Err(error.into()),
-            }
-        }
-        Ok(tables)
-    }
-
-    fn sentences(&self) -> Vec<String> {
-        let (study, window) = (self.study, self.window);
-        let mut sentences = vec![format!(
-            "The oscillator slides with {} + μ_s at V = {}{}. Cycles are slips that reach a negative velocity within τ = {}, \
-             starting in stick. The damping ratios at which vibration falls below 95, 50 and 5 % of the time belong to the second \
-             half of this time: the longer it is, the more trajectories leave vibration.",
-            self.oscillator.law().describe(),
-            sentence::digits(self.oscillator.belt_velocity()),
-            self.oscillator.forcing().map_or_else(String::new, |forcing| format!(
-                ", under the force {} cos {}τ in units of N",
-                sentence::digits(forcing.amplitude),
-                sentence::digits(forcing.frequency)
-            )),
-            study.duration
-        )];
-        if window.std < CONSTANT_STD {
-            sentences.push(format!(
-                "Friction ({}) is constant at {}: every trajectory is the deterministic one.",
-                window.origin,
-                sentence::digits(window.mean)
-            ));
-            return sentences;
-        }
-        sentences.push(format!(
-            "Friction ({}) has mean {}, standard deviation {} for one window, and correlation length {} over the sliding \
-             distance, λ = ℓ_μ c/N = {}.",
-            window.origin,
-            sentence::digits(window.mean),
-            sentence::digits(window.std),
-            sentence::si(window.length_m, "m"),
-            sentence::digits(self.correlation_length())
-        ));
-        if let Some(generator) = study.generator.or(window.generator) {
-            let other = self.model(Upscaling::Area).generator;
-            let but = if other == generator {
-                String::new()
-            } else {
-                format!(", but over the nominal area, where its distribution is normal, by the {} one", other.name())
-            };
-            sentences.push(format!("The fluctuation is made by the {} generator{but}.", generator.name()));
-        }
-        if study.drive == Drive::Time {
-            sentences.push("The fluctuation goes on with the travel of the belt, also in stick.".into());
-        }
-        sentences.extend(window.area_m2.map(|area_m2| {
-            format!(
-                "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the \
-                 windows of a square nominal area of {} average, so that the standard deviation falls to {}{}. Both keep the correlation \
-                 length of one window.",
-                study.normal_force,
-                sentence::si(study.normal_force.0 / area_m2, "Pa"),
-                study.nominal_area,
-                sentence::digits(window.upscaled_std(Upscaling::Area)),
-                if window.holds_many() { " and the distribution becomes normal" } else { "" }
-            )
-        }));
-        sentences
     }
 }

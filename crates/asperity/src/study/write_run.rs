@@ -5,7 +5,9 @@ use std::path::{self, Path, PathBuf};
 
 use asperity_results::Provenance;
 
-use crate::study::store::{FIELD_INDEX, FRICTION_PROCESS, FieldEntry, MACHINE, file_hash};
+use crate::study::store::{
+    FIELD_INDEX, FRICTION_PROCESS, FieldEntry, MACHINE, PROVENANCE, RESULTS, STUDY, array_name, file_hash,
+};
 use crate::study::{Outcome, QuantityMap, Staging, StoreError, Study, StudyFile, json_bytes};
 
 /// Returns the provenance of a computation from the files `inputs`: version, name, seed and the hash of every file.
@@ -62,8 +64,8 @@ pub fn write_run(
     provenance: &Provenance,
 ) -> Result<(), StoreError> {
     let study = resolved_study(study, folder)?;
-    staging.write("study.toml", study.as_bytes())?;
-    staging.write("provenance.json", &json_bytes(provenance)?)?;
+    staging.write(STUDY, study.as_bytes())?;
+    staging.write(PROVENANCE, &json_bytes(provenance)?)?;
     result_files(outcome, |relative, bytes| staging.write(relative, bytes))?;
     #[cfg(feature = "report")]
     for (relative, bytes) in super::report::new_report(&study, outcome, provenance)? {
@@ -92,7 +94,7 @@ pub fn result_files(
     outcome: &Outcome,
     mut write: impl FnMut(&str, &[u8]) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    write("results.json", &json_bytes(&outcome.results)?)?;
+    write(RESULTS, &json_bytes(&outcome.results)?)?;
     for (name, table) in &outcome.tables {
         write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
     }
@@ -120,11 +122,6 @@ fn npz(name: &str, field: &QuantityMap) -> std::io::Result<Vec<u8>> {
     let values = asperity_formats::write_npy(&asperity_formats::Scan::new(field.values.clone(), None));
     let [dx, dy] = [field.grid.dx_m(), field.grid.dy_m()].map(|pitch_m| asperity_formats::write_series(&[pitch_m]));
     asperity_formats::write_npz(&[(&array_name(name, field.unit), values), ("dx_m", dx), ("dy_m", dy)])
-}
-
-/// Returns the name of the array of a field in its archive.
-pub(super) fn array_name(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name}_{}", unit.to_lowercase()) }
 }
 
 /// Returns the study file with each path replaced by `name`.

@@ -9,8 +9,8 @@ use asperity::study::{CsvTable, implausible_damping, implausible_friction, modes
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
-    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point, eigenvalue_scan,
-    growth_rates, limit_cycle, modes,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point, SCAN_POINTS,
+    eigenvalue_scan, growth_rates, limit_cycle, modes, scan_end,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -27,8 +27,6 @@ use crate::resources::require_memory;
 const CYCLE_POINTS: usize = 1200;
 /// Memory for the modes at one friction coefficient, including the answer, in bytes.
 const POINT_BYTES: f64 = 512.0;
-/// Default end of the scan, relative to the largest friction coefficient of interest.
-const SCAN_MARGIN: f64 = 1.25;
 /// Smallest accepted fraction of valid realisations.
 const MIN_VALID_FRACTION: f64 = 0.95;
 /// Default amplitude that counts as a vibration, relative to the cycle's amplitude.
@@ -52,7 +50,7 @@ pub(crate) struct ModeCoupling {
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     friction_to: Option<f64>,
     /// Number of friction coefficients.
-    #[arg(long, value_name = "N", default_value = "401", value_parser = args::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", default_value_t = SCAN_POINTS, value_parser = args::count, allow_hyphen_values = true)]
     points: usize,
     #[command(flatten)]
     folder: Folder,
@@ -199,13 +197,12 @@ impl ModeCoupling {
         if let Some(most) = self.friction_to {
             return eigenvalue_scan(model, most, self.points);
         }
-        let own = model.sliding_friction();
-        let most = SCAN_MARGIN * model.coalescence().map_or(own, |met| met.max(own));
+        let most = scan_end(model, model.coalescence());
         let scan = eigenvalue_scan(model, most, self.points)?;
         // Strong damping moves the loss of stability to large coefficients.
         match scan.critical {
             Some(critical) if critical.friction > most => {
-                eigenvalue_scan(model, SCAN_MARGIN * critical.friction, self.points)
+                eigenvalue_scan(model, scan_end(model, Some(critical.friction)), self.points)
             }
             _ => Ok(scan),
         }

@@ -157,6 +157,11 @@ pub fn read_blocks(bytes: &[u8]) {
     }
 }
 
+/// Returns the SHA-256 of bytes as lower-case hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
 /// Returns bytes as lower-case hexadecimal digits.
 pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

@@ -91,7 +91,7 @@ fn elementary_functions() -> String {
         let values = unary.iter().map(|function| function(x)).chain([x.powf(1.7), x.hypot(3.1), x.atan2(0.7)]);
         values.for_each(|value| bytes.extend(value.to_le_bytes()));
     }
-    super::sha256(&bytes)
+    super::file::sha256(&bytes)
 }
 
 /// Returns the instruction sets on which the last bits of results may depend.

@@ -8,9 +8,9 @@ use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
 use crate::chaos::{Design, SamplingMethod};
-use crate::study::parse::line_at;
+use crate::study::parse::{line_at, read_with_uncertain_values};
 use crate::study::result::{InputValue, VariedKey};
-use crate::study::uncertain::{self, SiValue, UncertainValue, si_value};
+use crate::study::uncertain::{SiValue, UncertainValue, si_value};
 use crate::study::{StudyFileError, sentence};
 
 /// Stream of the samples.
@@ -320,7 +320,7 @@ impl Reader<'_> {
             let mut with = study.clone();
             set(&mut with, &key.name, value.clone());
             let text = toml::to_string(&with).map_err(|error| self.error(key.line, error.to_string()))?;
-            let read = uncertain::read(&text, study_name);
+            let read = read_with_uncertain_values(&text, study_name);
             let read =
                 read.map_err(|error| StudyFileError { in_data: error.in_data, ..self.error(key.line, error.message) })?;
             let found = read.uncertain.into_iter().find(|input| input.input().name() == key.name);

@@ -7,11 +7,10 @@ use asperity_results::Provenance;
 
 use super::Campaign;
 use crate::study::result::{CampaignResults, InputValue, MemberResult, VariedKey};
+use crate::study::store::{PROVENANCE, RESULTS};
 use crate::study::{Staging, StoreError, StoredRun, TableError, json_bytes};
 
 const FILE: &str = "campaign.toml";
-const RESULTS: &str = "results.json";
-const PROVENANCE: &str = "provenance.json";
 
 /// Finished campaign, read from its folder.
 #[derive(Debug, Clone)]

@@ -1,9 +1,9 @@
 //! Checks of `[counterface]`, and which bodies of the contact are rough.
 
-use super::{InvalidValue, POSITIVE, invalid, positive, within};
+use super::invalid_value::{InvalidValue, POSITIVE, invalid, positive, within};
+use super::vibration_study::{FrictionSource, VibrationStudy};
 use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
-use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection, WindowLawKind};
 use crate::surface::model::SurfaceRequest;
 

@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
+use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use super::pressure::Material;
-use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
 use crate::chaos::Propagation;
+use crate::friction::cutoff::CutoffPlan;
 use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
 use crate::friction::window::{Window, WindowError};
 use crate::friction::{LevelControl, RoughBody};
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Area, Compliance};
 use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowLawKind, WindowShape};
-use crate::study::scatter::{LengthScatter, NumberScatter};
+use crate::study::standard_deviation::{LengthStd, NumberStd};
 use crate::surface::SurfaceGenerator;
 
 const SECTION: &str = "friction";
@@ -20,8 +21,8 @@ const UNCERTAINTY: &str = "friction.uncertainty";
 /// Settings of the friction stage: friction of windows on solved strips.
 #[derive(Debug, Clone)]
 pub(in crate::study) struct FrictionStudy {
-    /// Least share of valid samples.
-    pub(in crate::study) valid_share: f64,
+    /// Least fraction of valid samples.
+    pub(in crate::study) valid_fraction: f64,
     pub(in crate::study) material: Material,
     pub(in crate::study) law: Arc<dyn WindowLaw>,
     /// Bodies that are rough.
@@ -67,14 +68,21 @@ impl FrictionStudy {
         })?;
         Ok((grid, window))
     }
+
+    /// Returns the plan of the study of the cut-off with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
+    pub(in crate::study) fn cutoff_plan(&self, levels: usize) -> Option<CutoffPlan> {
+        // Laws that depend on the contact have a plastic floor at any hardness.
+        let depends_on_contact = self.law.plastic_floor(1.0).is_some();
+        depends_on_contact.then(|| CutoffPlan::new(self.points, self.size_m, levels * self.realisations))
+    }
 }
 
 /// Standard deviations of the uncertain parameters of the surface; `None` for parameters that are certain.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct UncertaintyStudy {
-    pub(in crate::study) rms_height: Option<LengthScatter>,
-    pub(in crate::study) correlation_length: Option<LengthScatter>,
-    pub(in crate::study) skewness: Option<NumberScatter>,
+    pub(in crate::study) rms_height: Option<LengthStd>,
+    pub(in crate::study) correlation_length: Option<LengthStd>,
+    pub(in crate::study) skewness: Option<NumberStd>,
     /// Number of surfaces, each with other parameters.
     pub(in crate::study) points: usize,
     /// Number of strips of each surface.
@@ -113,7 +121,7 @@ impl StudyFile {
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")?;
         let uncertainty = f.uncertainty.as_ref().map(|u| check_uncertainty(u, surface, f.realisations)).transpose()?;
         let study = FrictionStudy {
-            valid_share: self.valid_share,
+            valid_fraction: self.valid_share,
             material,
             law,
             body: RoughBody::default(),
@@ -204,15 +212,15 @@ fn check_uncertainty(
     }
     for (key, std) in [("rms_height", u.rms_height), ("correlation_length", u.correlation_length)] {
         match std {
-            Some(std @ LengthScatter::Relative(fraction)) if !(f64::MIN_POSITIVE..=1.0).contains(&fraction) => {
+            Some(std @ LengthStd::Relative(fraction)) if !(f64::MIN_POSITIVE..=1.0).contains(&fraction) => {
                 let message = format!("found {std}, expected a standard deviation above 0 % and of at most 100 %");
                 return Err(invalid(UNCERTAINTY, key, message));
             }
-            Some(LengthScatter::Absolute(length)) => within(UNCERTAINTY, key, length, positive, POSITIVE)?,
-            Some(LengthScatter::Relative(_) | LengthScatter::Measured) | None => {}
+            Some(LengthStd::Absolute(length)) => within(UNCERTAINTY, key, length, positive, POSITIVE)?,
+            Some(LengthStd::Relative(_) | LengthStd::Measured) | None => {}
         }
     }
-    if let Some(NumberScatter::Absolute(std)) = u.skewness {
+    if let Some(NumberStd::Absolute(std)) = u.skewness {
         within(UNCERTAINTY, "skewness", std, |s| s > 0.0 && s <= 2.0, "a standard deviation above 0 and of at most 2")?;
     }
     let fractal = surface.generator == SurfaceGenerator::WeierstrassMandelbrot;
@@ -223,13 +231,9 @@ fn check_uncertainty(
     }
     // A measured interval describes the estimate of the scan, so the study must use that estimate.
     let measured = [
-        ("rms_height", u.rms_height == Some(LengthScatter::Measured), surface.rms_height.is_none()),
-        (
-            "correlation_length",
-            u.correlation_length == Some(LengthScatter::Measured),
-            surface.covariance.is_of_the_scan(),
-        ),
-        ("skewness", u.skewness == Some(NumberScatter::Measured), surface.marginal == "measured"),
+        ("rms_height", u.rms_height == Some(LengthStd::Measured), surface.rms_height.is_none()),
+        ("correlation_length", u.correlation_length == Some(LengthStd::Measured), surface.covariance.is_of_the_scan()),
+        ("skewness", u.skewness == Some(NumberStd::Measured), surface.marginal == "measured"),
     ];
     for (key, asked, of_the_scan) in measured {
         if asked && !(of_the_scan && surface.file.is_some()) {
@@ -244,4 +248,19 @@ fn check_uncertainty(
     at_least(UNCERTAINTY, "realisations", realisations, 4)?;
     let &UncertaintySection { rms_height, correlation_length, skewness, points, .. } = u;
     Ok(UncertaintyStudy { rms_height, correlation_length, skewness, points, realisations })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::study::Study;
+
+    #[test]
+    fn coulombs_law_has_no_plan_of_the_cut_off() {
+        let text = "seed = 1\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                    correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
+                    shear_strength = \"385 MPa\"\n[friction]\n";
+        let study = |law: &str| Study::parse(&format!("{text}{law}"), "study.toml").unwrap().friction.unwrap();
+        assert!(study("").cutoff_plan(5).is_some());
+        assert_eq!(study("law = \"coulomb\"\ncoefficient = 0.2\n").cutoff_plan(5), None);
+    }
 }

@@ -1,55 +1,11 @@
 //! Checks of the machine of two coupled modes in `[vibration]`.
 
-use super::vibration::SECTION;
-use super::{FrictionSource, InvalidValue, POSITIVE, VibrationStudy, invalid, positive, within};
+use super::invalid_value::{InvalidValue, POSITIVE, invalid, positive, within};
+use super::vibration_study::{CoupledStudy, FrictionSource, SECTION, VibrationStudy};
 use crate::map::BoundaryKind;
 use crate::study::StudyFile;
 use crate::study::file::{ContactSpring, MachineModel, VibrationSection};
-use crate::vibration::mode_coupling::{CoupledParameters, Damping, Model};
-use crate::vibration::{VelocityLaw, VibrationError};
-
-/// Springs of two coupled modes, in units of mω₀².
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::study) struct CoupledStudy {
-    pub(in crate::study) angles_deg: [f64; 2],
-    pub(in crate::study) springs: [f64; 2],
-    pub(in crate::study) contact_spring: ContactSpring,
-}
-
-impl VibrationStudy {
-    /// Returns the model of two coupled modes with this friction coefficient and this stiffness of the rough contact over its area
-    /// in Pa/m; `None` for a machine with one degree of freedom.
-    ///
-    /// # Errors
-    /// The springs do not hold the mass, a value is out of range, or the stiffness of the contact is not known.
-    pub(in crate::study) fn coupled_model(
-        &self,
-        friction: f64,
-        stiffness_pa_per_m: Option<f64>,
-    ) -> Option<Result<Model, VibrationError>> {
-        let CoupledStudy { angles_deg, springs, contact_spring } = self.coupled?;
-        let contact_stiffness = match (contact_spring, stiffness_pa_per_m) {
-            (ContactSpring::Stated(stiffness), _) => stiffness,
-            (ContactSpring::Surface, Some(pa_per_m)) => {
-                pa_per_m * self.nominal_area.0 / self.scales.stiffness_n_per_m()
-            }
-            (ContactSpring::Surface, None) => {
-                let reason = "the strips of the operating level have no contact stiffness";
-                return Some(Err(VibrationError::NotFound { what: "contact spring of the surface", reason }));
-            }
-        };
-        let damper = 2.0 * self.damping_ratio;
-        Some(Model::new(CoupledParameters {
-            angles_deg,
-            springs,
-            contact_stiffness,
-            damping: Damping::Axes { tangential: damper, normal: damper },
-            static_friction: friction,
-            law: VelocityLaw::Coulomb { kinetic: friction },
-            belt_velocity: self.belt_velocity,
-        }))
-    }
-}
+use crate::vibration::mode_coupling::CoupledParameters;
 
 impl StudyFile {
     /// Checks the keys of the model of the machine, and returns its springs; `None` for one degree of freedom.

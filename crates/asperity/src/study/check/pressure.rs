@@ -1,6 +1,6 @@
 //! Checks of `[material]` and `[pressure]`.
 
-use super::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
+use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::contact::{Elastic, ElasticPair, contact_modulus_pa};
 use crate::friction::LevelControl;
@@ -38,8 +38,8 @@ impl Material {
 /// Settings of the pressure stage: the pressure at one cell of random patches.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::study) struct PressureStudy {
-    /// Least share of valid samples.
-    pub(in crate::study) valid_share: f64,
+    /// Least fraction of valid samples.
+    pub(in crate::study) valid_fraction: f64,
     pub(in crate::study) material: Material,
     pub(in crate::study) grid: Grid,
     pub(in crate::study) boundary: BoundaryKind,
@@ -149,7 +149,7 @@ impl StudyFile {
         let expected = "a relative tolerance between 0 and 0.1";
         within(PRESSURE, "tolerance", p.tolerance, |t| t > 0.0 && t < 0.1, expected)?;
         Ok(Some(PressureStudy {
-            valid_share: self.valid_share,
+            valid_fraction: self.valid_share,
             material,
             grid,
             boundary: p.boundary,

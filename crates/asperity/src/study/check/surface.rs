@@ -2,7 +2,7 @@
 
 use asperity_formats::LengthUnit;
 
-use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
+use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::correlation::{CorrelationFamily, CorrelationModel};
 use crate::distribution::DistributionError;
 use crate::map::{BoundaryKind, PITCH_RANGE_M};

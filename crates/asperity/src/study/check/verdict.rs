@@ -2,7 +2,7 @@
 
 use toml::Table;
 
-use super::{InvalidValue, at_least, invalid, positive, within};
+use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
 use crate::study::file::{Hold, RemedySection, VerdictSection};
@@ -16,8 +16,8 @@ const MOST_EVALUATIONS: f64 = 1e8;
 /// Uncertain values of a study and its verdict.
 #[derive(Debug, Clone)]
 pub(in crate::study) struct VerdictStudy {
-    /// Least share of valid samples.
-    pub(in crate::study) valid_share: f64,
+    /// Least fraction of valid samples.
+    pub(in crate::study) valid_fraction: f64,
     /// The study file with central values.
     pub(in crate::study) central: Table,
     /// Joint distribution of the uncertain values.
@@ -73,7 +73,7 @@ impl StudyFile {
         let stated = self.verdict.clone().unwrap_or_default();
         let VerdictSection { duration, remedies, targets, half_width, evaluations } = stated;
         if let Some(duration) = duration {
-            within(SECTION, "duration", duration, positive, super::POSITIVE)?;
+            within(SECTION, "duration", duration, positive, POSITIVE)?;
         }
         for target in &targets {
             within(SECTION, "targets", *target, |p| p > 0.0 && p < 1.0, PROBABILITY)?;
@@ -83,7 +83,7 @@ impl StudyFile {
         within(SECTION, "evaluations", evaluations as f64, |n| n <= MOST_EVALUATIONS, "at most 1e8")?;
         let remedies = remedies.iter().map(|remedy| check_remedy(remedy, &central)).collect::<Result<_, _>>()?;
         Ok(Some(VerdictStudy {
-            valid_share: self.valid_share,
+            valid_fraction: self.valid_share,
             central,
             inputs,
             places: self.uncertain.iter().map(UncertainValue::place).collect(),

@@ -1,25 +1,21 @@
 //! Checks of `[vibration]`.
 
-use std::path::PathBuf;
-
 use asperity_base::choice::ByName;
 
-use super::mode_coupling::{CoupledStudy, check_springs};
-use super::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
+use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
+use super::mode_coupling::check_springs;
+use super::vibration_study::{FrictionSource, SECTION, VibrationStudy};
 use crate::distribution::{DistributionError, Marginal};
+use crate::friction::StatedFriction;
 use crate::friction::process::{Generator, Steady};
-use crate::friction::{NominalContact, StatedFriction, Upscaling};
-use crate::quantity::{Area, Force, Length, Velocity};
+use crate::quantity::{Length, Velocity};
 use crate::study::file::{
     MachineModel, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m,
 };
-use crate::study::sentence;
 use crate::vibration::{
-    Drive, Forcing, FrictionTable, Integrator, MapOver, Oscillator, Parameters, Scales, Trajectory, TrajectorySettings,
-    VelocityLaw, VibrationError,
+    Forcing, FrictionTable, Integrator, Scales, Trajectory, TrajectorySettings, VelocityLaw, VibrationError,
 };
 
-pub(super) const SECTION: &str = "vibration";
 /// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
 const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
@@ -30,116 +26,6 @@ const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(4.2);
 
 fn ratio(value: f64) -> bool {
     value > 0.0 && value <= 1.0
-}
-
-/// Settings of the vibration stage: a mass on a belt.
-#[derive(Debug, Clone, PartialEq)]
-pub(in crate::study) struct VibrationStudy {
-    /// Least share of valid samples.
-    pub(in crate::study) valid_share: f64,
-    /// Springs of two coupled modes; `None` for stick-slip of a mass with one degree of freedom.
-    pub(in crate::study) coupled: Option<CoupledStudy>,
-    pub(in crate::study) scales: Scales,
-    pub(in crate::study) normal_force: Force,
-    pub(in crate::study) nominal_area: Area,
-    pub(in crate::study) damping_ratio: f64,
-    /// Dimensionless velocity V of the belt.
-    pub(in crate::study) belt_velocity: f64,
-    /// Dimensionless harmonic force on the mass.
-    pub(in crate::study) forcing: Option<Forcing>,
-    /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
-    pub(in crate::study) kinetic_share: f64,
-    /// Velocity law of a kinetic friction coefficient of 1.
-    pub(in crate::study) velocity_law: VelocityLaw,
-    /// Stribeck coefficient as stated, if the law has one.
-    pub(in crate::study) stribeck: Option<Stribeck>,
-    pub(in crate::study) friction: FrictionSource,
-    /// Generator of the fluctuation, if the study states it.
-    pub(in crate::study) generator: Option<Generator>,
-    pub(in crate::study) drive: Drive,
-    pub(in crate::study) method: Integrator,
-    /// Upscaling of the main result.
-    pub(in crate::study) upscaling: Upscaling,
-    /// Whether more than 5 % of the friction values may be clipped to stay positive.
-    pub(in crate::study) allow_clipping: bool,
-    /// Damping ratios: from, to, count.
-    pub(in crate::study) damping_sweep: (f64, f64, usize),
-    /// Trajectories per damping ratio.
-    pub(in crate::study) trajectories: usize,
-    /// Dimensionless duration of a trajectory.
-    pub(in crate::study) duration: f64,
-    pub(in crate::study) map: Option<MapSection>,
-}
-
-/// Source of the friction process.
-#[derive(Debug, Clone, PartialEq)]
-pub(in crate::study) enum FrictionSource {
-    /// Result of the friction stage, at this percentile, or at the nominal pressure.
-    Computed(Option<f64>),
-    /// File of a fitted process, relative to the study file.
-    File(PathBuf),
-    /// Values stated in the study file, for a window of the usual size.
-    Stated(StatedFriction),
-}
-
-impl VibrationStudy {
-    /// Returns the nominal area and its pressure.
-    pub(in crate::study) fn nominal_contact(&self) -> NominalContact {
-        let area_m2 = self.nominal_area.0;
-        NominalContact { area_m2, pressure_pa: self.normal_force.0 / area_m2 }
-    }
-
-    /// Returns the Stribeck coefficient per unit of dimensionless velocity.
-    pub(in crate::study) fn dimensionless_stribeck(&self) -> Option<f64> {
-        self.stribeck.map(|stribeck| stribeck.per_unit(self.scales.velocity_m_per_s()))
-    }
-
-    /// Returns the oscillator with this static friction coefficient; `stribeck` replaces the coefficient of the law if
-    /// a fitted process has one.
-    pub(in crate::study) fn oscillator(
-        &self,
-        static_friction: f64,
-        stribeck: Option<f64>,
-    ) -> Result<Oscillator, VibrationError> {
-        let kinetic = self.kinetic_share * static_friction;
-        let own = self.velocity_law.with_coefficients(|share| share * kinetic)?;
-        let law = stribeck.and_then(|rate| own.with_weakening_rate(rate)).unwrap_or(own);
-        Oscillator::new(Parameters {
-            static_friction,
-            law,
-            damping_ratio: self.damping_ratio,
-            belt_velocity: self.belt_velocity,
-            forcing: self.forcing,
-        })
-    }
-
-    /// Returns a warning about a dimensionless law in a study that varies the load.
-    pub(in crate::study) fn load_warning(&self) -> Option<String> {
-        if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
-            return None;
-        }
-        let (key, value) = match (self.stribeck, &self.velocity_law) {
-            (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
-            (None, VelocityLaw::Linear { slope, .. }) => ("linear_weakening", *slope),
-            _ => return None,
-        };
-        let si = sentence::digits(value / self.scales.velocity_m_per_s());
-        let instead = match key {
-            "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
-            _ => String::new(),
-        };
-        Some(format!(
-            "`{key}` = {} is per unit of dimensionless velocity and depends on the stated normal force of {}: there it means {si} s/m, \
-             which the map keeps over the load{instead}",
-            sentence::digits(value),
-            self.normal_force
-        ))
-    }
-
-    /// Returns the distance in metre that the belt travels during a trajectory.
-    pub(in crate::study) fn sliding_distance_m(&self) -> f64 {
-        self.duration * self.belt_velocity * self.scales.length_m()
-    }
 }
 
 impl StudyFile {
@@ -186,7 +72,7 @@ impl StudyFile {
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
         let study = VibrationStudy {
-            valid_share: self.valid_share,
+            valid_fraction: self.valid_share,
             coupled,
             scales,
             normal_force: v.normal_force,
@@ -194,7 +80,7 @@ impl StudyFile {
             damping_ratio: v.damping_ratio,
             belt_velocity,
             forcing,
-            kinetic_share: v.kinetic_share,
+            kinetic_fraction: v.kinetic_share,
             velocity_law,
             stribeck,
             friction: self.check_source(v)?,
@@ -369,10 +255,10 @@ fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, O
         VelocityLawKind::Table => {
             let points = v.friction_table.as_deref().ok_or_else(|| missing("friction_table"))?;
             let kinetic = points.first().map_or(1.0, |(_, coefficient)| *coefficient);
-            let share = |(velocity, coefficient): &(Velocity, f64)| {
+            let scaled = |(velocity, coefficient): &(Velocity, f64)| {
                 [velocity.0 / scales.velocity_m_per_s(), coefficient / kinetic]
             };
-            let table = FrictionTable::new(&points.iter().map(share).collect::<Vec<_>>());
+            let table = FrictionTable::new(&points.iter().map(scaled).collect::<Vec<_>>());
             let table = table.map_err(|error| invalid(SECTION, "friction_table", error.to_string()))?;
             Ok((VelocityLaw::Tabulated(table), None))
         }

@@ -1,10 +1,10 @@
 //! Rough memory of the stages of a study: factors on the sizes of its arrays, from runs of the program.
 
-use super::{DOUBLE_BYTES, Study};
 use crate::contact::memory_bytes;
 use crate::friction::cutoff::{CutoffPlan, STRIPS};
 use crate::map::{BoundaryKind, Grid};
 use crate::pressure::pooled_pressures;
+use crate::study::Study;
 use crate::study::check::{FrictionStudy, PressureStudy};
 use crate::surface::model::{PatchSize, SurfaceModel};
 
@@ -12,6 +12,8 @@ use crate::surface::model::{PatchSize, SurfaceModel};
 pub(super) const PROGRAM_BYTES: f64 = 20e6;
 /// Fraction of the memory of a member of a campaign that stays between members.
 pub(super) const KEPT_OF_A_MEMBER: f64 = 0.1;
+/// Bytes of a double.
+const DOUBLE_BYTES: f64 = 8.0;
 /// Bytes per point of all scans in the surface stage, and those of their statistics per point of at most [`TRIAL_POINTS`].
 const SCAN_BYTES: f64 = 110.0;
 const TRIAL_BYTES: f64 = 400.0;

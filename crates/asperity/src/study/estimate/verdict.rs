@@ -6,8 +6,10 @@ use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
 use crate::study::result::ModelResult;
+use crate::study::verdict::LATER;
+use crate::study::verdict::replicates::REPLICATES;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
-use crate::study::verdict::{area, decided, map, margins, remedies, responses, sampled};
+use crate::study::verdict::{area, axis, decided, expansion, map, margins, points, remedies, sampled, vibrating};
 use crate::study::{Stage, Study};
 
 /// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
@@ -19,9 +21,7 @@ const TRAJECTORIES_NEAR_LIMIT: usize = 100;
 const EVALUATIONS_PER_TARGET: usize = 15;
 const FLUCTUATING_EVALUATIONS_PER_TARGET: usize = 6;
 /// Limit cycles of sampled machines, in machines: those of the samples' table and of the machines that vibrate.
-const CYCLES: usize = 4096 + 1024;
-/// Factor of the duration of the machines that are followed for a longer time.
-const LATER_FACTOR: usize = 4;
+const CYCLES: usize = vibrating::MOST_ROWS + vibrating::MOST;
 
 impl Study {
     /// Returns the rough cost of the verdict beyond that of the stages that it needs; `None` for a study without vibration.
@@ -56,17 +56,15 @@ impl Study {
         let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
         if fluctuates {
             // The samples follow the fluctuation, and so do their longer paths, the windows that share the load and remedies.
-            let followed =
-                samples + LATER_FACTOR * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
+            let followed = samples + LATER * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
             paths = TRAJECTORIES * followed + TRAJECTORIES_NEAR_LIMIT * decided;
         } else {
             machines += parts * area::ROWS * samples.min(area::CONSTANT);
         }
-        let values = responses::contact_places(study).len() + scans;
+        let values = axis::contact_places(study).len() + scans;
         let contact = friction.filter(|_| values > 0);
         let solutions = contact.map_or(0, |friction| {
-            (responses::solved_points(values) + scans * SCAN_POINTS)
-                * responses::strips_per_point(friction.realisations)
+            (expansion::solved_points(values) + scans * SCAN_POINTS) * points::strips_per_point(friction.realisations)
         });
         let cells = contact.map_or(0, |friction| friction.points[0].saturating_mul(friction.points[1]));
         let free = contact.is_some_and(|friction| friction.boundary == BoundaryKind::Free);
@@ -93,7 +91,7 @@ fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: ModelResult, f
         (_, true) => (remedies::FLUCTUATING_POINTS, FLUCTUATING_EVALUATIONS_PER_TARGET),
         (_, false) => (remedies::POINTS, EVALUATIONS_PER_TARGET),
     };
-    let all = remedies::REPLICATES * points;
+    let all = REPLICATES * points;
     let cost = |one: usize, all: usize| (remedies::STEPS + 1) * one + per_target * study.targets.len() * all;
     let machines = if margins::is_damping(remedy.place, model) { all } else { cost(points, all) };
     [machines, if fluctuates { cost(decided::decisions(points), decided::decisions(all)) } else { 0 }]
@@ -102,7 +100,7 @@ fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: ModelResult, f
 /// Returns the number of machines of the map.
 fn map_machines(study: &VerdictStudy, model: ModelResult) -> usize {
     let [x, y, ..] = &study.remedies[..] else { return 0 };
-    let points = if study.places.is_empty() { 1 } else { remedies::REPLICATES * map::POINTS };
+    let points = if study.places.is_empty() { 1 } else { REPLICATES * map::POINTS };
     let is_damping = [x, y].iter().any(|remedy| margins::is_damping(remedy.place, model));
     map::VALUES * points * if is_damping { 1 } else { map::VALUES }
 }

@@ -4,10 +4,11 @@ use asperity_base::choice;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{fixed_list, solve_tolerance};
+use super::fixed_list::fixed_list;
+use super::pressure::solve_tolerance;
 use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
-use crate::study::scatter::{LengthScatter, NumberScatter};
+use crate::study::standard_deviation::{LengthStd, NumberStd};
 
 choice! {
     /// Friction law of a window.
@@ -123,14 +124,14 @@ pub struct FrictionSection {
 pub struct UncertaintySection {
     /// Standard deviation of the rms height, which is lognormal.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rms_height: Option<LengthScatter>,
+    pub rms_height: Option<LengthStd>,
     /// Standard deviation of the correlation length along x, which is lognormal. The length along y and all lags are
     /// proportional to it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub correlation_length: Option<LengthScatter>,
+    pub correlation_length: Option<LengthStd>,
     /// Standard deviation of the skewness of the heights, which is normal. Heights then have Johnson's distribution.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub skewness: Option<NumberScatter>,
+    pub skewness: Option<NumberStd>,
     /// Number of surfaces, each with other parameters.
     #[serde(default = "uncertainty_points")]
     pub points: usize,

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::fixed_list::fixed_list;
 use super::fixed_list::optional_fixed_list;
-use super::{fixed_list, solve_tolerance};
 use crate::map::BoundaryKind;
 use crate::quantity::{Compliance, Length, Pressure};
 
@@ -74,6 +74,9 @@ pub struct PressureSection {
     pub tolerance: f64,
 }
 
+pub(super) fn solve_tolerance() -> f64 {
+    1e-6
+}
 pub(super) fn poisson_ratio() -> f64 {
     0.3
 }

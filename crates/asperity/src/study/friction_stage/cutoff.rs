@@ -5,7 +5,7 @@ use crate::friction::cutoff::{CutoffBlock, CutoffPlan, CutoffStudy, OperatingMea
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
-use crate::study::friction_stage::strip_problem;
+use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
 use crate::study::surface_stage::SurfaceStage;
@@ -14,13 +14,6 @@ use crate::surface::model::XiOrder;
 
 /// Fraction of contact cells at the hardness from which on yielding explains why shorter waves change nothing.
 const MOSTLY_PLASTIC: f64 = 0.5;
-
-/// Returns the plan for a study with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
-pub(in crate::study) fn plan(study: &FrictionStudy, levels: usize) -> Option<CutoffPlan> {
-    // Laws that depend on the contact have a plastic floor at any hardness.
-    let depends_on_contact = study.law.plastic_floor(1.0).is_some();
-    depends_on_contact.then(|| CutoffPlan::new(study.points, study.size_m, levels * study.realisations))
-}
 
 /// Returns the settings of the strips of a plan, or of those of half the pitch.
 fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionStudy {
@@ -45,7 +38,7 @@ pub(super) fn run(
     monitor: &dyn Monitor,
 ) -> Result<(Option<CutoffResult>, StageOutput), StudyError> {
     let mut output = StageOutput::default();
-    let Some(plan) = plan(friction, levels.len()) else { return Ok((None, output)) };
+    let Some(plan) = friction.cutoff_plan(levels.len()) else { return Ok((None, output)) };
     let lead = &levels[lead];
     let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
     let (own, halved) = (own?.0, halved?.0);
@@ -131,8 +124,8 @@ fn mean_at(points: &[CutoffPoint], cutoff_m: f64) -> f64 {
     let after = points.partition_point(|point| point.cutoff_m <= cutoff_m);
     match (after.checked_sub(1).map(|before| &points[before]), points.get(after)) {
         (Some(low), Some(high)) => {
-            let share = (cutoff_m / low.cutoff_m).ln() / (high.cutoff_m / low.cutoff_m).ln();
-            low.mean + share * (high.mean - low.mean)
+            let fraction = (cutoff_m / low.cutoff_m).ln() / (high.cutoff_m / low.cutoff_m).ln();
+            low.mean + fraction * (high.mean - low.mean)
         }
         (Some(end), None) | (None, Some(end)) => end.mean,
         (None, None) => f64::NAN,
@@ -236,7 +229,6 @@ fn beyond_the_band(result: &CutoffResult, anchor: &OperatingMean) -> Option<Stri
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::Study;
 
     fn result(means: [f64; 3], plastic_fraction: f64, plastic_floor: Option<f64>) -> CutoffResult {
         let points = means.into_iter().enumerate().map(|(index, mean)| CutoffPoint {
@@ -286,15 +278,5 @@ mod tests {
         for (cutoff_m, wanted) in [(1e-6, 0.2), (2e-6, 0.2), (4e-6 * 2_f64.sqrt(), 0.275), (8e-6, 0.3), (1.0, 0.3)] {
             assert!((mean_at(&points, cutoff_m) - wanted).abs() < 1e-12, "{cutoff_m:e}");
         }
-    }
-
-    #[test]
-    fn coulombs_law_has_no_plan() {
-        let text = "seed = 1\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
-                    correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
-                    shear_strength = \"385 MPa\"\n[friction]\n";
-        let study = |law: &str| Study::parse(&format!("{text}{law}"), "study.toml").unwrap().friction.unwrap();
-        assert!(plan(&study(""), 5).is_some());
-        assert_eq!(plan(&study("law = \"coulomb\"\ncoefficient = 0.2\n"), 5), None);
     }
 }

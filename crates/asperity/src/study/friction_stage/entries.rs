@@ -2,29 +2,53 @@
 
 use std::collections::BTreeMap;
 
+use super::words::no_variance;
 use crate::correlation::Stationarity;
 use crate::distribution::fit::{Fit, Ranking};
 use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window_study::WindowStudy;
-use crate::friction::{RoughBody, SolvedLevel};
+use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::stats::ProcessEstimate;
-use crate::study::friction_stage::{no_variance, prescribed, upscaling};
 use crate::study::result::{
-    AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
-    OperatingPoint, Pair, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, finite,
-    law_result, pair,
+    AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
+    OperatingPoint, Pair, PaperScatter, Prescribed, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult,
+    UpscalingResult, finite, law_result, pair,
 };
 
+/// Returns the variability over the nominal area by both upscalings.
+fn upscaling(solved: &SolvedLevel, nominal_area_m2: f64) -> UpscalingResult {
+    let (std, variance_reduction) = (solved.process.moments.std, solved.variance_reduction(nominal_area_m2));
+    UpscalingResult {
+        paper: PaperScatter { std },
+        area: AreaScatter {
+            nominal_area_m2,
+            windows: nominal_area_m2 / solved.window.area_m2(),
+            variance_reduction,
+            std: std * variance_reduction.sqrt(),
+        },
+    }
+}
+
+/// Returns the kind of a level in results.
+pub(super) fn prescribed(level: LevelControl) -> Prescribed {
+    match level {
+        LevelControl::Percentile(_) => Prescribed::Percentile,
+        LevelControl::MeanPressure(_) | LevelControl::Nominal(_) => Prescribed::MeanPressure,
+        LevelControl::Penetration(_) => Prescribed::Penetration,
+    }
+}
+
 /// Returns the entry of a level; without the track as the only rough body, friction has no known course along the path.
-pub(super) fn level_result(solved: &SolvedLevel, body: RoughBody, upscaling: UpscalingResult) -> LevelResult {
+pub(super) fn level_result(solved: &SolvedLevel, body: RoughBody, nominal_area_m2: f64) -> LevelResult {
     let process = &solved.process;
     let (between_parts_std, between_parts_std_interval) = match (body, &solved.two_bodies) {
         (RoughBody::Track, _) | (RoughBody::Both, None) => (None, None),
         (RoughBody::Slider, _) => (Some(process.moments.std), interval(process.estimates.std)),
         (RoughBody::Both, Some(found)) => (Some(found.between_parts_std), found.between_parts_interval.map(pair)),
     };
-    let level = LevelResult { between_parts_std, between_parts_std_interval, ..any_level_result(solved, upscaling) };
+    let level =
+        LevelResult { between_parts_std, between_parts_std_interval, ..any_level_result(solved, nominal_area_m2) };
     match body {
         RoughBody::Track => level,
         RoughBody::Slider | RoughBody::Both => without_path(level),
@@ -55,7 +79,7 @@ fn without_path(level: LevelResult) -> LevelResult {
     }
 }
 
-fn any_level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelResult {
+fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
     let (strips, statistics) = (&solved.strips, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();
@@ -128,7 +152,7 @@ fn any_level_result(solved: &SolvedLevel, upscaling: UpscalingResult) -> LevelRe
             .as_ref()
             .ok()
             .map(|found| CrossResult { correlation: found.coefficient, interval: pair(found.interval) }),
-        upscaling,
+        upscaling: upscaling(solved, nominal_area_m2),
         empty_windows: statistics.empty_windows,
         contact_cells_per_window: statistics.contact_cells,
         sparse_window_share: statistics.sparse_fraction,

@@ -150,7 +150,7 @@ pub(super) fn level_warnings(solved: &SolvedLevel) -> Vec<String> {
 }
 
 /// Why the quotient F/N has no variance.
-pub(in crate::study) fn no_variance(tail: &HeavyTail) -> String {
+pub(super) fn no_variance(tail: &HeavyTail) -> String {
     let sparse = sentence::digits(100.0 * tail.sparse_fraction);
     let contacts = format!("{sparse} % of the windows hold fewer than {WANTED_CONTACT_CELLS} contact cells");
     // The tail index α is 1/ξ; a shape that may be 0 leaves it without an upper end.

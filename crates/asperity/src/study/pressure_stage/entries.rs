@@ -1,10 +1,8 @@
 //! Conversion of the pressure distribution to entries of `results.json`.
 
-use crate::pressure::{ComparisonResults, MethodResult, PressureEstimate, Quantity, ScalarResult};
-use crate::study::pressure_stage::{indices, maps};
-use crate::study::result::{
-    CoarseEntry, MethodEntry, PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, finite, pair,
-};
+use crate::pressure::{ComparisonResults, MethodResult, PressureEstimate};
+use crate::study::pressure_stage::{indices, maps, scalars};
+use crate::study::result::{CoarseEntry, MethodEntry, PressureQuantile, PressureResult, finite, pair};
 
 /// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
@@ -36,7 +34,7 @@ pub(super) fn summary(results: &ComparisonResults, prescribed: &Prescribed) -> P
         mean_compliance_m_per_pa: prescribed.mean_compliance_m_per_pa,
         separation_m: prescribed.separation_m,
         methods: results.methods.iter().map(method_entry).collect(),
-        scalars: results.scalars.iter().map(scalar_entry).collect(),
+        scalars: results.scalars.iter().map(scalars::entry).collect(),
         maps: results.fields.as_ref().map(maps::entry),
         homogeneity: results.fields.as_ref().map(|laws| maps::homogeneity(&laws.homogeneity)),
         global_expansion: results.fields.as_ref().map(|laws| maps::global_expansion(&laws.global)),
@@ -93,31 +91,4 @@ fn quantiles(estimate: &PressureEstimate) -> Vec<PressureQuantile> {
         pressure_pa_interval: estimate.quantile_interval_pa(probability).map(pair),
     };
     PROBABILITIES.into_iter().map(quantile).collect()
-}
-
-/// Returns the name of a scalar with its unit.
-pub(super) fn scalar_name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Pressure => "pressure_pa",
-        Quantity::ContactFraction => "contact_fraction",
-        Quantity::MeanPressure => "mean_pressure_pa",
-        Quantity::MeanGap => "mean_gap_m",
-        Quantity::Stiffness => "stiffness_pa_per_m",
-    }
-}
-
-fn scalar_entry(scalar: &ScalarResult) -> ScalarEntry {
-    let quantile = |q: &crate::pressure::QuantileResult| ScalarQuantile {
-        probability: q.probability,
-        value: q.value,
-        value_interval: pair(q.interval),
-    };
-    ScalarEntry {
-        name: scalar_name(scalar.quantity).into(),
-        mean: scalar.mean,
-        mean_se: scalar.mean_se,
-        mean_interval: pair(scalar.mean_interval),
-        std: scalar.distribution.std(),
-        quantiles: scalar.quantiles.iter().map(quantile).collect(),
-    }
 }

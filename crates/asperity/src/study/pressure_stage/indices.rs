@@ -3,7 +3,7 @@
 use crate::chaos::SampleEstimate;
 use crate::pressure::{Sensitivity, VariableSet};
 use crate::study::CsvTable;
-use crate::study::pressure_stage::entries::scalar_name;
+use crate::study::pressure_stage::scalars;
 use crate::study::result::{IndexEntry, SensitivityEntry, finite, pair};
 
 pub(super) fn entries(sensitivities: &[Sensitivity]) -> Vec<SensitivityEntry> {
@@ -12,7 +12,7 @@ pub(super) fn entries(sensitivities: &[Sensitivity]) -> Vec<SensitivityEntry> {
 
 fn entry(sensitivity: &Sensitivity) -> SensitivityEntry {
     let prescribed = SensitivityEntry {
-        quantity: scalar_name(sensitivity.quantity).into(),
+        quantity: scalars::name(sensitivity.quantity).into(),
         variables: match sensitivity.variables {
             VariableSet::Local => "local".into(),
             VariableSet::Global => "global".into(),

@@ -3,8 +3,7 @@
 use crate::chaos::DiscreteDistribution;
 use crate::pressure::{Band, ComparisonResults, Method};
 use crate::study::CsvTable;
-use crate::study::pressure_stage::entries::scalar_name;
-use crate::study::pressure_stage::indices;
+use crate::study::pressure_stage::{indices, scalars};
 use crate::study::result::{MethodEntry, Pair, PressureResult};
 
 pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, CsvTable)> {
@@ -14,8 +13,8 @@ pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> V
         ("pressure_methods", methods(summary)),
     ];
     if !results.scalars.is_empty() {
-        tables.push(("pressure_scalars", scalars(summary)));
-        tables.push(("pressure_scalar_laws", scalar_laws(results)));
+        tables.push(("pressure_scalars", scalars::table(&summary.scalars)));
+        tables.push(("pressure_scalar_laws", scalars::quantile_table(&results.scalars)));
     }
     if summary.sensitivities.iter().any(|entry| !entry.indices.is_empty()) {
         tables.push(("pressure_sensitivities", indices::table(&summary.sensitivities)));
@@ -126,37 +125,4 @@ fn methods(summary: &PressureResult) -> CsvTable {
     add("ks_distance", None, of(&|m| m.ks_distance));
     add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
     CsvTable::with_names(names.collect(), columns)
-}
-
-/// Returns a row for each scalar, in the unit of its name.
-fn scalars(summary: &PressureResult) -> CsvTable {
-    let names = summary.scalars.iter().map(|scalar| scalar.name.clone()).collect();
-    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut add = |name: String, value: &dyn Fn(&crate::study::result::ScalarEntry) -> f64| {
-        columns.push((name, summary.scalars.iter().map(value).collect()));
-    };
-    add("mean".into(), &|s| s.mean);
-    add("mean_se".into(), &|s| s.mean_se);
-    add("mean_low".into(), &|s| s.mean_interval[0]);
-    add("mean_high".into(), &|s| s.mean_interval[1]);
-    add("std".into(), &|s| s.std);
-    for (k, quantile) in summary.scalars.iter().take(1).flat_map(|s| s.quantiles.iter().enumerate()) {
-        let name = format!("quantile_{}", (100.0 * quantile.probability).round());
-        add(name.clone(), &|s| s.quantiles[k].value);
-        add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
-        add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
-    }
-    CsvTable::with_names(names, columns)
-}
-
-/// Returns the quantiles of the scalars at evenly spaced probabilities.
-fn scalar_laws(results: &ComparisonResults) -> CsvTable {
-    const ROWS: usize = 200;
-    let probabilities: Vec<f64> = (0..ROWS).map(|k| (k as f64 + 0.5) / ROWS as f64).collect();
-    let scalars = results.scalars.iter().map(|scalar| {
-        let values = probabilities.iter().map(|p| scalar.distribution.quantile(*p)).collect();
-        (scalar_name(scalar.quantity).to_owned(), values)
-    });
-    let scalars: Vec<(String, Vec<f64>)> = scalars.collect();
-    CsvTable::new(std::iter::once(("probability".to_owned(), probabilities)).chain(scalars))
 }

@@ -62,6 +62,9 @@ pub(in crate::study) const KEYS: &[UncertainKey] = &[
     key("vibration", "friction_correlation_length", "m", 0.0, UNBOUNDED),
 ];
 
+/// Name of the differences between the parts of a rough slider.
+pub(in crate::study) const BETWEEN_PARTS: &str = "surface.between_parts";
+
 /// Standard normal values that no study file states: what the scans of either body leave uncertain, differences between scans and between
 /// the parts of a rough slider.
 pub(super) const LATENT: &[UncertainKey] = &[

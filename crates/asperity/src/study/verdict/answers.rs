@@ -1,6 +1,6 @@
 //! Probability that machines vibrate at one central value, with its error.
 
-use super::remedies::{REPLICATES, fraction_below_zero};
+use super::replicates::{REPLICATES, fraction_below_zero};
 use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
 
 /// Answers of the machines of all replicates, or of one, at one central value.

@@ -10,9 +10,8 @@
 use asperity_base::blocks::Task;
 
 use super::machines::{Machine, Machines};
-use super::remedies::Evaluate;
-use super::sampled::Sampled;
-use crate::friction::{Upscaling, WindowFriction};
+use super::sampled::{Evaluate, Sampled};
+use super::sharing::Sharing;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::wilson_interval;
 use crate::study::CsvTable;
@@ -29,38 +28,6 @@ pub(in crate::study) const CONSTANT: usize = 1024;
 
 /// Name of the table.
 const TABLE: &str = "verdict_area";
-
-/// Relation of the variance of friction to that of one window.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Sharing {
-    /// That many independent windows.
-    Windows(f64),
-    /// The windows of the nominal area.
-    Area,
-}
-
-impl Sharing {
-    /// Returns the variance of friction over that of one window.
-    pub(super) fn variance_reduction(self, window: &WindowFriction) -> f64 {
-        match self {
-            Self::Windows(windows) => 1.0 / windows,
-            Self::Area => window.variance_reduction,
-        }
-    }
-
-    /// Returns the standard deviation of friction, along the path and between parts.
-    fn friction_std(self, window: &WindowFriction) -> f64 {
-        window.std.hypot(window.between_parts_std) * self.variance_reduction(window).sqrt()
-    }
-
-    /// Returns whether the verdict itself averages in this way.
-    fn is_the_studys(self, upscaling: Upscaling) -> bool {
-        match self {
-            Self::Windows(windows) => upscaling == Upscaling::Paper && windows == 1.0,
-            Self::Area => upscaling == Upscaling::Area,
-        }
-    }
-}
 
 /// Computes the probabilities for numbers of windows from 1 to all of the nominal area; `None` if the area of one window is unknown or
 /// the nominal area has fewer than two of them. All numbers of windows share machines and realisations of friction. `fluctuates` states
@@ -158,7 +125,7 @@ mod tests {
     use super::*;
     use crate::chaos::UncertainInput;
     use crate::distribution::{Marginal, standard_normal_cdf};
-    use crate::friction::StatedFriction;
+    use crate::friction::{StatedFriction, Upscaling, WindowFriction};
     use crate::monitor::Silent;
     use crate::study::Study;
     use crate::study::verdict::machines::between_parts;

@@ -4,11 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::friction::WindowFriction;
 use crate::study::check::VibrationStudy;
-use crate::study::coupled_stage;
+use crate::study::motion_entries::{coupled_cycle_result, instability_result, kind_result};
 use crate::study::result::{KindResult, ModelResult, NominalMachine};
-use crate::study::vibration_stage::kind_result;
-use crate::vibration::mode_coupling::{Model, modes};
+use crate::vibration::mode_coupling::{Model, friction_margin, instability, limit_cycle_within, modes};
 use crate::vibration::{DampingMargins, Oscillator, Scales, VibrationError, limit_cycle, limit_damping, smallest_kick};
+
+/// Number of waves after which the motion of a sampled machine counts as irregular.
+const MOST_WAVES: usize = 2_000;
 
 /// Machine of either model.
 #[derive(Debug, Clone)]
@@ -27,6 +29,17 @@ pub(super) enum Dynamics {
 pub(super) struct Margins {
     pub(super) from_stick: f64,
     pub(super) from_steady_sliding: f64,
+}
+
+/// Vibration of a machine.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Vibration {
+    pub(super) kind: KindResult,
+    pub(super) frequency_hz: f64,
+    /// Amplitude of the velocity; `None` for motion that does not repeat.
+    pub(super) velocity_amplitude_m_per_s: Option<f64>,
+    /// Amplitude of the displacement along the belt; `None` for motion that does not repeat.
+    pub(super) displacement_amplitude_m: Option<f64>,
 }
 
 impl Dynamics {
@@ -52,7 +65,7 @@ impl Dynamics {
                 Ok(Margins { from_stick, from_steady_sliding })
             }
             Self::ModeCoupling(model) => {
-                let margin = coupled_stage::margin(model)?;
+                let margin = friction_margin(model)?;
                 Ok(Margins { from_stick: margin, from_steady_sliding: margin })
             }
         }
@@ -62,34 +75,42 @@ impl Dynamics {
     pub(super) fn kind(&self) -> Result<KindResult, VibrationError> {
         match self {
             Self::StickSlip(oscillator) => Ok(kind_result(limit_cycle(oscillator)?.kind())),
-            Self::ModeCoupling(model) => coupled_stage::kind(model),
+            Self::ModeCoupling(model) => Ok(instability_result(instability(model)?)),
         }
     }
 
-    /// Returns the kind of motion, frequency in Hz, and amplitudes of the velocity in m/s and of the displacement in metre along the
-    /// belt, NaN if unknown; `None` without vibration.
-    pub(super) fn cycle(&self, scales: &Scales) -> Result<Option<(KindResult, [f64; 3])>, VibrationError> {
+    /// Returns the vibration of the machine; `None` without vibration.
+    pub(super) fn vibration(&self, scales: &Scales) -> Result<Option<Vibration>, VibrationError> {
         match self {
             Self::StickSlip(oscillator) => Ok(limit_cycle(oscillator)?.cycle().map(|cycle| {
-                let hertz = 1.0 / (cycle.period * scales.time_s());
                 let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
                 let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
-                (kind_result(cycle.kind), [hertz, velocity, displacement])
+                Vibration {
+                    kind: kind_result(cycle.kind),
+                    frequency_hz: 1.0 / (cycle.period * scales.time_s()),
+                    velocity_amplitude_m_per_s: Some(velocity),
+                    displacement_amplitude_m: Some(displacement),
+                }
             })),
             Self::ModeCoupling(model) => {
-                let kind = coupled_stage::kind(model)?;
-                if kind == KindResult::None {
+                let kind = instability(model)?;
+                if kind.is_none() {
                     return Ok(None);
                 }
-                let found = coupled_stage::cycle(model, scales)?;
-                // A motion that does not repeat has the frequency of the growing mode, and no amplitude.
-                let [first, second] = modes(model, model.sliding_friction());
-                let growing = if first.growth > second.growth { first } else { second };
-                let numbers = found.map_or(
-                    [growing.frequency / (std::f64::consts::TAU * scales.time_s()), f64::NAN, f64::NAN],
-                    |cycle| [cycle.frequency_hz, cycle.velocity_amplitude_m_per_s, cycle.displacement_amplitude_m],
-                );
-                Ok(Some((kind, numbers)))
+                let regime = limit_cycle_within(model, None, MOST_WAVES)?;
+                let cycle = regime.cycle().map(|cycle| coupled_cycle_result(model, cycle, scales)).transpose()?;
+                // A motion that does not repeat has the frequency of the growing mode.
+                let growing_hz = || {
+                    let [first, second] = modes(model, model.sliding_friction());
+                    let growing = if first.growth > second.growth { first } else { second };
+                    growing.frequency / (std::f64::consts::TAU * scales.time_s())
+                };
+                Ok(Some(Vibration {
+                    kind: instability_result(kind),
+                    frequency_hz: cycle.as_ref().map_or_else(growing_hz, |cycle| cycle.frequency_hz),
+                    velocity_amplitude_m_per_s: cycle.as_ref().map(|cycle| cycle.velocity_amplitude_m_per_s),
+                    displacement_amplitude_m: cycle.as_ref().map(|cycle| cycle.displacement_amplitude_m),
+                }))
             }
         }
     }
@@ -109,7 +130,7 @@ impl Dynamics {
                 })
             }
             Self::ModeCoupling(model) => {
-                let margin = coupled_stage::margin(model)?;
+                let margin = friction_margin(model)?;
                 Ok(NominalMachine {
                     vibrates,
                     kind: self.kind()?,

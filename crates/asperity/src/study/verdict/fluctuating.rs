@@ -55,7 +55,7 @@ mod tests {
     use crate::vibration::Drive;
 
     #[test]
-    fn a_machine_vibrates_if_the_mean_share_of_an_ensemble_with_its_drive_is_half() {
+    fn a_machine_vibrates_if_the_mean_fraction_of_an_ensemble_with_its_drive_is_half() {
         const DURATION_S: f64 = 0.6;
         let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
                     nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
@@ -72,8 +72,11 @@ mod tests {
                 machine.window.process_model(vibration.upscaling, vibration.generator, vibration.scales.length_m());
             let settings = EnsembleSettings { drive, ..EnsembleSettings::new(128, DURATION_S * 316.0, 7) };
             let process = FrictionProcess::new(model).unwrap();
-            let share = Ensemble::simulate(oscillator, &process, &settings, &Silent).unwrap().passages.late_share;
-            assert!((share.mean - 0.5).abs() > 3.0 * share.se && (share.mean > 0.5) == wanted, "{name}: {share:?}");
+            let fraction = Ensemble::simulate(oscillator, &process, &settings, &Silent).unwrap().passages.late_share;
+            assert!(
+                (fraction.mean - 0.5).abs() > 3.0 * fraction.se && (fraction.mean > 0.5) == wanted,
+                "{name}: {fraction:?}"
+            );
             assert_eq!(vibrates(&machine, DURATION_S, 1, &Silent), Ok(Some(wanted)));
         }
     }

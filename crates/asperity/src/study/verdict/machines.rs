@@ -6,9 +6,9 @@ use serde::Deserialize;
 use thiserror::Error;
 use toml::{Table, Value};
 
-use super::area::Sharing;
 use super::dynamics::Dynamics;
 use super::responses::FrictionResponses;
+use super::sharing::Sharing;
 use crate::chaos::{Design, InputError, SamplingMethod, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
 use crate::friction::{Upscaling, WindowFriction};
@@ -16,10 +16,8 @@ use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
 use crate::study::file::{Hold, MachineModel};
 use crate::study::result::ModelResult;
-use crate::study::uncertain::{Place, without_latent};
+use crate::study::uncertain::{BETWEEN_PARTS, Place, without_latent};
 
-/// Name of the differences between the parts of a rough slider.
-pub(super) const BETWEEN_PARTS: &str = "surface.between_parts";
 /// Number of samples that can be drawn.
 const MOST_SAMPLES: usize = u32::MAX as usize;
 /// Stream of the standard normal variables of the samples.
@@ -128,21 +126,21 @@ impl<'a> Machines<'a> {
         self.places
     }
 
-    /// Returns the central value of a number or quantity in SI.
-    pub(super) fn central_value(&self, place: Place) -> f64 {
+    /// Returns the central value of a number or quantity in SI; `None` if the machine does not depend on it.
+    pub(super) fn central_value(&self, place: Place) -> Option<f64> {
         match self.places.iter().position(|uncertain| *uncertain == place) {
-            Some(input) => self.inputs.inputs()[input].central(),
-            None => place.value_in(&self.central).unwrap_or(f64::NAN),
+            Some(input) => Some(self.inputs.inputs()[input].central()),
+            None => place.value_in(&self.central),
         }
     }
 
-    /// Returns the value of a number or quantity at a point of the standard normal variables.
-    pub(super) fn value_of(&self, place: Place, variables: &[f64]) -> f64 {
+    /// Returns the value of a number or quantity at a point of the standard normal variables; `None` if the machine does not depend on it.
+    pub(super) fn value_of(&self, place: Place, variables: &[f64]) -> Option<f64> {
         if let Some(input) = self.places.iter().position(|uncertain| *uncertain == place) {
-            return self.inputs.values(variables)[input];
+            return Some(self.inputs.values(variables)[input]);
         }
         let changed = self.changes.iter().find(|change| change.place == place).map(|change| change.value);
-        changed.or_else(|| place.value_in(&self.central)).unwrap_or(f64::NAN)
+        changed.or_else(|| place.value_in(&self.central))
     }
 
     /// Returns the same machines with other distributions of their values. With `hold` each machine keeps the damper that it has with the

@@ -4,13 +4,13 @@ use asperity_base::blocks::Task;
 
 use super::machines::{Change, Machines};
 use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
-use super::remedies::{fraction_below_zero, points};
+use super::replicates::{fraction_below_zero, points};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::file::Hold;
 use crate::study::result::{ProbabilityMap, ProbabilityMapAxis};
-use crate::study::vibration_stage::lines;
+use crate::study::series::lines_table;
 use crate::study::{CsvTable, StudyError};
 use crate::vibration::grid_contour;
 
@@ -60,7 +60,8 @@ pub(super) fn map(
     });
     let contours: Vec<(f64, Vec<[f64; 2]>)> = contours.collect();
     let names = [x.place.name(), y.place.name()];
-    let table = lines(names.each_ref().map(String::as_str), contours.iter().map(|(level, line)| (*level, line)), true);
+    let table =
+        lines_table(names.each_ref().map(String::as_str), contours.iter().map(|(level, line)| (*level, line)), true);
     let axis = |remedy: &RemedyStudy, values| ProbabilityMapAxis {
         input: remedy.place.name(),
         unit: remedy.place.key().unit.into(),

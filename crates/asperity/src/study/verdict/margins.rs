@@ -74,8 +74,10 @@ impl Limits {
 
     /// Returns the margins of the machines at the first of these points with other damping ratios.
     pub(super) fn margins(&self, machines: &Moved, place: Place, points: &[Vec<f64>]) -> Vec<f64> {
-        let damping =
-            |point: &Vec<f64>| machines.as_ref().map_or(f64::NEG_INFINITY, |machines| machines.value_of(place, point));
+        let damping = |point: &Vec<f64>| {
+            let damping = machines.as_ref().ok().and_then(|machines| machines.value_of(place, point));
+            damping.unwrap_or(f64::NEG_INFINITY)
+        };
         points.iter().zip(&self.0).map(|(point, limit)| damping(point) - limit).collect()
     }
 }

@@ -51,18 +51,18 @@ impl Estimator<'_> {
     /// The monitor cancelled.
     pub(super) fn probability(&mut self, event: &Event) -> Result<Probability, StudyError> {
         let (vibrating, all) = self.sampled.count(event.vibrates);
-        let share = vibrating as f64 / all as f64;
+        let fraction = vibrating as f64 / all as f64;
         if self.machines.variables() == 0 {
             return Ok(Probability {
-                value: share,
-                interval: Interval { low: share, high: share },
+                value: fraction,
+                interval: Interval { low: fraction, high: fraction },
                 sources: Vec::new(),
             });
         }
         let is_complement = 2 * vibrating >= all;
         let few = vibrating.min(all - vibrating) < FEW && event.by_margin;
         let small = if few { self.small(self.machines, event, is_complement)? } else { None };
-        let (value, mut interval) = small.unwrap_or_else(|| (share, wilson_interval(vibrating, all)));
+        let (value, mut interval) = small.unwrap_or_else(|| (fraction, wilson_interval(vibrating, all)));
         let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
         for (name, error) in self.responses.map_or_else(Vec::new, FrictionResponses::errors) {
             let mut shifted = [value; 2];

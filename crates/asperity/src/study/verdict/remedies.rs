@@ -5,10 +5,10 @@ use asperity_base::numeric::try_root_between;
 
 use super::answers::Answers;
 use super::decided;
-use super::machines::{Change, Machine, Machines};
+use super::machines::{Change, Machines};
 use super::margins::{Limits, Moved, is_damping, margins, moved};
-use super::sampled::Evaluated;
-use crate::chaos::{Design, SamplingError, SamplingMethod};
+use super::replicates::{REPLICATES, points};
+use super::sampled::Evaluate;
 use crate::distribution::standard_normal_cdf;
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
@@ -17,8 +17,6 @@ use crate::study::StudyError;
 use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::result::{Reach, Remedy};
 
-/// Randomisations of the Sobol' points.
-pub(in crate::study) const REPLICATES: usize = 8;
 /// Points of each randomisation; more where friction fluctuates, because few machines are decided by ensembles.
 pub(in crate::study) const POINTS: usize = 512;
 pub(in crate::study) const FLUCTUATING_POINTS: usize = 1024;
@@ -30,12 +28,8 @@ const NEAR: f64 = 0.01;
 /// Half widths of the interval within which the search for a value ends where friction fluctuates, and beyond which its slope is taken.
 const CLOSE: f64 = 0.2;
 const FAR: f64 = 3.0;
-/// Stream of the points, and of the machines that are decided.
-const STREAM: &str = "study/verdict/remedies";
+/// Stream of the machines that are decided.
 const DECIDED: &str = "study/verdict/remedies/decided";
-
-/// Evaluates a machine, given its index in the sample.
-pub(super) type Evaluate<'a> = dyn Fn(&Machine, usize) -> Result<Evaluated, String> + Sync + 'a;
 
 /// Returns the remedies of a study. `evaluate` counts the fluctuation of friction.
 pub(super) fn remedies(
@@ -62,25 +56,6 @@ pub(super) fn remedies(
     remedies.collect()
 }
 
-/// Returns the standard normal variables of all replicates with `count` points each.
-pub(super) fn points(variables: usize, count: usize, seed: u64) -> Result<Vec<Vec<f64>>, SamplingError> {
-    if variables == 0 {
-        return Ok(vec![Vec::new()]);
-    }
-    let design = Design::new(SamplingMethod::Sobol, seed, STREAM, count, variables)?;
-    let mut points = Vec::with_capacity(REPLICATES * count);
-    for replicate in 0..REPLICATES {
-        let design = design.replicate(replicate)?;
-        points.extend((0..count).map(|index| design.xi(index)));
-    }
-    Ok(points)
-}
-
-/// Returns the fraction of negative margins.
-pub(super) fn fraction_below_zero(margins: &[f64]) -> f64 {
-    margins.iter().filter(|margin| **margin < 0.0).count() as f64 / margins.len() as f64
-}
-
 /// Machines under a change of one central value.
 struct Changed<'a> {
     machines: &'a Machines<'a>,
@@ -99,7 +74,8 @@ struct Changed<'a> {
 impl Changed<'_> {
     fn remedy(&self, study: &VerdictStudy) -> Result<Remedy, StudyError> {
         let RemedyStudy { place, low, high, .. } = *self.remedy;
-        let now = self.machines.central_value(place);
+        // Results state NaN for a value on which no machine depends.
+        let now = self.machines.central_value(place).unwrap_or(f64::NAN);
         let sides = [self.side(now.clamp(low, high), low)?, self.side(now.clamp(low, high), high)?];
         let mut reach = Vec::with_capacity(study.targets.len());
         for &probability in &study.targets {
@@ -245,7 +221,9 @@ impl Changed<'_> {
 mod tests {
     use super::*;
     use crate::study::Study;
+    use crate::study::verdict::machines::Machine;
     use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     #[ignore = "slow"]

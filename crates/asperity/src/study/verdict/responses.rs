@@ -1,123 +1,39 @@
-//! Friction of the contact as a function of the uncertain values, learnt from solved strips.
-
-mod axis;
-mod points;
+//! Friction of the contact as a function of the uncertain values, expanded from solved strips.
 
 use toml::Table;
 
-use self::axis::Axis;
-pub(super) use self::points::ContactPoints;
-use super::machines::{BETWEEN_PARTS, Machines};
+use super::axis::Axis;
 use crate::chaos::{Expansion, Observed, Propagation, Resamples};
 use crate::friction::WindowFriction;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
-use crate::monitor::Monitor;
-use crate::stats::{Moments, NORMAL_95, student_quantile};
-use crate::study::check::VerdictStudy;
+use crate::stats::{NORMAL_95, student_quantile};
 use crate::study::output::StageOutput;
 use crate::study::result::LearntFriction;
-use crate::study::uncertain::Place;
 use crate::study::{StudyError, sentence};
 
-/// Smallest number of strips per point.
-const LEAST_STRIPS: usize = 4;
-/// Solved points per uncertain value and one, before any are solved near the limit of vibration.
-const POINTS_PER_VALUE: usize = 4;
-/// Largest number of rounds of points near the limit of vibration.
-const MOST_ROUNDS: usize = 4;
-/// Machines among which those near the limit of vibration are found.
-const CANDIDATES: usize = 512;
-/// Part of the half width of the probability's interval that the error of friction may take.
-const PART_OF_HALF_WIDTH: f64 = 0.5;
 /// Step for the slope of an expansion at the end of its range.
 const SLOPE_STEP: f64 = 1e-3;
 /// Standard error of the mean friction coefficient in percent above which there is a warning.
 const LARGEST_PERCENT: f64 = 5.0;
-/// Learnt moments, the mean first.
+/// Expanded moments, the mean first.
 const MOMENTS: [fn(&LevelMoments) -> f64; 4] =
     [|level| level.mean, |level| level.std, |level| level.correlation_length_m, |level| level.stiffness_pa_per_m];
 const MEAN: usize = 0;
-/// Keys of [vibration] that change the pressure of the contact.
-const LOADS: [&str; 2] = ["normal_force", "nominal_area"];
-
-/// Friction learnt as a function of the values that change the contact.
+/// Friction as a function of the values that change the contact.
 pub(super) struct FrictionResponses {
-    axes: Vec<Axis>,
+    pub(super) axes: Vec<Axis>,
     /// Expansions of the logarithms of the moments, which are nearly products of powers.
     moments: [Option<Expansion>; MOMENTS.len()],
     /// Relative standard error of the mean that is due to the few strips.
-    strips_error: f64,
+    pub(super) strips_error: f64,
     /// Relative standard error of the mean near the limit of vibration that is due to the expansion.
-    expansion_error: f64,
-    pub(super) learnt: LearntFriction,
+    pub(super) expansion_error: f64,
+    pub(super) result: LearntFriction,
 }
 
 impl FrictionResponses {
-    /// Solves strips at points of the values that change the contact, and at machines near the limit of vibration, until the error of
-    /// friction is a small part of the interval of the probability; `None` if all values are exact.
-    ///
-    /// # Errors
-    /// A point has no answer, or the monitor cancelled.
-    pub(super) fn learn(
-        points: &ContactPoints<'_>,
-        verdict: &VerdictStudy,
-        window: &WindowFriction,
-        monitor: &dyn Monitor,
-        output: &mut StageOutput,
-    ) -> Result<Option<Self>, StudyError> {
-        let places = contact_places(verdict);
-        if places.is_empty() {
-            return Ok(None);
-        }
-        let seed = points.seed();
-        let axes: Vec<Axis> = places.into_iter().filter_map(|place| Axis::new(place, verdict)).collect();
-        let parameters = axes.iter().map(Axis::parameter).collect::<Result<Vec<_>, _>>()?;
-        let round = axes.len() + 1;
-        let first = POINTS_PER_VALUE * round;
-        let mut propagation = Propagation::new(parameters, first, seed)?;
-        let mut found = Vec::with_capacity(first);
-        for index in 0..first {
-            monitor.progress("verdict: friction", index, first);
-            let mut table = verdict.central.clone();
-            for (axis, scaled) in axes.iter().zip(propagation.point(index)) {
-                axis.place.set(&mut table, axis.value(scaled));
-            }
-            found.push(points.solve(&table)?);
-        }
-        monitor.progress("verdict: friction", first, first);
-        let mut responses = Self::fit(axes, &propagation, &found, seed)?;
-        for count in 1..=MOST_ROUNDS {
-            let machines = Machines::new(verdict, window, Some(&responses), seed);
-            let near = Near::new(&machines, round, (count - 1) * CANDIDATES, monitor);
-            let mut differences = Vec::new();
-            for (index, table) in near.tables.iter().enumerate() {
-                monitor.progress("verdict: friction near the limit", index, near.tables.len());
-                let solved = points.solve(table)?;
-                let predicted = responses.at(table, window).mean.ln();
-                differences.extend(solved.as_ref().map(|solved| solved.all.mean.ln() - predicted));
-                propagation.push(responses.axes.iter().map(|axis| axis.xi(table)).collect());
-                found.push(solved);
-            }
-            let difference = Moments::new(&differences);
-            let near_limit = responses.learnt.points_near_limit + near.tables.len();
-            responses = Self::fit(responses.axes, &propagation, &found, seed)?;
-            responses.learnt.points_near_limit = near_limit;
-            if differences.len() > 1 {
-                responses.expansion_error = difference.mean.hypot(difference.standard_error());
-                responses.learnt.difference_near_limit = Some(difference.mean.hypot(difference.std));
-            }
-            let error = responses.strips_error.hypot(responses.expansion_error);
-            if near.change(error) <= PART_OF_HALF_WIDTH * verdict.half_width
-                || responses.strips_error > responses.expansion_error
-            {
-                break;
-            }
-        }
-        responses.state(output);
-        Ok(Some(responses))
-    }
-
-    fn fit(
+    /// Expands the moments of the points of `propagation`, which `found` are.
+    pub(super) fn fit(
         axes: Vec<Axis>,
         propagation: &Propagation,
         found: &[Option<MomentReplicates>],
@@ -126,21 +42,21 @@ impl FrictionResponses {
         let mut moments = [const { None }; MOMENTS.len()];
         let (mut strips_error, mut expansion_error) = (0.0, 0.0);
         for (own, moment) in moments.iter_mut().zip(0..) {
-            if let Some((expansion, [noise, unexplained])) = learn_moment(propagation, found, moment, seed)? {
+            if let Some((expansion, [noise, unexplained])) = expand_moment(propagation, found, moment, seed)? {
                 if moment == MEAN {
                     (strips_error, expansion_error) = (noise, unexplained);
                 }
                 *own = Some(expansion);
             }
         }
-        let learnt = LearntFriction {
+        let result = LearntFriction {
             inputs: axes.iter().map(|axis| axis.place.name()).collect(),
             points: found.len(),
             points_near_limit: 0,
             difference_near_limit: None,
             standard_error: strips_error.hypot(expansion_error),
         };
-        Ok(Self { axes, moments, strips_error, expansion_error, learnt })
+        Ok(Self { axes, moments, strips_error, expansion_error, result })
     }
 
     /// Returns the relative standard errors of the mean by cause.
@@ -148,23 +64,23 @@ impl FrictionResponses {
         vec![("strips", self.strips_error), ("expansion", self.expansion_error)]
     }
 
-    /// States what was learnt, with its error.
-    fn state(&mut self, output: &mut StageOutput) {
+    /// States the expansion with its error.
+    pub(super) fn state(&mut self, output: &mut StageOutput) {
         let error = self.strips_error.hypot(self.expansion_error);
-        self.learnt.standard_error = error;
-        let percent = |share: f64| sentence::digits(100.0 * share);
-        let difference = self.learnt.difference_near_limit.map_or_else(String::new, |difference| {
+        self.result.standard_error = error;
+        let percent = |fraction: f64| sentence::digits(100.0 * fraction);
+        let difference = self.result.difference_near_limit.map_or_else(String::new, |difference| {
             format!(
                 "; before the {} points near the limit of vibration were added, it differed there from the solved coefficient by {} % \
                  (root mean square)",
-                self.learnt.points_near_limit,
+                self.result.points_near_limit,
                 percent(difference)
             )
         });
         output.assumptions.push(format!(
             "The friction coefficient as a function of {} is expanded from {} solved points{difference}. Its standard error is {} %.",
-            self.learnt.inputs.join(", "),
-            self.learnt.points,
+            self.result.inputs.join(", "),
+            self.result.points,
             percent(error)
         ));
         if 100.0 * error > LARGEST_PERCENT {
@@ -209,78 +125,8 @@ fn continued(expansion: &Expansion, xi: &[f64]) -> f64 {
     at_end + (at_end - expansion.evaluate(&inside)) / step
 }
 
-/// Returns the values that change the contact, uncertain ones and those of remedies.
-pub(in crate::study) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
-    let changes_contact = |place: &Place| {
-        let key = place.key();
-        (key.section != "vibration" || LOADS.contains(&key.name)) && place.name() != BETWEEN_PARTS
-    };
-    let mut places: Vec<Place> = Vec::new();
-    for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
-        if changes_contact(&place) && !places.contains(&place) {
-            places.push(place);
-        }
-    }
-    places
-}
-
-/// Returns the number of points at which friction is usually solved for a number of values.
-pub(in crate::study) fn solved_points(values: usize) -> usize {
-    (POINTS_PER_VALUE + 1) * (values + 1)
-}
-
-/// Returns the number of strips at each point.
-pub(in crate::study) fn strips_per_point(realisations: usize) -> usize {
-    LEAST_STRIPS.max(realisations.div_ceil(2))
-}
-
-/// Machines near the limit of vibration.
-struct Near {
-    /// Their study files.
-    tables: Vec<Table>,
-    /// Change of the margin over that of ln μ, and margin, of all candidates.
-    margins: Vec<(f64, f64)>,
-}
-
-/// Relative change of friction for the slope of the margin.
-const CHANGE: f64 = 0.01;
-
-impl Near {
-    /// Finds the `count` machines with the smallest margins among samples from number `from` on.
-    fn new(machines: &Machines<'_>, count: usize, from: usize, monitor: &dyn Monitor) -> Self {
-        let changed = machines.with_friction_factor(CHANGE.exp());
-        let margin = |machines: &Machines<'_>, variables: &[f64]| {
-            let machine = machines.at(variables).ok()?;
-            Some(machine.dynamics.margins().ok()?.from_stick)
-        };
-        let mut near = Vec::new();
-        for index in from..from + CANDIDATES {
-            if monitor.cancelled() {
-                break;
-            }
-            let variables = machines.variables_of(index);
-            if let Some((own, other)) = margin(machines, &variables).zip(margin(&changed, &variables)) {
-                near.push((own, (other - own) / CHANGE, variables));
-            }
-        }
-        // The distance in ln μ, not in damping: friction is what the points are to teach.
-        near.sort_by(|a, b| (a.0 / a.1).abs().total_cmp(&(b.0 / b.1).abs()));
-        let tables = near.iter().take(count).map(|(.., variables)| machines.table_at(variables)).collect();
-        Self { tables, margins: near.into_iter().map(|(margin, slope, _)| (margin, slope)).collect() }
-    }
-
-    /// Returns the half width of the probability's interval that a relative standard error of friction causes.
-    fn change(&self, error: f64) -> f64 {
-        let share = |sign: f64| {
-            let vibrates = |(margin, slope): &&(f64, f64)| margin + sign * NORMAL_95 * error * slope < 0.0;
-            self.margins.iter().filter(vibrates).count() as f64 / self.margins.len().max(1) as f64
-        };
-        0.5 * (share(1.0) - share(-1.0)).abs()
-    }
-}
-
 /// Expands the logarithm of one moment, with the standard errors due to the few strips and to the expansion; `None` for a moment that is undefined or zero.
-fn learn_moment(
+fn expand_moment(
     propagation: &Propagation,
     found: &[Option<MomentReplicates>],
     moment: usize,
@@ -310,6 +156,7 @@ fn learn_moment(
 
 #[cfg(test)]
 mod tests {
+    use super::super::axis::contact_places;
     use super::*;
     use crate::distribution::Marginal;
     use crate::friction::StatedFriction;
@@ -348,15 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_of_friction_changes_the_answers_of_machines_within_1_96_errors() {
-        // Margins of −1/2 … 1/2 at equal distances; a change of ln μ by .1·1.96 moves the margin by twice that.
-        let margins: Vec<_> = (0..1000).map(|i| ((f64::from(i) + 0.5) / 1000.0 - 0.5, 2.0)).collect();
-        let near = Near { tables: Vec::new(), margins };
-        assert!((near.change(0.1) - 0.392).abs() < 1e-12, "{}", near.change(0.1));
-    }
-
-    #[test]
-    fn learnt_powers_of_a_value_are_predicted_within_its_range_and_beyond() {
+    fn expanded_powers_of_a_value_are_predicted_within_its_range_and_beyond() {
         let study = Study::parse(STUDY, "study.toml").unwrap();
         let verdict = study.verdict.as_ref().unwrap();
         let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
@@ -371,7 +210,7 @@ mod tests {
             .collect();
         let responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
         assert!(responses.errors().iter().all(|(_, error)| *error < 1e-9), "{:?}", responses.errors());
-        assert_eq!((responses.learnt.inputs[0].as_str(), responses.learnt.points), ("material.shear_strength", 8));
+        assert_eq!((responses.result.inputs[0].as_str(), responses.result.points), ("material.shear_strength", 8));
         let stated = StatedFriction {
             mean: 0.2,
             std: 0.04,

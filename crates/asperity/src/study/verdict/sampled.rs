@@ -32,6 +32,9 @@ impl Evaluated {
     }
 }
 
+/// Evaluates a machine, given its index in the sample.
+pub(super) type Evaluate<'a> = dyn Fn(&Machine, usize) -> Result<Evaluated, String> + Sync + 'a;
+
 /// Returns the number of machines after the round that begins with number `from`.
 fn end_of_round(from: usize, most: usize) -> usize {
     FIRST_ROUND.max(2 * from).min(most)
@@ -64,7 +67,7 @@ impl Sampled {
     /// Evaluates machines until the interval of the probability is narrow enough.
     pub(super) fn until(
         machines: &Machines<'_>,
-        evaluate: &(dyn Fn(&Machine, usize) -> Result<Evaluated, String> + Sync),
+        evaluate: &Evaluate<'_>,
         half_width: f64,
         most: usize,
         monitor: &dyn Monitor,

@@ -6,17 +6,17 @@
 //! independent errors, so each body has its own variables.
 
 mod body;
+pub(super) mod errors;
 
 use self::body::Body;
-pub(super) use self::body::BodyErrors;
-use super::responses::ContactPoints;
+use self::errors::{ScanErrors, StatisticErrors};
+use super::points::ContactPoints;
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
 use crate::stats::Interval;
 use crate::study::StudyError;
 use crate::study::output::StageOutput;
 use crate::study::uncertain::Place;
-use crate::surface::model::{SurfaceCovariance, SurfaceModel, SurfaceModelError, Variation};
 use crate::surface::pooling::{Mean, Reading, pool};
 use crate::surface::scanned::{MapStatistics, ScannedSurface};
 use crate::surface::uncertainty::{Estimate, JointErrors};
@@ -31,45 +31,6 @@ pub(in crate::study) const POINTS: usize = 6;
 const NEGLIGIBLE: f64 = 1e-9;
 /// Confidence level of the pooled change, of which only the standard errors are used.
 const LEVEL: f64 = 0.95;
-
-/// Errors of ln Sq, ln Sdq and Ssk.
-pub(super) type StatisticErrors = [f64; 3];
-/// Quantities of a body that are measured on the scans and not stated.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Measured {
-    pub(super) rms_height: bool,
-    pub(super) covariance: bool,
-    pub(super) marginal: bool,
-}
-
-impl Measured {
-    /// Returns a surface whose scan had statistics with these errors.
-    ///
-    /// # Errors
-    /// No surface has these statistics.
-    pub(super) fn with_errors(
-        self,
-        surface: &SurfaceModel,
-        [height, slope, skewness]: StatisticErrors,
-    ) -> Result<SurfaceModel, SurfaceModelError> {
-        let length_x_m = surface.covariance().map(SurfaceCovariance::length_x_m);
-        surface.varied(&Variation {
-            rms_height_m: self.rms_height.then(|| surface.marginal.std() * height.exp()),
-            // Slopes are heights over lengths.
-            correlation_length_m: length_x_m
-                .filter(|_| self.covariance)
-                .map(|length_m| length_m * (height - slope).exp()),
-            skewness: None,
-            skewness_change: self.marginal.then_some(skewness),
-        })
-    }
-}
-
-/// Uncertain values that stand for the errors of the scans, with the errors at one standard deviation.
-#[derive(Debug, Clone, Default)]
-pub(super) struct ScanErrors {
-    pub(super) inputs: Vec<(Place, UncertainInput, BodyErrors)>,
-}
 
 impl ScanErrors {
     /// Solves strips of bodies with other statistics, and finds what the scans leave uncertain.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use asperity_base::blocks::Task;
 
+use super::dynamics::Vibration;
 use super::machines::Machines;
 use super::sampled::Sampled;
 use crate::monitor::{Cancelled, Monitor};
@@ -12,9 +13,9 @@ use crate::study::CsvTable;
 use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
-const MOST_ROWS: usize = 4096;
+pub(in crate::study) const MOST_ROWS: usize = 4096;
 /// Largest number of machines whose cycles are computed; cycles of two coupled modes take longer.
-const MOST: usize = 1024;
+pub(in crate::study) const MOST: usize = 1024;
 const MOST_COUPLED: usize = 64;
 
 /// Returns the kinds, frequencies and amplitudes of the machines that vibrate; `None` if there are none. Cycles are those without
@@ -31,31 +32,30 @@ pub(super) fn vibrating_machines(
     let vibrates = |index: &usize| sampled.machines[*index].as_ref().is_ok_and(|m| m.margins.from_stick < 0.0);
     let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(most).collect();
     let task = Task::new(monitor, "verdict: cycles", indices.len());
-    let cycle = |index: usize| {
+    let vibration = |index: usize| {
         let machine = machines.at(&machines.variables_of(index)).ok()?;
-        machine.dynamics.cycle(&machine.study.scales).ok()?
+        machine.dynamics.vibration(&machine.study.scales).ok()?
     };
-    let cycles = task.map(indices.len(), |place| Ok::<_, Cancelled>(cycle(indices[place])))?;
-    let cycles: Vec<_> = cycles.into_iter().flatten().collect();
-    if cycles.is_empty() {
+    let found = task.map(indices.len(), |place| Ok::<_, Cancelled>(vibration(indices[place])))?;
+    let found: Vec<Vibration> = found.into_iter().flatten().collect();
+    if found.is_empty() {
         return Ok(None);
     }
     let mut kinds = BTreeMap::new();
-    for (kind, _) in &cycles {
-        *kinds.entry(kind.name().to_owned()).or_insert(0.0) += 1.0 / cycles.len() as f64;
+    for vibration in &found {
+        *kinds.entry(vibration.kind.name().to_owned()).or_insert(0.0) += 1.0 / found.len() as f64;
     }
-    let quantiles = |which: usize| {
-        let mut sorted: Vec<f64> =
-            cycles.iter().map(|(_, numbers)| numbers[which]).filter(|number| number.is_finite()).collect();
+    let quantiles = |of: fn(&Vibration) -> Option<f64>| {
+        let mut sorted: Vec<f64> = found.iter().filter_map(of).filter(|number| number.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|probability| quantile_sorted(&sorted, probability));
         (!sorted.is_empty()).then_some(Quantiles { q05, q50, q95 })
     };
     Ok(Some(VibratingMachines {
         kinds,
-        frequency_hz: quantiles(0),
-        velocity_amplitude_m_per_s: quantiles(1),
-        displacement_amplitude_m: quantiles(2),
+        frequency_hz: quantiles(|vibration| Some(vibration.frequency_hz)),
+        velocity_amplitude_m_per_s: quantiles(|vibration| vibration.velocity_amplitude_m_per_s),
+        displacement_amplitude_m: quantiles(|vibration| vibration.displacement_amplitude_m),
     }))
 }
 

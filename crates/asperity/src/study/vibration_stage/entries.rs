@@ -1,19 +1,8 @@
 //! Conversion of vibration results to entries of `results.json`.
 
-use crate::study::result::{
-    CrossingResult, CycleResult, DampingResult, KindResult, MotionResult, PointsResult, finite,
-};
+use crate::study::motion_entries::kind_result;
+use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
 use crate::vibration::{Crossing, Ensemble, MotionKind, Regime, SampleDistribution};
-
-/// Returns a kind of motion under its name in `results.json`.
-pub(in crate::study) fn kind_result(kind: MotionKind) -> KindResult {
-    match kind {
-        MotionKind::StickSlip => KindResult::StickSlip,
-        MotionKind::Overtaking => KindResult::Overtaking,
-        MotionKind::SlipCycle => KindResult::SlipCycle,
-        MotionKind::None => KindResult::None,
-    }
-}
 
 pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     let cycle = regime.cycle();

@@ -1,9 +1,11 @@
 //! Stability map of a study.
 
-use super::Ensembles;
+use super::clipping::clipping_warning;
+use super::ensembles::Ensembles;
 use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
 use crate::study::file::MapSection;
+use crate::study::series::lines_table;
 use crate::study::{CsvTable, StudyError};
 use crate::vibration::{EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, StabilityMap, stability_map};
 
@@ -13,6 +15,17 @@ impl Ensembles<'_> {
         let axis = |(from, to, cells)| MapAxis { from, to, cells };
         let ensemble = EnsembleSettings { trajectories: section.trajectories, sample_capacity: 0, ..self.settings() };
         MapSettings { x: axis(section.x), y: axis(section.y), depth: section.depth, ensemble }
+    }
+
+    /// Returns a warning about the points of a stability map at which friction is clipped.
+    ///
+    /// # Errors
+    /// At a point of the first grid more friction is clipped than the study allows.
+    pub(super) fn map_clipping(&self, map: &MapSection) -> Result<Option<String>, StudyError> {
+        let upscaling = self.study.upscaling;
+        let found = self.map_settings(map).clipped_fraction(map.over, &self.oscillator, &self.model(upscaling))?;
+        let largest = self.accepted(found, upscaling)?;
+        Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))
     }
 
     /// Computes the map over the parameters of the study, with its main upscaling.
@@ -52,24 +65,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
     vec![
         ("map_points", points),
         ("map_cells", cells),
-        ("map_contours", lines([x, y], contours, true)),
-        ("map_limit", lines([x, y], limit, false)),
+        ("map_contours", lines_table([x, y], contours, true)),
+        ("map_limit", lines_table([x, y], limit, false)),
     ]
-}
-
-/// Returns the points of numbered lines, with the level of each if lines have levels.
-pub(in crate::study) fn lines<'a>(
-    [x, y]: [&str; 2],
-    lines: impl Iterator<Item = (f64, &'a Vec<[f64; 2]>)>,
-    levels: bool,
-) -> CsvTable {
-    let mut columns = [(); 4].map(|()| Vec::new());
-    for (number, (level, line)) in lines.enumerate() {
-        for place in line {
-            let row = [level, number as f64, place[0], place[1]];
-            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-        }
-    }
-    let names = ["level", "line", x, y];
-    CsvTable::new(names.into_iter().zip(columns).skip(usize::from(!levels)))
 }

@@ -1,23 +1,15 @@
 //! Tables of the vibration stage.
 
-use std::f64::consts::TAU;
-
-use asperity_base::blocks;
-
 use crate::distribution::Marginal;
-use crate::friction::process::{Cancellable, FrictionProcess};
-use crate::monitor::{Cancelled, Monitor};
+use crate::friction::process::FrictionProcess;
+use crate::monitor::Monitor;
 use crate::stats::Histogram;
 use crate::study::CsvTable;
 use crate::study::result::{DampingResult, EnsembleResult};
 use crate::vibration::{
-    EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, TrajectorySettings,
-    VibrationError, trajectory_portrait,
+    EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, VibrationError, phase_cloud,
 };
 
-/// Points of each trajectory of a cloud, and the time τ that they span.
-const CLOUD_POINTS: usize = 72;
-const CLOUD_SPAN: f64 = 1.1 * TAU;
 /// Number of times at which the surviving fraction is tabulated.
 const SURVIVAL_POINTS: usize = 201;
 
@@ -58,13 +50,13 @@ pub fn points_table(points: &SampleDistribution) -> Option<CsvTable> {
 /// `share`, `share_low`, `share_high`.
 pub fn survival_table(passages: &Passages, duration: f64) -> CsvTable {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
-    let shares: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
-    let column = |of: fn(&Fraction) -> f64| shares.iter().map(of).collect::<Vec<f64>>();
+    let fractions: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
+    let column = |of: fn(&Fraction) -> f64| fractions.iter().map(of).collect::<Vec<f64>>();
     CsvTable::new([
         ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
-        ("share", column(|share| share.value)),
-        ("share_low", column(|share| share.interval[0])),
-        ("share_high", column(|share| share.interval[1])),
+        ("share", column(|fraction| fraction.value)),
+        ("share_low", column(|fraction| fraction.interval[0])),
+        ("share_high", column(|fraction| fraction.interval[1])),
     ])
 }
 
@@ -90,26 +82,10 @@ pub fn cloud_table(
     most: usize,
     monitor: &dyn Monitor,
 ) -> Result<CsvTable, VibrationError> {
-    let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
-    let followed = TrajectorySettings { duration, start, drive, method };
-    let from = (duration - CLOUD_SPAN).max(0.0);
-    let curves: Vec<Result<Vec<PhasePoint>, VibrationError>> =
-        blocks::map(0..settings.trajectories.min(most), |index| {
-            if monitor.cancelled() {
-                return Err(Cancelled.into());
-            }
-            let path = Cancellable::new(process.path(seed, index as u64), monitor);
-            trajectory_portrait(oscillator, path, &followed, from, CLOUD_POINTS)
-        });
+    let curves = phase_cloud(oscillator, process, settings, most, monitor)?;
     let mut columns = [const { Vec::new() }; 4];
     for (index, curve) in curves.into_iter().enumerate() {
-        let points = match curve {
-            Ok(points) => points,
-            Err(_) if monitor.cancelled() => return Err(Cancelled.into()),
-            Err(error @ VibrationError::Parameter { .. }) => return Err(error),
-            Err(_) => continue,
-        };
-        for point in points {
+        for point in curve.into_iter().flatten() {
             let row = [index as f64, point.tau, point.displacement, point.velocity];
             columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
         }

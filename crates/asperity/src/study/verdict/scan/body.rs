@@ -1,13 +1,10 @@
 //! Bodies of the contact, whose scans leave different values uncertain.
 
-use super::StatisticErrors;
+use super::errors::{BodyErrors, StatisticErrors};
 use crate::study::counterface;
 use crate::study::sentence::digits;
 use crate::study::surface_stage::SurfaceStage;
 use crate::surface::scanned::ScannedSurface;
-
-/// Errors of the statistics of the surface and of the counterface.
-pub(in super::super) type BodyErrors = [StatisticErrors; 2];
 
 /// Body of the contact.
 #[derive(Debug, Clone, Copy)]

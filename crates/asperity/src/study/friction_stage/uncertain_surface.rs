@@ -4,7 +4,7 @@ use crate::chaos::Parameter;
 use crate::stats::Interval;
 use crate::study::StudyError;
 use crate::study::check::UncertaintyStudy;
-use crate::study::scatter::{LengthScatter, NumberScatter};
+use crate::study::standard_deviation::{LengthStd, NumberStd};
 use crate::study::surface_stage::SurfaceStage;
 use crate::surface::model::{CompositeModel, SurfaceCovariance, Variation};
 
@@ -30,13 +30,13 @@ impl<'a> UncertainSurface<'a> {
             (RMS_HEIGHT, study.rms_height, Some(model.marginal.std()), "Sq_m"),
             (CORRELATION_LENGTH, study.correlation_length, length_x_m, "correlation_length_x_m"),
         ];
-        for (key, scatter, nominal_m, statistic) in lengths {
+        for (key, std, nominal_m, statistic) in lengths {
             // Without a covariance the check of the study refuses an uncertain length.
-            let (Some(scatter), Some(nominal_m)) = (scatter, nominal_m) else { continue };
-            let parameter = match scatter {
-                LengthScatter::Relative(share) => Parameter::lognormal(key, nominal_m, share * nominal_m)?,
-                LengthScatter::Absolute(std) => Parameter::lognormal(key, nominal_m, std.0)?,
-                LengthScatter::Measured => {
+            let (Some(std), Some(nominal_m)) = (std, nominal_m) else { continue };
+            let parameter = match std {
+                LengthStd::Relative(fraction) => Parameter::lognormal(key, nominal_m, fraction * nominal_m)?,
+                LengthStd::Absolute(std) => Parameter::lognormal(key, nominal_m, std.0)?,
+                LengthStd::Measured => {
                     let (value_m, Interval { low, high }) =
                         measured(statistic).filter(|(_, i)| i.low > 0.0).ok_or(absent(key, statistic))?;
                     // A model's length need not be the lag at which the scan's correlation is 1/e.
@@ -46,10 +46,10 @@ impl<'a> UncertainSurface<'a> {
             };
             parameters.push(parameter);
         }
-        if let Some(scatter) = study.skewness {
-            let parameter = match scatter {
-                NumberScatter::Absolute(std) => Parameter::normal(SKEWNESS, model.marginal.skewness(), std)?,
-                NumberScatter::Measured => {
+        if let Some(std) = study.skewness {
+            let parameter = match std {
+                NumberStd::Absolute(std) => Parameter::normal(SKEWNESS, model.marginal.skewness(), std)?,
+                NumberStd::Measured => {
                     let (_, interval) = measured("Ssk").ok_or(absent(SKEWNESS, "Ssk"))?;
                     Parameter::normal_within(SKEWNESS, interval)?
                 }

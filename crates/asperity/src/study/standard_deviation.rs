@@ -1,4 +1,4 @@
-//! How uncertain a parameter of the surface is: `"5 %"`, `"0.05 um"`, `0.2`, `"measured"`.
+//! Standard deviation of an uncertain parameter of the surface: `"5 %"`, `"0.05 um"`, `0.2`, `"measured"`.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -9,30 +9,30 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::quantity::{Length, NUMBER_PATTERN};
 
-/// What stands for the interval that the surface stage measured.
+/// Word for the interval that the surface stage measured.
 const MEASURED: &str = "measured";
 
 /// Standard deviation of a length.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LengthScatter {
+pub enum LengthStd {
     /// Over the length itself.
     Relative(f64),
     /// In metre.
     Absolute(Length),
-    /// As the 95 % interval of the scan says.
+    /// From the 95 % interval of the scan.
     Measured,
 }
 
 /// Standard deviation of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NumberScatter {
+pub enum NumberStd {
     /// As stated.
     Absolute(f64),
-    /// As the 95 % interval of the scan says.
+    /// From the 95 % interval of the scan.
     Measured,
 }
 
-impl FromStr for LengthScatter {
+impl FromStr for LengthStd {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -53,24 +53,24 @@ impl FromStr for LengthScatter {
     }
 }
 
-impl fmt::Display for LengthScatter {
+impl fmt::Display for LengthStd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Relative(share) => write!(f, "{} %", percent(*share)),
+            Self::Relative(fraction) => write!(f, "{} %", percent(*fraction)),
             Self::Absolute(length) => length.fmt(f),
             Self::Measured => f.write_str(MEASURED),
         }
     }
 }
 
-/// The number of per cent that reads back to the same share.
-fn percent(share: f64) -> f64 {
-    let exact = 100.0 * share;
+/// Returns the number of per cent that reads back to the same fraction.
+fn percent(fraction: f64) -> f64 {
+    let exact = 100.0 * fraction;
     let round = (exact * 1e9).round() / 1e9;
-    if (round / 100.0).to_bits() == share.to_bits() { round } else { exact }
+    if (round / 100.0).to_bits() == fraction.to_bits() { round } else { exact }
 }
 
-impl JsonSchema for LengthScatter {
+impl JsonSchema for LengthStd {
     fn schema_name() -> Cow<'static, str> {
         "LengthScatter".into()
     }
@@ -85,23 +85,23 @@ impl JsonSchema for LengthScatter {
     }
 }
 
-impl Serialize for LengthScatter {
+impl Serialize for LengthStd {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-impl<'de> Deserialize<'de> for LengthScatter {
+impl<'de> Deserialize<'de> for LengthStd {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Visitor;
         impl de::Visitor<'_> for Visitor {
-            type Value = LengthScatter;
+            type Value = LengthStd;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a standard deviation such as \"5 %\" or \"0.05 um\", or \"measured\"")
             }
 
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<LengthScatter, E> {
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<LengthStd, E> {
                 text.parse().map_err(E::custom)
             }
         }
@@ -109,7 +109,7 @@ impl<'de> Deserialize<'de> for LengthScatter {
     }
 }
 
-impl JsonSchema for NumberScatter {
+impl JsonSchema for NumberStd {
     fn schema_name() -> Cow<'static, str> {
         "NumberScatter".into()
     }
@@ -119,7 +119,7 @@ impl JsonSchema for NumberScatter {
     }
 }
 
-impl Serialize for NumberScatter {
+impl Serialize for NumberStd {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Absolute(value) => serializer.serialize_f64(*value),
@@ -128,27 +128,27 @@ impl Serialize for NumberScatter {
     }
 }
 
-impl<'de> Deserialize<'de> for NumberScatter {
+impl<'de> Deserialize<'de> for NumberStd {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Visitor;
         impl de::Visitor<'_> for Visitor {
-            type Value = NumberScatter;
+            type Value = NumberStd;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a standard deviation such as 0.2, or \"measured\"")
             }
 
-            fn visit_f64<E: de::Error>(self, value: f64) -> Result<NumberScatter, E> {
-                Ok(NumberScatter::Absolute(value))
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<NumberStd, E> {
+                Ok(NumberStd::Absolute(value))
             }
 
-            fn visit_i64<E: de::Error>(self, value: i64) -> Result<NumberScatter, E> {
-                Ok(NumberScatter::Absolute(value as f64))
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<NumberStd, E> {
+                Ok(NumberStd::Absolute(value as f64))
             }
 
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<NumberScatter, E> {
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<NumberStd, E> {
                 if text == MEASURED {
-                    Ok(NumberScatter::Measured)
+                    Ok(NumberStd::Measured)
                 } else {
                     Err(E::custom(format!("`{text}` is no number; write for example 0.2, or \"measured\"")))
                 }
@@ -163,18 +163,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_scatter_is_relative_absolute_or_measured() {
-        assert_eq!("5 %".parse(), Ok(LengthScatter::Relative(0.05)));
-        assert_eq!("2.5%".parse(), Ok(LengthScatter::Relative(0.025)));
-        assert_eq!("0.05 um".parse(), Ok(LengthScatter::Absolute("0.05 um".parse().unwrap())));
-        assert_eq!("measured".parse(), Ok(LengthScatter::Measured));
+    fn a_standard_deviation_is_relative_absolute_or_measured() {
+        assert_eq!("5 %".parse(), Ok(LengthStd::Relative(0.05)));
+        assert_eq!("2.5%".parse(), Ok(LengthStd::Relative(0.025)));
+        assert_eq!("0.05 um".parse(), Ok(LengthStd::Absolute("0.05 um".parse().unwrap())));
+        assert_eq!("measured".parse(), Ok(LengthStd::Measured));
         for (text, wanted) in [("5", "no unit"), ("five %", "no percentage"), ("5 GPa", "not a unit of length")] {
-            let error = text.parse::<LengthScatter>().unwrap_err();
+            let error = text.parse::<LengthStd>().unwrap_err();
             assert!(error.contains(wanted), "{text}: {error}");
         }
         for text in ["5 %", "0.7 %", "33.3 %", "50 nm", "measured"] {
-            let scatter: LengthScatter = text.parse().unwrap();
-            assert_eq!(scatter.to_string().parse(), Ok(scatter), "{text}");
+            let std: LengthStd = text.parse().unwrap();
+            assert_eq!(std.to_string().parse(), Ok(std), "{text}");
         }
     }
 }

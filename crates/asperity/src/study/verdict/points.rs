@@ -3,27 +3,30 @@
 use serde::Deserialize;
 use toml::Table;
 
-use super::super::scan::{BodyErrors, Measured, ScanErrors, StatisticErrors};
-use super::{LevelMoments, strips_per_point};
-use crate::friction::replicates::MomentReplicates;
+use super::scan::errors::{BodyErrors, Measured, ScanErrors, StatisticErrors};
+use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::friction::{LevelControl, OperatingLevel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
-use crate::study::friction_stage;
+use crate::study::friction_strips::solve_level;
 use crate::study::output::StageOutput;
-use crate::study::surface_stage::{self, SurfaceStage};
+use crate::study::surface_model::model_of;
+use crate::study::surface_stage::SurfaceStage;
 use crate::study::uncertain::without_latent;
 use crate::study::{Study, StudyError, StudyFile};
 use crate::surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest};
 
+/// Smallest number of strips per point.
+const LEAST_STRIPS: usize = 4;
+
 /// Strips of a study at other values, all drawn from the same random numbers.
-pub(in super::super) struct ContactPoints<'a> {
-    pub(in super::super) study: &'a Study,
-    pub(in super::super) surface: &'a SurfaceStage,
+pub(super) struct ContactPoints<'a> {
+    pub(super) study: &'a Study,
+    pub(super) surface: &'a SurfaceStage,
     /// The study file with central values.
-    pub(in super::super) central: &'a Table,
+    pub(super) central: &'a Table,
     /// Errors of the statistics of the scans of both bodies.
-    pub(in super::super) scan: ScanErrors,
-    pub(in super::super) monitor: &'a dyn Monitor,
+    pub(super) scan: ScanErrors,
+    pub(super) monitor: &'a dyn Monitor,
 }
 
 impl ContactPoints<'_> {
@@ -43,7 +46,7 @@ impl ContactPoints<'_> {
     }
 
     /// Returns ln μ at the central values, of bodies whose scans had statistics with these errors.
-    pub(in super::super) fn ln_friction(&self, errors: BodyErrors) -> Result<f64, StudyError> {
+    pub(super) fn ln_friction(&self, errors: BodyErrors) -> Result<f64, StudyError> {
         let solved = self.solve_with_errors(self.central, errors)?;
         Ok(solved.map_or(LevelMoments::NONE, |solved| solved.all).mean.ln())
     }
@@ -66,8 +69,7 @@ impl ContactPoints<'_> {
             && let Some(section) = &own.file().surface
         {
             let output = &mut StageOutput::default();
-            model.surface =
-                surface_stage::model_of(section, request.clone(), self.surface.measured.as_ref(), output)?.0;
+            model.surface = model_of(section, request.clone(), self.surface.measured.as_ref(), output)?.0;
         }
         let [of_surface, of_counterface] = errors;
         vary(&mut model.surface, request, of_surface)?;
@@ -82,8 +84,13 @@ impl ContactPoints<'_> {
         };
         let realisations = strips_per_point(friction.realisations);
         let monitor = &Quiet(self.monitor);
-        friction_stage::solve_level(friction, &model, level, realisations, own.seed(), monitor)
+        solve_level(friction, &model, level, realisations, own.seed(), monitor)
     }
+}
+
+/// Returns the number of strips at each point.
+pub(in crate::study) fn strips_per_point(realisations: usize) -> usize {
+    LEAST_STRIPS.max(realisations.div_ceil(2))
 }
 
 /// Changes a body to one whose scan had statistics with these errors.

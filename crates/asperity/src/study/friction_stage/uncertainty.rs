@@ -1,5 +1,8 @@
 //! Friction of surfaces with uncertain parameters: results, tables and words.
 
+use super::entries::prescribed;
+use super::uncertain_surface::UncertainSurface;
+use super::words::no_variance;
 use crate::chaos::{Observed, Propagated, Propagation, Resamples};
 use crate::contact::Control;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
@@ -8,19 +11,17 @@ use crate::friction::uncertain::{PointMoments, UncertainPlan};
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::monitor::Monitor;
 use crate::study::check::FrictionStudy;
-use crate::study::friction_stage::{no_variance, prescribed};
 use crate::study::output::StageOutput;
 use crate::study::result::{
     FailedPoint, ParameterIndexResult, Prescribed, UncertainLevel, UncertainParameter, UncertainResponse,
     UncertaintyResult, law_result, pair,
 };
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::uncertain_surface::UncertainSurface;
 use crate::study::{CsvTable, StudyError, sentence};
 use crate::surface::model::XiOrder;
 
 /// Fraction of unexplained variance, and of noise, above which there is a warning.
-const UNEXPLAINED_SHARE: f64 = 0.2;
+const UNEXPLAINED: f64 = 0.2;
 
 /// Solves strips of surfaces with other parameters at the levels of the stage.
 pub(super) fn run(
@@ -198,26 +199,26 @@ fn warnings(control: LevelControl, responses: &[UncertainResponse], failures: &[
         warnings
             .push(format!("at {name}, {surfaces} of uncertain parameters had no answer; the first because {reason}"));
     }
-    let above = |share: fn(&UncertainResponse) -> Option<f64>| -> Vec<String> {
+    let above = |value: fn(&UncertainResponse) -> Option<f64>| -> Vec<String> {
         let of = |r: &UncertainResponse| {
-            let share = share(r).filter(|share| *share > UNEXPLAINED_SHARE)?;
-            Some(format!("{} {} %", words_of(&r.name), sentence::digits(100.0 * share.min(1.0))))
+            let fraction = value(r).filter(|fraction| *fraction > UNEXPLAINED)?;
+            Some(format!("{} {} %", words_of(&r.name), sentence::digits(100.0 * fraction.min(1.0))))
         };
         responses.iter().filter_map(of).collect()
     };
     let unexplained = above(|r| r.loo_error);
     if !unexplained.is_empty() {
         warnings.push(format!(
-            "at {name}, the expansion in the uncertain parameters leaves this share of the variance unexplained: {}; indices \
-             are as uncertain",
+            "at {name}, the expansion in the uncertain parameters leaves a part of the variance unexplained: {}; indices are as \
+             uncertain",
             unexplained.join(", ")
         ));
     }
     let noise = above(|r| r.noise_share);
     if !noise.is_empty() {
         warnings.push(format!(
-            "at {name}, this share of the variance over surfaces is expected of the few strips and not of the parameters: {}; \
-             raise realisations in [friction.uncertainty]",
+            "at {name}, a part of the variance over surfaces is due to the few strips, not to the parameters: {}; raise \
+             realisations in [friction.uncertainty]",
             noise.join(", ")
         ));
     }
@@ -263,8 +264,8 @@ fn words(
         held.push("a penetration is the same for all surfaces");
     }
     let law = if uncertain.has_skewness() {
-        " Their heights have Johnson's law, whose kurtosis stays as far above the least possible one, 1 + Ssk², as that of the \
-         study's law is."
+        " Their heights have Johnson's distribution. Its kurtosis exceeds the least possible one, 1 + Ssk², by as much as the \
+         kurtosis of the study's distribution does."
     } else {
         ""
     };

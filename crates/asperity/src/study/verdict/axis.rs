@@ -1,14 +1,32 @@
-//! Range of one value that changes the contact.
+//! Values that change the contact, and the range of each.
 
 use toml::Table;
 
 use crate::chaos::Parameter;
 use crate::study::StudyError;
 use crate::study::check::VerdictStudy;
-use crate::study::uncertain::Place;
+use crate::study::uncertain::{BETWEEN_PARTS, Place};
 
-/// Probability of values below and above the range on which friction is learnt.
+/// Probability of values below and above the range on which friction is expanded.
 const TAIL: f64 = 1e-3;
+
+/// Keys of [vibration] that change the pressure of the contact.
+const LOADS: [&str; 2] = ["normal_force", "nominal_area"];
+
+/// Returns the values that change the contact, uncertain ones and those of remedies.
+pub(in crate::study) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
+    let changes_contact = |place: &Place| {
+        let key = place.key();
+        (key.section != "vibration" || LOADS.contains(&key.name)) && place.name() != BETWEEN_PARTS
+    };
+    let mut places: Vec<Place> = Vec::new();
+    for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
+        if changes_contact(&place) && !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    places
+}
 
 /// One value, on a linear or logarithmic scale.
 pub(super) struct Axis {
@@ -43,7 +61,7 @@ impl Axis {
         if self.logarithmic { scaled.exp() } else { scaled }
     }
 
-    /// Returns the position of a study file's value: −1 … 1 on the range on which friction is learnt.
+    /// Returns the position of a study file's value: −1 … 1 on the range on which friction is expanded.
     pub(super) fn xi(&self, table: &Table) -> f64 {
         let [low, high] = [self.low, self.high].map(|end| self.scale(end));
         let value = self.place.value_in(table).unwrap_or(self.low);

@@ -1,0 +1,167 @@
+//! Checked machine of `[vibration]`: a mass on a belt.
+
+use std::path::PathBuf;
+
+use crate::friction::process::Generator;
+use crate::friction::{NominalContact, StatedFriction, Upscaling};
+use crate::quantity::{Area, Force};
+use crate::study::file::{ContactSpring, MapSection, Stribeck};
+use crate::study::sentence;
+use crate::vibration::mode_coupling::{CoupledParameters, Damping, Model};
+use crate::vibration::{
+    Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, VelocityLaw, VibrationError,
+};
+
+/// Name of the section.
+pub(super) const SECTION: &str = "vibration";
+
+/// Settings of the vibration stage: a mass on a belt.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct VibrationStudy {
+    /// Least fraction of valid samples.
+    pub(in crate::study) valid_fraction: f64,
+    /// Springs of two coupled modes; `None` for stick-slip of a mass with one degree of freedom.
+    pub(in crate::study) coupled: Option<CoupledStudy>,
+    pub(in crate::study) scales: Scales,
+    pub(in crate::study) normal_force: Force,
+    pub(in crate::study) nominal_area: Area,
+    pub(in crate::study) damping_ratio: f64,
+    /// Dimensionless velocity V of the belt.
+    pub(in crate::study) belt_velocity: f64,
+    /// Dimensionless harmonic force on the mass.
+    pub(in crate::study) forcing: Option<Forcing>,
+    /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
+    pub(in crate::study) kinetic_fraction: f64,
+    /// Velocity law of a kinetic friction coefficient of 1.
+    pub(in crate::study) velocity_law: VelocityLaw,
+    /// Stribeck coefficient as stated, if the law has one.
+    pub(in crate::study) stribeck: Option<Stribeck>,
+    pub(in crate::study) friction: FrictionSource,
+    /// Generator of the fluctuation, if the study states it.
+    pub(in crate::study) generator: Option<Generator>,
+    pub(in crate::study) drive: Drive,
+    pub(in crate::study) method: Integrator,
+    /// Upscaling of the main result.
+    pub(in crate::study) upscaling: Upscaling,
+    /// Whether more than 5 % of the friction values may be clipped to stay positive.
+    pub(in crate::study) allow_clipping: bool,
+    /// Damping ratios: from, to, count.
+    pub(in crate::study) damping_sweep: (f64, f64, usize),
+    /// Trajectories per damping ratio.
+    pub(in crate::study) trajectories: usize,
+    /// Dimensionless duration of a trajectory.
+    pub(in crate::study) duration: f64,
+    pub(in crate::study) map: Option<MapSection>,
+}
+
+/// Springs of two coupled modes, in units of mω₀².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::study) struct CoupledStudy {
+    pub(in crate::study) angles_deg: [f64; 2],
+    pub(in crate::study) springs: [f64; 2],
+    pub(in crate::study) contact_spring: ContactSpring,
+}
+
+/// Source of the friction process.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) enum FrictionSource {
+    /// Result of the friction stage, at this percentile, or at the nominal pressure.
+    Computed(Option<f64>),
+    /// File of a fitted process, relative to the study file.
+    File(PathBuf),
+    /// Values stated in the study file, for a window of the usual size.
+    Stated(StatedFriction),
+}
+
+impl VibrationStudy {
+    /// Returns the nominal area and its pressure.
+    pub(in crate::study) fn nominal_contact(&self) -> NominalContact {
+        let area_m2 = self.nominal_area.0;
+        NominalContact { area_m2, pressure_pa: self.normal_force.0 / area_m2 }
+    }
+
+    /// Returns the Stribeck coefficient per unit of dimensionless velocity.
+    pub(in crate::study) fn dimensionless_stribeck(&self) -> Option<f64> {
+        self.stribeck.map(|stribeck| stribeck.per_unit(self.scales.velocity_m_per_s()))
+    }
+
+    /// Returns the oscillator with this static friction coefficient; `stribeck` replaces the coefficient of the law if
+    /// a fitted process has one.
+    pub(in crate::study) fn oscillator(
+        &self,
+        static_friction: f64,
+        stribeck: Option<f64>,
+    ) -> Result<Oscillator, VibrationError> {
+        let kinetic = self.kinetic_fraction * static_friction;
+        let own = self.velocity_law.with_coefficients(|ratio| ratio * kinetic)?;
+        let law = stribeck.and_then(|rate| own.with_weakening_rate(rate)).unwrap_or(own);
+        Oscillator::new(Parameters {
+            static_friction,
+            law,
+            damping_ratio: self.damping_ratio,
+            belt_velocity: self.belt_velocity,
+            forcing: self.forcing,
+        })
+    }
+
+    /// Returns the model of two coupled modes with this friction coefficient and this stiffness of the rough contact over its area
+    /// in Pa/m; `None` for a machine with one degree of freedom.
+    ///
+    /// # Errors
+    /// The springs do not hold the mass, a value is out of range, or the stiffness of the contact is not known.
+    pub(in crate::study) fn coupled_model(
+        &self,
+        friction: f64,
+        stiffness_pa_per_m: Option<f64>,
+    ) -> Option<Result<Model, VibrationError>> {
+        let CoupledStudy { angles_deg, springs, contact_spring } = self.coupled?;
+        let contact_stiffness = match (contact_spring, stiffness_pa_per_m) {
+            (ContactSpring::Stated(stiffness), _) => stiffness,
+            (ContactSpring::Surface, Some(pa_per_m)) => {
+                pa_per_m * self.nominal_area.0 / self.scales.stiffness_n_per_m()
+            }
+            (ContactSpring::Surface, None) => {
+                let reason = "the strips of the operating level have no contact stiffness";
+                return Some(Err(VibrationError::NotFound { what: "contact spring of the surface", reason }));
+            }
+        };
+        let damper = 2.0 * self.damping_ratio;
+        Some(Model::new(CoupledParameters {
+            angles_deg,
+            springs,
+            contact_stiffness,
+            damping: Damping::Axes { tangential: damper, normal: damper },
+            static_friction: friction,
+            law: VelocityLaw::Coulomb { kinetic: friction },
+            belt_velocity: self.belt_velocity,
+        }))
+    }
+
+    /// Returns a warning about a dimensionless law in a study that varies the load.
+    pub(in crate::study) fn load_warning(&self) -> Option<String> {
+        if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
+            return None;
+        }
+        let (key, value) = match (self.stribeck, &self.velocity_law) {
+            (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
+            (None, VelocityLaw::Linear { slope, .. }) => ("linear_weakening", *slope),
+            _ => return None,
+        };
+        let si = sentence::digits(value / self.scales.velocity_m_per_s());
+        let instead = match key {
+            "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
+            _ => String::new(),
+        };
+        Some(format!(
+            "`{key}` = {} is per unit of dimensionless velocity and depends on the stated normal force of {}: there it means {si} s/m, \
+             which the map keeps over the load{instead}",
+            sentence::digits(value),
+            self.normal_force
+        ))
+    }
+
+    /// Returns the distance in metre that the belt travels during a trajectory.
+    pub(in crate::study) fn sliding_distance_m(&self) -> f64 {
+        self.duration * self.belt_velocity * self.scales.length_m()
+    }
+}

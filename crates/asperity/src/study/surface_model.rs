@@ -1,0 +1,107 @@
+//! Model of the random surfaces of a section, and its description.
+
+use crate::correlation::{CorrelationModel, StationaryCovariance};
+use crate::study::file::SurfaceSection;
+use crate::study::output::StageOutput;
+use crate::study::{StudyError, sentence};
+use crate::surface::CovarianceSource;
+use crate::surface::model::{
+    GAMMA, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceRequest, Texture,
+};
+use crate::surface::scanned::ScannedSurface;
+use crate::translation::TranslationKind;
+
+/// Makes the model of the random surfaces that a section requests and, if it has a covariance, reports its selection.
+pub(super) fn model_of(
+    section: &SurfaceSection,
+    request: SurfaceRequest,
+    measured: Option<&ScannedSurface>,
+    output: &mut StageOutput,
+) -> Result<(SurfaceModel, Option<SelectedCovariance>), StudyError> {
+    let (model, selected) = SurfaceModel::new(request, measured)?;
+    let part = measured.and_then(|m| m.part.as_ref());
+    output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
+    if let Some(selected) = &selected {
+        output.assumptions.extend(selected.reason.clone());
+        output.warnings.extend(selected.warnings.iter().cloned());
+    }
+    Ok((model, selected))
+}
+
+fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -> String {
+    match &model.texture {
+        Texture::WeierstrassMandelbrot { dimension } => format!(
+            "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
+             {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
+             are taken as normal; covariance and marginal distribution of the study have no effect.",
+            sentence::digits(*dimension),
+            if section.fractal_dimension.is_some() { "stated".into() } else { format!("measured on {scans}") },
+            sentence::si(model.marginal.std(), "m"),
+        ),
+        Texture::Translated { covariance, translation, .. } => format!(
+            "Random surfaces have {} of rms height {}. {} imposed by {} translation.",
+            covariance_words(section, covariance, scans),
+            sentence::si(covariance.std_m(), "m"),
+            if section.marginal == "measured" {
+                "The distribution of the measured heights is".to_owned()
+            } else {
+                format!("The marginal distribution `{}` is", section.marginal)
+            },
+            match translation {
+                TranslationKind::Plain => "plain",
+                TranslationKind::Corrected => "corrected",
+            }
+        ),
+    }
+}
+
+/// Returns a description of a covariance.
+fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, scans: &str) -> String {
+    let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
+    match covariance {
+        SurfaceCovariance::Model(model) => {
+            let (name, lengths) = match model.model() {
+                CorrelationModel::Matern { .. } => ("Matérn", "scales"),
+                CorrelationModel::SelfAffine { .. } => ("self-affine", "roll-off lengths"),
+                CorrelationModel::Exponential => ("exponential", "lengths"),
+                CorrelationModel::SquaredExponential => ("squared exponential", "lengths"),
+            };
+            let along = along(model.length_x_m(), model.length_y_m());
+            match section.covariance {
+                CovarianceSource::Measured => format!("a {name} covariance (fitted to {scans}, {lengths} {along})"),
+                _ => format!("a {name} covariance (stated, {lengths} {along})"),
+            }
+        }
+        SurfaceCovariance::Empirical(own) => {
+            let report = own.report();
+            format!(
+                "the covariance of {scans} itself (lags up to {} as estimated, then tapered; to make it positive definite {} % of \
+                 the variance was clipped and correlations changed by at most {})",
+                along(report.reliable_x_m, report.reliable_y_m),
+                sentence::digits(100.0 * report.clipped_variance),
+                sentence::digits(report.clipping_change),
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlation::Covariance;
+
+    #[test]
+    fn the_lengths_of_a_model_are_named() {
+        let words = |model| {
+            let covariance = SurfaceCovariance::Model(Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap());
+            covariance_words(&SurfaceSection::default(), &covariance, "the scan")
+        };
+        for (model, said) in [
+            (CorrelationModel::Exponential, "lengths 20 µm along x"),
+            (CorrelationModel::Matern { nu: 1.5 }, "scales 20 µm along x"),
+            (CorrelationModel::SelfAffine { hurst: 0.7 }, "roll-off lengths 20 µm along x"),
+        ] {
+            assert!(words(model).contains(said), "{}", words(model));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Preparation and measurement of the scans of a surface.
+
+use asperity_formats::Scan;
+
+use crate::map::HeightMap;
+use crate::study::file::SurfaceSection;
+use crate::study::output::StageOutput;
+use crate::study::{QuantityMap, StudyError, sentence};
+use crate::surface::level::Level;
+use crate::surface::model::SurfaceModelError;
+use crate::surface::preparation::{Preparation, Prepared};
+use crate::surface::scanned::ScannedSurface;
+
+/// Returns the error of one of several scans.
+pub(super) fn of_one(file: &str, error: StudyError) -> StudyError {
+    match error {
+        error @ StudyError::Map { .. } => error,
+        error => StudyError::OneOf { file: file.into(), error: Box::new(error) },
+    }
+}
+
+/// Prepares and measures all scans; maps and series show the first.
+pub(super) fn measure_all(
+    section: &SurfaceSection,
+    scans: Vec<(String, Scan)>,
+    output: &mut StageOutput,
+) -> Result<Option<ScannedSurface>, StudyError> {
+    if scans.len() < 2 {
+        let one = scans.into_iter().next();
+        return one.map(|(file, scan)| measure(section, &file, scan, output)).transpose();
+    }
+    let mut measured = Vec::with_capacity(scans.len());
+    for (file, scan) in scans {
+        let mut own = StageOutput::default();
+        let scan = measure(section, &file, scan, &mut own).map_err(|error| of_one(&file, error))?;
+        if measured.is_empty() {
+            output.fields = own.fields;
+        }
+        output.assumptions.append(&mut own.assumptions);
+        output.warnings.extend(own.warnings.into_iter().map(|warning| format!("{file}: {warning}")));
+        measured.push((file, scan));
+    }
+    output.assumptions.push(format!(
+        "The {} scans are taken as samples of one part: statistics are weighted means over the scans, the correlation is \
+         that of all pairs of heights within a scan, the marginal distribution that of all heights. Maps and figures of the \
+         measured heights show {}.",
+        measured.len(),
+        measured[0].0
+    ));
+    let mut names: Vec<&String> = measured.iter().map(|(file, _)| file).collect();
+    names.sort();
+    for pair in names.windows(2).filter(|pair| pair[0] == pair[1]) {
+        output.warnings.push(format!("{} is listed twice and counts as two places: intervals are too narrow", pair[0]));
+    }
+    Ok(Some(ScannedSurface::from_scans(measured)?))
+}
+
+/// Prepares a scan and computes its statistics.
+pub(super) fn measure(
+    section: &SurfaceSection,
+    file: &str,
+    mut scan: Scan,
+    output: &mut StageOutput,
+) -> Result<ScannedSurface, StudyError> {
+    output.warnings.append(&mut scan.warnings);
+    let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
+    let preparation = section.preparation();
+    let prepared = preparation.apply(&raw).map_err(SurfaceModelError::from)?;
+    let map = &prepared.map;
+    output.fields.push(("height_raw", QuantityMap { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
+    output
+        .fields
+        .push(("height_levelled", QuantityMap { grid: map.grid(), unit: "m", values: map.heights_m().clone() }));
+    let grid = map.grid();
+    output.assumptions.push(format!(
+        "The scan {file} {}. Its statistics hold for pixels of {} on a field of {}. {} of {} points are missing and stay \
+         missing.",
+        in_words(&preparation, &prepared),
+        sentence::size(grid.dx_m(), grid.dy_m()),
+        sentence::size(grid.width_m(), grid.height_m()),
+        map.missing_points(),
+        grid.points()
+    ));
+    if prepared.lost > 0 {
+        let lost = sentence::count(prepared.lost, "height", "heights");
+        output.warnings.push(format!("the robust filter found no surface around {lost}, which count as missing"));
+    }
+    Ok(ScannedSurface::new(prepared)?)
+}
+
+/// Returns the preparation of a scan as the end of a sentence.
+fn in_words(preparation: &Preparation, prepared: &Prepared) -> String {
+    let form = match preparation.level {
+        Level::None => "was not levelled".to_owned(),
+        Level::Mean => "was counted from its mean".to_owned(),
+        Level::Polynomial(degree) => format!("was levelled by its least-squares polynomial of degree {degree}"),
+        Level::Plane | Level::Quadratic | Level::Cylinder | Level::Sphere => {
+            let radius = prepared.radius_m.map_or_else(String::new, |m| format!(" of radius {}", sentence::si(m, "m")));
+            format!("was levelled by its least-squares {}{radius}", preparation.level)
+        }
+    };
+    let outliers = preparation.outliers.map_or_else(
+        || "no outliers were looked for".to_owned(),
+        |k| {
+            let rejected = sentence::count(prepared.outliers, "height", "heights");
+            format!("{rejected} beyond {k} robust standard deviations rejected")
+        },
+    );
+    let filter = |name: &str, cutoff_m: Option<f64>| {
+        cutoff_m.map_or_else(|| format!("no {name}-filter"), |m| format!("{name}-filter at {}", sentence::si(m, "m")))
+    };
+    let kind = if preparation.robust { " (robust)" } else { "" };
+    let (short, long) = (filter("S", preparation.s_filter_m), filter("L", preparation.l_filter_m));
+    format!("{form} ({outliers}; {short}; {long}{kind})")
+}
