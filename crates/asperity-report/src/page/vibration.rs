@@ -2,10 +2,10 @@
 
 use asperity_results::{DampingResult, EnsembleResult, KindResult, MotionResult, Pair, PointsResult, VibrationResult};
 
-use super::cells::{DASH, percent, plain, shown, yes_or_no};
-use super::random_surface::meaning;
-use super::{DataTable, distribution_name};
+use crate::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, show_range, significant, with_error};
+use crate::page::data_table::DataTable;
+use crate::words::{distribution_name, kind_in_words, meaning};
 
 /// Returns limits and cycle, cycles over damping, motion, and distributions of points.
 pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
@@ -58,18 +58,6 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
     });
     let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(distribution);
     DataTable::properties("Motion without roughness, and the friction of the machine", rows, "results.json")
-}
-
-/// Returns the name of a kind of motion for readers.
-pub(crate) fn kind_in_words(kind: KindResult) -> &'static str {
-    match kind {
-        KindResult::StickSlip => "stick–slip",
-        KindResult::Overtaking => "overtaking",
-        KindResult::SlipCycle => "slip cycle",
-        KindResult::Flutter => "flutter",
-        KindResult::Divergence => "divergence",
-        KindResult::None => "steady sliding",
-    }
 }
 
 /// Returns the cycles by damping ratio and upscaling.

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, axis_label, columns};
+use crate::figures::vibration::curves::{Tables, axis_label};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, ORANGE, Pen, VERMILION, range, stacked};
 

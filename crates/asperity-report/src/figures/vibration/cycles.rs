@@ -2,7 +2,7 @@
 
 use asperity_results::VibrationResult;
 
-use super::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, GREY, Pen, VERMILION, range, stacked};
 use crate::{Run, Table};

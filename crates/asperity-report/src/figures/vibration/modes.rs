@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, columns};
+use crate::figures::vibration::curves::Tables;
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, Shape, VERMILION, range, stacked};
 

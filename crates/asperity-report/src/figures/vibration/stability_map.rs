@@ -3,7 +3,8 @@
 use asperity_results::{MapResolutionResult, MapResult};
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, axis_label, columns, outlined, present, separated};
+use crate::figures::vibration::curves::{Tables, axis_label, outlined, separated};
+use crate::figures::{CaptionedFigure, columns, present};
 use crate::format::{Unit, significant};
 use crate::plot::{
     Axis, BLACK, Backdrop, Chart, ColourBar, Dash, Pen, VERMILION, indexed, range, scale_palette, shade,
