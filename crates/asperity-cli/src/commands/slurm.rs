@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use asperity::quantity::Time;
 use clap::Args;
 
-use super::computation::Computation;
-use super::run::default_destination;
+use super::computation::{Computation, default_destination};
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
