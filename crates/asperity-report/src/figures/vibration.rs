@@ -15,6 +15,7 @@ mod survival;
 use serde_json::Value;
 
 use self::curves::Tables;
+use self::modes::Marks;
 use super::CaptionedFigure;
 use crate::{ReportError, Run};
 
@@ -30,8 +31,8 @@ pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
 
 /// Draws the modes of a run over the friction coefficient.
 pub(crate) fn coupled_figures(run: &Run) -> Vec<CaptionedFigure> {
-    let answer = run.results.mode_coupling.as_ref().and_then(|result| serde_json::to_value(result).ok());
-    answer.and_then(|answer| modes::over_friction(&answer, &run.tables)).into_iter().collect()
+    let marks = run.results.mode_coupling.as_ref().map(Marks::from);
+    marks.and_then(|marks| modes::over_friction(&marks, &run.tables)).into_iter().collect()
 }
 
 /// Draws the answer of a vibration command. The names of the tables determine the figures:
@@ -57,7 +58,7 @@ pub(crate) fn of_answer(answer: &Value, tables: &Tables) -> Result<Vec<Captioned
         portrait::figure(tables),
         points::figure(tables),
         survival::figure(tables),
-        modes::over_friction(answer, tables),
+        modes::over_friction(&Marks::of_answer(answer), tables),
         modes::cycle(answer, tables),
     ];
     Ok(drawn.into_iter().flatten().collect())
