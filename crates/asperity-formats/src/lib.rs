@@ -91,3 +91,7 @@ pub use text::write_text;
 pub use unit::LengthUnit;
 pub use vtk::{write_vtk, write_vtk_fields};
 pub use x3p::{X3pData, write_x3p};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
