@@ -176,7 +176,7 @@ pub(crate) fn method_name(method: &str) -> String {
 /// Returns the name of a kind of motion for readers.
 pub(crate) fn kind_in_words(kind: KindResult) -> &'static str {
     match kind {
-        KindResult::StickSlip => "stick–slip",
+        KindResult::StickSlip => "stick-slip",
         KindResult::Overtaking => "overtaking",
         KindResult::SlipCycle => "slip cycle",
         KindResult::Flutter => "flutter",

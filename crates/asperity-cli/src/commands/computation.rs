@@ -300,7 +300,8 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
 /// Flags of a computation.
 #[derive(Debug, Args)]
 pub(super) struct Options {
-    /// Folder to write; runs/NAME or campaigns/NAME of the file when left out. The folder appears complete or not at all.
+    /// Folder to write. When left out, a study is written to runs/NAME and a campaign to campaigns/NAME, where NAME is the name of
+    /// the file. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed to use instead of the file's.

@@ -178,7 +178,7 @@ pub fn vibration_answer(vibration: &VibrationResult) -> String {
 
 fn vibrates(vibration: &VibrationResult) -> Answer {
     let kind = match vibration.kind {
-        KindResult::StickSlip => " The motion is stick–slip: the mass sticks to the belt in every period.",
+        KindResult::StickSlip => " The motion is stick-slip: the mass sticks to the belt in every period.",
         KindResult::Overtaking => " The mass overtakes the belt in every period and never sticks.",
         KindResult::SlipCycle => " The mass stays slower than the belt and never sticks.",
         KindResult::Flutter | KindResult::Divergence | KindResult::None => "",

@@ -41,7 +41,7 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
         ("smallest kick that starts vibration", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
         ("Limits of the damping ratio", String::new()),
         ("ζ_v, largest with any vibration", limit(vibration.limit_damping_ratio)),
-        ("ζ_c, largest with stick–slip", limit(vibration.critical_damping_ratio)),
+        ("ζ_c, largest with stick-slip", limit(vibration.critical_damping_ratio)),
         ("ζ_H, steady sliding is unstable below", limit(vibration.hopf_damping_ratio)),
         ("Friction", String::new()),
         ("upscaling of the study", format!("“{}”", vibration.upscaling)),
@@ -152,7 +152,7 @@ fn motion(vibration: &VibrationResult) -> DataTable {
             cell(|motion| format!("{} %", with_error(100.0 * motion.stick_share, 100.0 * motion.stick_share_se))),
         ),
         ("Time in vibration", cell(|motion| percent(motion.share_in_cycle, 4))),
-        ("of it in stick–slip", kind(KindResult::StickSlip)),
+        ("of it in stick-slip", kind(KindResult::StickSlip)),
         ("of it overtaking the belt without stick", kind(KindResult::Overtaking)),
         ("of it slower than the belt throughout", kind(KindResult::SlipCycle)),
         (

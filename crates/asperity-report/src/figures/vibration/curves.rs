@@ -28,7 +28,7 @@ pub(super) fn axis_label(parameter: &str) -> String {
 pub(super) const ATTRACTORS: [(f64, &str, Colour, Dash); 4] = [
     (0.0, "steady sliding", BLUE, Dash::Long),
     (1.0, "slip cycle", GREEN, Dash::Alternating),
-    (2.0, "stick–slip", VERMILION, Dash::Solid),
+    (2.0, "stick-slip", VERMILION, Dash::Solid),
     (3.0, "overtaking", ORANGE, Dash::Short),
 ];
 

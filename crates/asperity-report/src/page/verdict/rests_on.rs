@@ -10,10 +10,10 @@ use crate::words::{dimension, in_words, named};
 pub(super) fn card(inputs: &[RestsOn], model: ModelResult) -> Html {
     let machine = match model {
         ModelResult::StickSlip => {
-            "One mass with falling friction: stick–slip, groan and judder. Squeal by mode coupling is another machine."
+            "One mass with falling friction: stick-slip, groan and judder. Squeal by mode coupling is another machine."
         }
         ModelResult::ModeCoupling => {
-            "Two modes coupled by friction: squeal. Stick–slip, groan and judder by falling friction are another machine."
+            "Two modes coupled by friction: squeal. Stick-slip, groan and judder by falling friction are another machine."
         }
     };
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
