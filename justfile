@@ -1,4 +1,4 @@
-# Recipes for developers. CI runs `just check`; .ci/requirements.txt lists the tools that it needs. `just --list` shows the last line of a comment.
+# Recipes for developers. `.ci/run` runs those of `just check` and more; .ci/requirements.txt lists the tools that it needs. `just --list` shows the last line of a comment.
 
 # The tools that .ci/run installs come first.
 export PATH := justfile_directory() / ".venv" / "bin" + ":" + env("PATH")
@@ -7,7 +7,7 @@ export PATH := justfile_directory() / ".venv" / "bin" + ":" + env("PATH")
 default:
     @just --list
 
-# All checks of CI.
+# The tests and the lint. `.ci/run` also checks Python, the gallery, Slurm, the web pages, the book, damaged files and random studies.
 check: test slow lint
 
 # The quick tests, documentation examples included.

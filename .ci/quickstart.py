@@ -27,16 +27,16 @@ length_mm, _ = study["friction"]["strip"][0].split()
 nx, ny = study["friction"]["points"]
 window_cells = nx * ny * results["friction"]["window_m"] / (float(length_mm) * 1e-3)
 checks = {
-    "the scan holds 25 correlation lengths along x": scan["nx"] * scan["dx_m"] >= 25 * scan["correlation_length_x_m"],
-    "the scan holds 25 correlation lengths along y": scan["ny"] * scan["dy_m"] >= 25 * scan["correlation_length_y_m"],
+    "the scan spans 25 correlation lengths along x": scan["nx"] * scan["dx_m"] >= 25 * scan["correlation_length_x_m"],
+    "the scan spans 25 correlation lengths along y": scan["ny"] * scan["dy_m"] >= 25 * scan["correlation_length_y_m"],
     "lengths, heights and slopes have intervals": all(
         surface[f"{key}_interval"] for key in ["Sq_m", "Ssk", "Sku", "Sdq", "correlation_length_x_m", "correlation_length_y_m"]
     ),
     "the friction coefficient has intervals": bool(point["mean_interval"] and point["std_interval"]),
-    "windows hold hundreds of contact cells": window_cells * point["contact_fraction"] > 200,
+    "windows contain hundreds of contact cells": window_cells * point["contact_fraction"] > 200,
     "random surfaces have the slopes of the scan": abs(surface["covariance"]["slope_ratio"] - 1) < 0.15,
     "the brake vibrates": results["vibration"]["kind"] == "stick_slip",
-    # Of the pitch of the strips, which more points would mend.
+    # It is about the pitch of the strips; more points would remove it.
     "at most one warning": len(results["warnings"]) <= 1,
 }
 for name, holds in checks.items():

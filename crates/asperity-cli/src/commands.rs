@@ -6,6 +6,7 @@ mod completions;
 mod computation;
 mod contact;
 mod formats;
+mod found;
 mod friction;
 mod init;
 mod manual;

@@ -7,8 +7,6 @@ use std::io;
 use asperity::monitor::Cancelled;
 use asperity_formats::refusal;
 
-use crate::output::Answer;
-
 /// Error number of a failed device on Unix.
 const EIO: i32 = 5;
 
@@ -78,14 +76,6 @@ impl Failure {
             _ => kind,
         };
         Self::new(kind, format!("{what}: {}", refusal(cause)))
-    }
-
-    /// Prints `answer` with `converged: false` if the computation did not converge, and returns the failure.
-    pub(crate) fn print(self, answer: Answer, json: bool) -> Result<Self, Self> {
-        if self.kind == Kind::NotConverged {
-            answer.with("converged", false).print(json)?;
-        }
-        Ok(self)
     }
 
     pub(crate) fn message(&self) -> &str {

@@ -34,7 +34,7 @@ Exit codes:
   2    wrong flag, key, unit or value
   3    input data missing, corrupt or unusable
   4    not converged or too few valid samples (the answer is printed all the same)
-  5    out of memory, disk or threads
+  5    out of memory, disk, threads or time (--max-time)
   130  cancelled")]
 struct Cli {
     /// Number of worker threads; all cores when left out. Results do not depend on it.

@@ -130,6 +130,16 @@ impl Answer {
     }
 }
 
+impl Failure {
+    /// Prints `answer` with `converged: false` if the computation did not converge, and returns the failure.
+    pub(crate) fn print(self, answer: Answer, json: bool) -> Result<Self, Self> {
+        if self.kind() == Kind::NotConverged {
+            answer.with("converged", false).print(json)?;
+        }
+        Ok(self)
+    }
+}
+
 impl Serialize for Answer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|(key, value)| (key, value)))

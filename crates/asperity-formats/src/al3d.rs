@@ -14,12 +14,11 @@
 //! warning.
 
 use crate::error::Result;
-use crate::scan::Shape;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
-use crate::large;
+use crate::large::{self, Shape};
 use crate::sample::{ByteOrder, Sample};
 
 use crate::{Format, FormatError, ReadOptions, Scan};

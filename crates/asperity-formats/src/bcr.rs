@@ -15,11 +15,10 @@
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
 
 use crate::error::Result;
-use crate::scan::Shape;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, utf16_text};
-use crate::large;
+use crate::large::{self, Shape};
 use crate::sample::{ByteOrder, Sample};
 use crate::text::header::Header as Notes;
 use crate::unit::per_metre;

@@ -72,7 +72,7 @@ pub enum FormatError {
         error: Box<FormatError>,
     },
     /// The content matches no known format.
-    #[error("{}; known are {}", unknown(*length, start), known)]
+    #[error("{}; known formats are {}", unknown(*length, start), known)]
     Unrecognised {
         /// Size of the file in bytes.
         length: u64,

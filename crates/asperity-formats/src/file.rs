@@ -8,7 +8,8 @@ use std::path::Path;
 use crate::archive::{GZIP_MAGIC, gunzip};
 use crate::registry::{read_names, written_extensions};
 use crate::replace::replace_file;
-use crate::text::{Separator, write_text};
+use crate::text::separator::Separator;
+use crate::text::write_text;
 use crate::x3p::ZIP_MAGIC;
 use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
 

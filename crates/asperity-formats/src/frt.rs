@@ -24,15 +24,15 @@ mod image;
 mod metadata;
 
 use crate::error::Result;
-use crate::scan::Shape;
 
 use self::blocks::{
-    BUFFERS, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, VALID_VALUES, Z_UNIT, blocks,
+    BLOCK_COUNT, BUFFERS, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, SIGNATURE,
+    VALID_VALUES, VERSION_BYTES, Z_UNIT, blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
-use crate::large;
+use crate::large::{self, Shape};
 use crate::sample::Sample;
 
 use crate::selection::unique;
@@ -56,12 +56,6 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// First bytes of every file, before the version.
-const SIGNATURE: &[u8] = b"FRTM_GLIDERV";
-/// Size in bytes of the version, such as `1.00`.
-const VERSION_BYTES: usize = 4;
-/// Offset of the number of blocks, before the first block.
-const BLOCK_COUNT: usize = SIGNATURE.len() + VERSION_BYTES;
 /// Number that marks a missing point.
 const VOID: f64 = 1.0;
 

@@ -21,6 +21,7 @@ mod write;
 use crate::Format;
 use crate::codec::{Codec, Description, Tested};
 
+use object::{MAGIC, MAGIC_1};
 pub use write::write_gwy;
 
 pub(crate) const CODEC: Codec = Codec {
@@ -41,17 +42,6 @@ pub(crate) const CODEC: Codec = Codec {
     read: read::read,
     write: Some(write_gwy),
 };
-
-/// First bytes of a file.
-const MAGIC: &[u8] = b"GWYP";
-/// First bytes of a file of Gwyddion 1.
-const MAGIC_1: &[u8] = b"GWYO";
-/// Type of the root and of metadata.
-const CONTAINER: &str = "GwyContainer";
-/// Type of an image or mask.
-const DATA_FIELD: &str = "GwyDataField";
-/// Type of a unit.
-const UNIT: &str = "GwySIUnit";
 
 fn detect(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC) || bytes.starts_with(MAGIC_1)

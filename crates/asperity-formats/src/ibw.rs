@@ -8,10 +8,10 @@
 
 use crate::error::Result;
 
+use crate::chosen_map::ChosenMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, TextLimit, latin1, utf8_or_latin1};
 use crate::sample::{ByteOrder, Sample};
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan, large};
 

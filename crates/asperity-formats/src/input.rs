@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::error::{Result, shown};
+use crate::large::Shape;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::{Shape, matrix, shape};
+use crate::scan::{matrix, shape};
 use crate::{Format, FormatError, Location};
 
 /// Bytes of a file, or of one file in an archive.

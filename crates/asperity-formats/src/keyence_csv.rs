@@ -7,10 +7,8 @@
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::{Input, MAX_TEXT_BYTES, utf8_or_latin1};
-use crate::text::{
-    Separator,
-    rows::{self, Layout},
-};
+use crate::text::rows::{self, Layout};
+use crate::text::separator::Separator;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan, large};
 

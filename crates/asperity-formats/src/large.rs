@@ -1,7 +1,9 @@
 //! Large arrays: memory in huge pages, and parallel passes.
 
-use crate::scan::Shape;
 use rayon::prelude::*;
+
+/// Number of rows and number of columns of a map.
+pub(crate) type Shape = (usize, usize);
 
 /// Size of an array above which all threads work on it, and number of values that each takes at a time.
 const PARALLEL_NUMBERS: usize = 1 << 18;

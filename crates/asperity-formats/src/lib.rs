@@ -18,6 +18,7 @@
 mod al3d;
 mod archive;
 mod bcr;
+mod chosen_map;
 mod codec;
 mod date;
 mod datx;
@@ -85,7 +86,12 @@ pub use scan::{MAX_POINTS, Scan};
 pub use sdf::{SdfData, write_sdf};
 pub use selection::{Channel, ReadOptions};
 pub use sur::{SurData, write_sur};
-pub use text::{Separator, write_text};
+pub use text::separator::Separator;
+pub use text::write_text;
 pub use unit::LengthUnit;
 pub use vtk::{write_vtk, write_vtk_fields};
 pub use x3p::{X3pData, write_x3p};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -5,11 +5,11 @@
 //!
 //! The vendor's description of version 1 is public; the frames of arrays of newer programs (type 106) have another layout and are not read.
 
+use crate::chosen_map::ChosenMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::Input;
 use crate::sample::Sample;
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan, large};
 

@@ -12,12 +12,12 @@ use std::io::{Cursor, Read};
 use cfb::CompoundFile;
 
 use crate::archive::{beyond_reason, damaged, may_unpack, unpack};
+use crate::chosen_map::ChosenMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::foreign::{OLE_MAGIC, is_mountains};
 use crate::input::{Input, utf16_text};
 use crate::sample::{ByteOrder, Sample};
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, ReadOptions, Scan};
 

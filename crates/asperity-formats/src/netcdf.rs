@@ -14,17 +14,18 @@
 //! `mask`.
 
 mod classic;
+mod contents;
 mod enhanced;
 
+use self::contents::{Contents, Dimension, HEIGHTS, MAX_NUMBERS, Value, Variable, transposed};
 use crate::error::Result;
-use crate::scan::Shape;
 use std::collections::BTreeMap;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::foreign::TO_MATRIX;
 use crate::hdf5;
 use crate::input::Input;
-use crate::large;
+use crate::large::{self, Shape};
 use crate::sample::Sample;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
@@ -48,93 +49,12 @@ pub(crate) const CODEC: Codec = Codec {
     write: None,
 };
 
-/// Variable of the map in files of SurfaceTopography, and variable of its missing points.
-const HEIGHTS: &str = "heights";
+/// Variable of the missing points in files of SurfaceTopography.
 const MASK: &str = "mask";
 /// Group of the first measurement in the root of HDF5 files of 4D Technology.
 const MEASUREMENT_OF_4D: &[u8] = b"measurement0";
-/// Attributes that name a unit.
-const UNITS: [&str; 3] = ["unit", "units", "length_unit"];
-/// Maximum number of dimensions, variables and attributes of one file together.
-const MAX_ENTRIES: usize = 1 << 16;
-/// Maximum number of numbers of an attribute.
-const MAX_NUMBERS: usize = 16;
 /// Tolerance of positions on an even grid, as a fraction of the pitch.
 const UNEVEN: f64 = 1e-3;
-
-/// Content of a file.
-#[derive(Default)]
-struct Contents {
-    dimensions: Vec<Dimension>,
-    attributes: Vec<Attribute>,
-    variables: Vec<Variable>,
-    /// Error of the first variable that could not be read.
-    first_error: Option<FormatError>,
-}
-
-struct Dimension {
-    name: String,
-    length: usize,
-}
-
-struct Attribute {
-    name: String,
-    value: Value,
-}
-
-enum Value {
-    Text(String),
-    Numbers(Vec<f64>),
-}
-
-struct Variable {
-    name: String,
-    /// Indices of the dimensions; `None` for an HDF5 dataset without dimension scales.
-    dimensions: Vec<Option<usize>>,
-    shape: Vec<usize>,
-    attributes: Vec<Attribute>,
-    /// Type of the numbers; `None` for texts.
-    sample: Option<Sample>,
-    /// Offset of the numbers, or of the HDF5 object.
-    at: usize,
-    /// Size of a record in bytes if the first dimension is the record dimension.
-    record_bytes: Option<usize>,
-}
-
-impl Variable {
-    fn attribute(&self, name: &str) -> Option<&Value> {
-        self.attributes.iter().find(|attribute| attribute.name == name).map(|attribute| &attribute.value)
-    }
-
-    fn numbers(&self, name: &str) -> &[f64] {
-        match self.attribute(name) {
-            Some(Value::Numbers(numbers)) => numbers,
-            _ => &[],
-        }
-    }
-
-    fn unit(&self) -> Option<&str> {
-        UNITS.iter().find_map(|name| match self.attribute(name) {
-            Some(Value::Text(text)) if !text.trim().is_empty() => Some(text.trim()),
-            _ => None,
-        })
-    }
-
-    /// Returns the last two dimensions if the variable is a map of numbers.
-    fn map(&self) -> Option<(usize, usize)> {
-        let (columns, rest) = self.shape.split_last()?;
-        let (rows, rest) = rest.split_last()?;
-        (self.sample.is_some() && rest.iter().all(|&length| length == 1)).then_some((*rows, *columns))
-    }
-
-    fn is_height(&self) -> bool {
-        self.map().is_some()
-            && match self.unit() {
-                Some(unit) => per_metre(unit).is_some(),
-                None => self.name == HEIGHTS,
-            }
-    }
-}
 
 /// File of either kind.
 enum Source<'a> {
@@ -172,11 +92,6 @@ impl Source<'_> {
             _ => self.numbers(variable),
         }
     }
-}
-
-/// Returns the numbers of a map in column order. A wrong number of values is returned unchanged and fails later.
-fn transposed(numbers: Vec<f64>, shape: Shape) -> Vec<f64> {
-    if numbers.len() == shape.0 * shape.1 { large::transposed(&numbers, shape) } else { numbers }
 }
 
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {

@@ -9,11 +9,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::chosen_map::ChosenMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::{Input, TextLimit, utf8_or_latin1};
 use crate::sample::Sample;
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, ReadOptions, Scan};
 

@@ -13,9 +13,10 @@ use std::collections::BTreeMap;
 
 use crate::archive::Archive;
 use crate::codec::{Codec, Description, Tested};
+use crate::large::Shape;
 use crate::plu::LOST;
 use crate::sample::Sample;
-use crate::scan::{Shape, matrix};
+use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
 use crate::xml::Document;
 use crate::{Format, FormatError, ReadOptions, Scan};

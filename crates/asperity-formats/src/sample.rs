@@ -1,7 +1,6 @@
 //! Number types of stored data.
 
-use crate::large;
-use crate::scan::Shape;
+use crate::large::{self, Shape};
 
 /// Number of values that are decoded at a time.
 const ROW_NUMBERS: usize = 1 << 12;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::error::{cut, shown};
-use crate::large;
+use crate::large::{self, Shape};
 use crate::selection::some_of;
 use crate::unit::{in_words, per_metre};
 use crate::{Format, FormatError, Location, ReadOptions};
@@ -20,9 +20,6 @@ const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
 const WARNING_CHARS: usize = 1000;
 /// Ratio of the two pitches above which a warning is issued.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
-
-/// Number of rows and number of columns of a map.
-pub(crate) type Shape = (usize, usize);
 
 /// Checks the shape and the pixel size of maps that are to be stored in `format`.
 pub(crate) fn check(format: Format, (ny, nx): Shape, (dx_m, dy_m): (f64, f64)) -> Result<()> {

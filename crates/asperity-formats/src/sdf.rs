@@ -23,12 +23,13 @@ use std::str::FromStr;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, latin1};
-use crate::large;
+use crate::large::{self, Shape};
 use crate::sample::Sample;
-use crate::scan::{Shape, matrix, shape};
+use crate::scan::{matrix, shape};
 use crate::text::header::Header as Notes;
+use crate::text::lines;
 use crate::text::rows::{self, Layout};
-use crate::text::{Separator, lines};
+use crate::text::separator::Separator;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
 pub use write::{SdfData, write_sdf};
 

@@ -3,7 +3,7 @@
 use crate::error::{Result, first_of, shown};
 use std::collections::{HashMap, HashSet};
 
-use crate::{Format, FormatError, LengthUnit, Scan};
+use crate::{Format, FormatError, LengthUnit};
 
 /// One of several height maps in a file: channels, layers, pages or arrays.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,65 +60,6 @@ impl ReadOptions {
             },
             channels: names.to_vec(),
         })
-    }
-}
-
-/// Height map that was chosen in a file with other quantities beside heights.
-#[derive(Debug)]
-pub(crate) struct ChosenMap {
-    /// Index among all maps of the file.
-    pub(crate) map: usize,
-    names: Vec<String>,
-    channel: usize,
-    warning: Option<String>,
-}
-
-impl ChosenMap {
-    /// Chooses among maps, each given by its name and by its unit unless it holds lengths.
-    ///
-    /// # Errors
-    /// No map of lengths, and [`FormatError::NoSuchChannel`].
-    pub(crate) fn new(
-        format: Format,
-        maps: impl IntoIterator<Item = (String, Option<String>)>,
-        options: &ReadOptions,
-    ) -> Result<Self> {
-        let (mut names, mut places, mut others) = (Vec::new(), Vec::new(), Vec::new());
-        for (place, (name, other_unit)) in maps.into_iter().enumerate() {
-            match other_unit {
-                None => {
-                    names.push(name);
-                    places.push(place);
-                }
-                Some(unit) => {
-                    let unit = if unit.is_empty() { "no unit".into() } else { shown(&unit) };
-                    others.push(format!("`{name}` ({unit})"));
-                }
-            }
-        }
-        if names.is_empty() {
-            let found = match others.as_slice() {
-                [] => "the file holds no image".to_owned(),
-                _ => format!("no image of the file holds lengths: {}", some_of(&others)),
-            };
-            return Err(FormatError::unsupported(format, found, "an image whose values have a unit of length"));
-        }
-        let names = unique(names);
-        let channel = options.choose(format, &names)?;
-        let is_told = options.channel.is_none() && !others.is_empty();
-        let warning = is_told.then(|| format!("images without lengths were left out: {}", some_of(&others)));
-        Ok(Self { map: places[channel], names, channel, warning })
-    }
-
-    /// Returns the name of the map.
-    pub(crate) fn name(&self) -> &str {
-        &self.names[self.channel]
-    }
-
-    /// Adds the names of the maps of heights to a scan, and a warning about the others.
-    pub(crate) fn add_to(self, mut scan: Scan) -> Scan {
-        scan.warnings.extend(self.warning);
-        scan.with_channels(self.names, self.channel)
     }
 }
 

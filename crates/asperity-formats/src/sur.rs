@@ -21,9 +21,9 @@ mod write;
 
 use crate::Format;
 use crate::codec::{Codec, Description, Tested};
-use crate::sample::Sample;
 
-pub use write::write_sur;
+use header::is_object;
+pub use write::{SurData, write_sur};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -42,43 +42,3 @@ pub(crate) const CODEC: Codec = Codec {
     read: read::read,
     write: Some(|scan| write_sur(scan, SurData::Int32)),
 };
-
-/// First bytes of an object.
-const SIGNATURE: &[u8; 12] = b"DIGITAL SURF";
-/// First bytes of an object whose heights are compressed.
-const SIGNATURE_COMPRESSED: &[u8; 12] = b"DSCOMPRESSED";
-/// Difference between the lowest height and the code for missing points.
-const VOID_BELOW_MINIMUM: i32 = 2;
-
-/// Returns whether an object starts here.
-fn is_object(bytes: &[u8]) -> bool {
-    bytes.starts_with(SIGNATURE) || bytes.starts_with(SIGNATURE_COMPRESSED)
-}
-
-/// Number type of the heights in a file to write.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SurData {
-    /// 32766 steps from the lowest to the highest height.
-    Int16,
-    /// 2³¹ − 2 steps from the lowest to the highest height.
-    #[default]
-    Int32,
-}
-
-impl SurData {
-    /// Returns the number type.
-    fn sample(self) -> Sample {
-        match self {
-            Self::Int16 => Sample::I16,
-            Self::Int32 => Sample::I32,
-        }
-    }
-
-    /// Returns the highest number; the lowest is 0. One more would mark a saturated point.
-    fn highest(self) -> i32 {
-        match self {
-            Self::Int16 => i32::from(i16::MAX) - 1,
-            Self::Int32 => i32::MAX - 1,
-        }
-    }
-}

@@ -14,9 +14,12 @@
 //! whose unit is not a length are left out.
 
 mod factor;
+mod field;
 pub(crate) mod header;
+mod interpretation;
 mod length;
 pub(crate) mod rows;
+pub(crate) mod separator;
 mod write;
 
 use crate::error::{Result, shown};
@@ -28,8 +31,10 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::{utf8_or_latin1, utf16};
 use crate::selection::unique;
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
-use header::{DECIMAL_SIGN, ESRI, Header, Interpretation};
+use header::{DECIMAL_SIGN, ESRI, Header};
+use interpretation::Interpretation;
 use rows::{Layout, Table};
+use separator::{COMMENT, Separator};
 pub use write::write_text;
 
 pub(crate) const CODEC: Codec = Codec {
@@ -67,52 +72,6 @@ const POINT_LIST_ROWS: usize = 16;
 const LABEL_TOLERANCE: f64 = 1e-3;
 /// Maximum number of matrices in one file.
 const MAX_CHANNELS: usize = 256;
-/// Characters that start a comment.
-pub(crate) const COMMENT: &[u8] = b"#%";
-
-/// Separator of values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Separator {
-    /// One or more spaces or tabs.
-    Space,
-    /// A comma.
-    Comma,
-    /// A semicolon.
-    Semicolon,
-    /// A tab; two in a row enclose an empty field.
-    Tab,
-}
-
-impl Separator {
-    /// Detects the separator of a row.
-    ///
-    /// In `1,5 2,5` the commas are decimal signs: as separators they would leave two numbers between them.
-    pub(crate) fn detect(row: &[u8]) -> Self {
-        let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        let is_number = |word: &[u8]| {
-            rows::decimal_comma(word).is_some()
-                || std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok())
-        };
-        if row.contains(&b';') {
-            Self::Semicolon
-        } else if row.contains(&b'\t') {
-            Self::Tab
-        } else if row.contains(&b',') && !(words().count() > 1 && words().all(is_number)) {
-            Self::Comma
-        } else {
-            Self::Space
-        }
-    }
-
-    pub(crate) fn sign(self) -> u8 {
-        match self {
-            Self::Space => b' ',
-            Self::Comma => b',',
-            Self::Semicolon => b';',
-            Self::Tab => b'\t',
-        }
-    }
-}
 
 /// Converts a text to UTF-8 if a mark declares it as UTF-16; returns other bytes unchanged.
 pub(crate) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {

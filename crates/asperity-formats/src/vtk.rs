@@ -15,8 +15,9 @@ use quick_xml::escape::escape;
 
 use crate::codec::{Codec, Description, Tested};
 use crate::input::Input;
+use crate::large::Shape;
 use crate::sample::stored;
-use crate::scan::{Shape, check};
+use crate::scan::check;
 use crate::{Format, FormatError, ReadOptions, Scan};
 
 pub(crate) const CODEC: Codec = Codec {

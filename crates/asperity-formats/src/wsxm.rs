@@ -8,11 +8,11 @@
 
 use crate::error::Result;
 
+use crate::chosen_map::ChosenMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
 use crate::sample::Sample;
 use crate::sections::{Section, quantity, section, sections};
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, ReadOptions, Scan};
 

@@ -10,10 +10,8 @@ use std::collections::BTreeMap;
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::text::{
-    Separator,
-    rows::{self, Layout},
-};
+use crate::text::rows::{self, Layout};
+use crate::text::separator::Separator;
 use crate::{Format, FormatError, ReadOptions, Scan, large};
 
 pub(crate) const CODEC: Codec = Codec {

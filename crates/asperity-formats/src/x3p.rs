@@ -15,14 +15,15 @@
 //! left. Both revisions of the format call themselves `ISO5436 - 2000`, so a file does not reveal its revision.
 //! Gwyddion and x3ptools show the first line at the top.
 
+mod names;
 mod read;
 mod write;
 
 use crate::Format;
 use crate::codec::{Codec, Description, Tested};
-use crate::sample::Sample;
 
-pub use write::write_x3p;
+use self::names::MAIN;
+pub use write::{X3pData, write_x3p};
 
 pub(crate) const CODEC: Codec = Codec {
     description: Description {
@@ -66,70 +67,4 @@ fn detect(bytes: &[u8]) -> bool {
     };
     let (head, tail) = (bytes.len().min(SEARCHED_BYTES), bytes.len().saturating_sub(SEARCHED_BYTES));
     bytes.starts_with(ZIP_MAGIC) && (holds_main(&bytes[..head]) || holds_main(&bytes[tail..]))
-}
-
-/// File of the archive that describes all others.
-const MAIN: &str = "main.xml";
-/// File with the checksum of `main.xml`, unless `main.xml` names another.
-const CHECKSUM: &str = "md5checksum.hex";
-/// File of the heights in written archives.
-const POINT_DATA: &str = "bindata/data.bin";
-/// File of the validity bits in written archives.
-const VALID_POINTS: &str = "bindata/valid.bin";
-
-/// Paths of elements below the root of `main.xml`, by local names.
-mod path {
-    pub(super) const FEATURE_TYPE: &str = "Record1/FeatureType";
-    pub(super) const AXES: &str = "Record1/Axes";
-    /// Element outside the standard that some programs write.
-    pub(super) const ORIGIN: &str = "Record1/Axes/Origin";
-    pub(super) const MANUFACTURER: &str = "Record2/Instrument/Manufacturer";
-    pub(super) const SIZE_X: &str = "Record3/MatrixDimension/SizeX";
-    pub(super) const LIST_DIMENSION: &str = "Record3/ListDimension";
-    pub(super) const SIZE_Y: &str = "Record3/MatrixDimension/SizeY";
-    pub(super) const SIZE_Z: &str = "Record3/MatrixDimension/SizeZ";
-    pub(super) const POINT_DATA: &str = "Record3/DataLink/PointDataLink";
-    pub(super) const POINT_DATA_MD5: &str = "Record3/DataLink/MD5ChecksumPointData";
-    pub(super) const VALID_POINTS: &str = "Record3/DataLink/ValidPointsLink";
-    pub(super) const VALID_POINTS_MD5: &str = "Record3/DataLink/MD5ChecksumValidPoints";
-    pub(super) const DATUM: &str = "Record3/DataList/Datum";
-    pub(super) const CHECKSUM_FILE: &str = "Record4/ChecksumFile";
-}
-
-/// Number type of the heights in a file to write.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum X3pData {
-    /// 32768 steps from the lowest to the highest height, with an error of at most half a step; missing points in
-    /// `valid.bin`. The stored numbers are 0 to 32767, so that readers that take the type as unsigned read them
-    /// correctly.
-    Int16,
-    /// `f32`; NaN for missing points.
-    Float32,
-    /// `f64`; NaN for missing points.
-    #[default]
-    Float64,
-}
-
-impl X3pData {
-    /// Returns the letter of the type in `main.xml`.
-    fn letter(self) -> &'static str {
-        SAMPLES.iter().find(|(_, sample)| *sample == self.sample()).map_or("D", |(letter, _)| letter)
-    }
-
-    /// Returns the number type.
-    fn sample(self) -> Sample {
-        match self {
-            Self::Int16 => Sample::I16,
-            Self::Float32 => Sample::F32,
-            Self::Float64 => Sample::F64,
-        }
-    }
-}
-
-/// Letters of the number types in `main.xml`. Both integers are signed.
-const SAMPLES: [(&str, Sample); 4] = [("I", Sample::I16), ("L", Sample::I32), ("F", Sample::F32), ("D", Sample::F64)];
-
-/// Returns the number type of a letter in `main.xml`.
-fn sample(letter: &str) -> Option<Sample> {
-    SAMPLES.into_iter().find(|(known, _)| *known == letter).map(|(_, sample)| sample)
 }

@@ -11,7 +11,8 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
 use crate::input::{MAX_TEXT_BYTES, utf16};
-use crate::scan::{Shape, shape};
+use crate::large::Shape;
+use crate::scan::shape;
 use crate::{Format, FormatError, Location};
 
 /// Maximum depth of elements. Descriptions of instruments need about five.

@@ -23,7 +23,8 @@ use crate::codec::{Codec, Description, Tested};
 use crate::input::utf8_or_latin1;
 use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
-use crate::text::{COMMENT, Head, Separator, TEXT_PROBE, is_text, lines, utf8};
+use crate::text::separator::{COMMENT, Separator};
+use crate::text::{Head, TEXT_PROBE, is_text, lines, utf8};
 use crate::{Format, FormatError, Location, ReadOptions, Scan};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 

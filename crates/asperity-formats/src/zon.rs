@@ -10,8 +10,9 @@ use crate::archive::{Archive, unpack_zstandard};
 use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::Input;
+use crate::large::Shape;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::{MAX_POINTS, Shape};
+use crate::scan::MAX_POINTS;
 use crate::xml::Document;
 use crate::{Format, FormatError, ReadOptions, Scan, large};
 

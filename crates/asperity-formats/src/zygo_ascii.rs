@@ -7,10 +7,8 @@ use crate::codec::{Codec, Description, Tested};
 use crate::error::Result;
 use crate::input::{Input, utf8_or_latin1};
 use crate::metropro::{COUNTS_PER_FRINGE, INVALID};
-use crate::text::{
-    Separator,
-    rows::{self, Layout},
-};
+use crate::text::rows::{self, Layout};
+use crate::text::separator::Separator;
 use crate::{Format, ReadOptions, Scan, large};
 
 pub(crate) const CODEC: Codec = Codec {

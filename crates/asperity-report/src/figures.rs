@@ -7,7 +7,7 @@ pub(crate) mod verdict;
 pub(crate) mod vibration;
 
 use crate::plot::{Chart, ColourBar, Kind, Layout, ONE_COLUMN, Raster, TWO_COLUMNS};
-use crate::{Figure, ReportError, Run, Table};
+use crate::{ReportError, Run, Table};
 
 /// A figure with its title, its caption and the files that hold its data.
 #[derive(Debug, Clone)]
@@ -56,6 +56,26 @@ impl CaptionedFigure {
     /// Draws the figure, two columns of a paper wide.
     pub(crate) fn svg(&self) -> String {
         self.layout.svg(&self.title, &self.caption, TWO_COLUMNS)
+    }
+}
+
+/// One figure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// File name without extension, such as `pressure_cdf`.
+    pub name: String,
+    /// A complete SVG document, two columns of a paper (170 mm) wide.
+    pub svg: String,
+    /// The same figure in one column (85 mm), unless its charts stand side by side.
+    pub one_column: Option<String>,
+}
+
+impl Figure {
+    /// Returns the files of the figure: their paths in a folder, and their content.
+    pub fn files(&self) -> impl Iterator<Item = (String, &str)> {
+        let one_column =
+            self.one_column.iter().map(|svg| (format!("figures/{}_one_column.svg", self.name), svg.as_str()));
+        std::iter::once((format!("figures/{}.svg", self.name), self.svg.as_str())).chain(one_column)
     }
 }
 

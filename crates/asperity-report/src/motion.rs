@@ -6,7 +6,9 @@ use serde_json::Value;
 
 use crate::figures::vibration;
 use crate::format::Dimension;
-use crate::page::{DataTable, Page, Section};
+use crate::page::Page;
+use crate::page::data_table::DataTable;
+use crate::page::section::Section;
 use crate::{Report, ReportError, Table};
 
 /// Renders the page of a vibration command, such as `map`, from the JSON object that `--json` prints and its tables. It is a pure
@@ -19,7 +21,7 @@ pub fn render_vibration(
     answer: &Value,
     tables: &BTreeMap<String, Table>,
 ) -> Result<Report, ReportError> {
-    crate::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
+    crate::run::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
     let warnings: Vec<String> = answer["warnings"]
         .as_array()
         .map_or_else(Vec::new, |warnings| warnings.iter().filter_map(Value::as_str).map(str::to_owned).collect());

@@ -1,46 +1,48 @@
 //! The HTML page: the verdict or headline answers, sections with tables and figures, inputs, assumptions, provenance, references, and
 //! an appendix.
 
+pub(crate) mod answer;
 pub(crate) mod answers;
 mod appendix;
-mod cells;
 mod certainty;
 mod chain;
 mod cutoff;
+pub(crate) mod data_table;
 mod friction;
 mod machine;
 mod mode_coupling;
-mod parameters;
+pub(crate) mod parameters;
 mod provenance;
 mod random_surface;
 mod references;
+pub(crate) mod section;
 mod tables;
-mod verdict;
+pub(crate) mod verdict;
 mod vibration;
 
-use std::fmt::{self, Display};
-
-use asperity_results::Provenance;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest, Sha256};
 
-pub use self::verdict::verdict_text;
-use crate::figures::{self, CaptionedFigure};
+use self::answer::Answer;
+use self::machine::Machine;
+use self::section::{Section, unordered};
+use crate::figures;
 use crate::markup::{Html, html};
-use crate::{Figure, Report, ReportError, Run};
-pub(crate) use answers::Answer;
-pub(crate) use cells::{DASH, percent, shown};
-pub(crate) use friction::{conditions, distribution_name, operating_level};
-pub(crate) use machine::Machine;
-pub(crate) use parameters::parameter;
-pub(crate) use random_surface::{in_words, length_in_words};
-pub(crate) use verdict::{dimension, named};
-pub(crate) use vibration::kind_in_words;
+use crate::{Figure, ReportError, Run};
 
 const STYLE: &str = include_str!("page/style.css");
 /// Script of the figures, bundled from `web/src/report.ts`.
 const FIGURES: &str = include_str!("page/figures.js");
+
+/// A rendered report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Report {
+    /// One HTML document that needs no other file and no network.
+    pub html: String,
+    /// The figures of the document, for use elsewhere.
+    pub figures: Vec<Figure>,
+}
 
 /// A page before it is rendered.
 pub(crate) struct Page<'a> {
@@ -106,244 +108,13 @@ impl Page<'_> {
             style = Html::from_markup(STYLE.to_owned()),
             opening = opening,
             first_screen = first_screen,
-            answers = answers::list(&answers, values),
+            answers = answer::list(&answers, values),
             warnings = warnings,
             sections = sections.iter().map(|section| section.html(&mut number)).collect::<Html>(),
             appendix = appendix::html(&appendix, &mut number),
         );
         let figures = sections.into_iter().chain(appendix).flat_map(|section| section.figures).map(Figure::from);
         Report { html: html.into_string(), figures: figures.collect() }
-    }
-}
-
-/// A section of a page.
-#[derive(Default)]
-pub(crate) struct Section {
-    id: &'static str,
-    title: &'static str,
-    /// The answer of the section in one sentence.
-    answer: String,
-    lead: String,
-    tables: Vec<DataTable>,
-    figures: Vec<CaptionedFigure>,
-    list: Html,
-    /// Id and title of the entry of the appendix with further tables and figures.
-    further: Option<(&'static str, &'static str)>,
-}
-
-impl Section {
-    /// Returns a section of tables and figures; `None` without any.
-    pub(crate) fn new(
-        id: &'static str,
-        title: &'static str,
-        lead: impl Into<String>,
-        mut tables: Vec<DataTable>,
-        figures: Vec<CaptionedFigure>,
-    ) -> Option<Self> {
-        tables.retain(|table| !table.rows.is_empty());
-        let is_empty = tables.is_empty() && figures.is_empty();
-        (!is_empty).then(|| Self { id, title, lead: lead.into(), tables, figures, ..Self::default() })
-    }
-
-    /// Returns a section of sentences; `None` without any.
-    pub(crate) fn sentences(id: &'static str, title: &'static str, lead: &str, items: &[String]) -> Option<Self> {
-        let list = unordered(items);
-        (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), list, ..Self::default() })
-    }
-
-    /// Returns a section of HTML.
-    pub(crate) fn of_html(id: &'static str, title: &'static str, lead: impl Into<String>, list: Html) -> Self {
-        Self { id, title, lead: lead.into(), list, ..Self::default() }
-    }
-
-    /// Returns the section of the references.
-    pub(crate) fn references(works: &[&str]) -> Self {
-        let list = html!("<ol>{}</ol>\n", items(works));
-        Self { id: "references", title: "References", list, ..Self::default() }
-    }
-
-    /// Adds how to cite the program and the paper.
-    fn with_citation(self, provenance: Option<&Provenance>) -> Self {
-        let version = provenance.map_or("", |provenance| provenance.asperity.as_str());
-        let list = html!("{}<h3>BibTeX</h3>\n<pre tabindex=\"0\">{}</pre>\n", self.list, references::bibtex(version));
-        Self { list, ..self }
-    }
-
-    /// Returns the section of the provenance; `None` without it.
-    pub(crate) fn provenance(provenance: Option<&Provenance>) -> Option<Self> {
-        let tables = provenance.map(provenance::table).into_iter().collect();
-        Self::new("provenance", "Provenance", "", tables, Vec::new())
-    }
-
-    /// States the answer of the section.
-    fn with_answer(self, answer: Option<String>) -> Self {
-        Self { answer: answer.unwrap_or_default(), ..self }
-    }
-
-    /// Names the entry of the appendix that belongs to the section, if there is one.
-    fn with_further(self, entry: Option<&Self>) -> Self {
-        Self { further: entry.map(|entry| (entry.id, entry.title)), ..self }
-    }
-
-    fn html(&self, number: &mut usize) -> Html {
-        let content = self.content(number);
-        html!("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", self.id, self.title, content)
-    }
-
-    /// Returns everything below the title.
-    fn content(&self, number: &mut usize) -> Html {
-        let paragraph = |class: &'static str, text: &str| match text {
-            "" => Html::default(),
-            text => html!("<p class=\"{}\">{}</p>\n", class, text),
-        };
-        let lead = html!("{}{}", paragraph("found", &self.answer), paragraph("lead", &self.lead));
-        let figures = self.figures.iter().map(|figure| {
-            *number += 1;
-            figure_html(*number, figure)
-        });
-        let further = self.further.map_or_else(Html::default, |(id, title)| {
-            html!("<p class=\"further\">In the appendix: <a href=\"#{}\">{}</a></p>\n", id, title)
-        });
-        html!(
-            "{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}{}",
-            lead,
-            self.tables.iter().map(DataTable::html).collect::<Html>(),
-            figures.collect::<Html>(),
-            &self.list,
-            further,
-        )
-    }
-}
-
-fn items<T: AsRef<str>>(texts: &[T]) -> Html {
-    texts.iter().map(|text| html!("<li>{}</li>", text)).collect()
-}
-
-fn unordered(texts: &[String]) -> Html {
-    html!("<ul>{}</ul>\n", items(texts))
-}
-
-fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
-    let sources = figure.sources.iter().enumerate().map(|(place, source)| {
-        let comma = if place == 0 { "" } else { ", " };
-        html!("{}<code>{}</code>", comma, source)
-    });
-    html!(
-        "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
-         <div class=\"static\">{3}</div>\n<script type=\"application/json\">{4}</script>\n<figcaption>{5} Data: {6}.</figcaption>\n</figure>\n",
-        figure.name,
-        number.to_string(),
-        &figure.title,
-        Html::from_markup(figure.svg()),
-        // No tag can begin inside of the data.
-        Html::from_markup(figure.layout.json().to_string().replace('<', "\\u003c")),
-        &figure.caption,
-        sources.collect::<Html>(),
-    )
-}
-
-/// A table of the page: header cells, rows of text, and the file that holds the numbers. A row of one cell is the title of
-/// the rows below it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct DataTable {
-    caption: String,
-    headers: Vec<String>,
-    rows: Vec<Vec<String>>,
-    /// Rows whose last cell is highlighted.
-    highlighted: Vec<usize>,
-    source: String,
-}
-
-impl DataTable {
-    pub(crate) fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>, source: &str) -> Self {
-        let headers = headers.iter().map(|header| (*header).to_owned()).collect();
-        Self { caption: caption.into(), headers, rows, highlighted: Vec::new(), source: source.into() }
-    }
-
-    /// Returns a table of names and values. A name with an empty value is the title of the rows below it.
-    pub(crate) fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
-        let row = |(name, value): (String, String)| if value.is_empty() { vec![name] } else { vec![name, value] };
-        Self::new(caption, &["Property", "Value"], rows.into_iter().map(row).collect(), source)
-    }
-
-    /// Highlights the last cell of some rows.
-    pub(crate) fn with_highlighted(self, highlighted: Vec<usize>) -> Self {
-        Self { highlighted, ..self }
-    }
-
-    /// Leaves out columns in which every cell is a dash.
-    fn without_empty_columns(mut self) -> Self {
-        let kept: Vec<bool> = (0..self.headers.len())
-            .map(|c| self.rows.iter().filter(|row| row.len() > 1).any(|row| row.get(c).is_some_and(|t| t != DASH)))
-            .collect();
-        for row in self.rows.iter_mut().chain([&mut self.headers]) {
-            let mut columns = kept.iter();
-            row.retain(|_| columns.next() == Some(&true));
-        }
-        self
-    }
-
-    fn html(&self) -> Html {
-        let caption = match self.caption.as_str() {
-            "" => Html::default(),
-            caption => html!("<caption>{}</caption>\n", caption),
-        };
-        let headers = self.headers.iter().map(|header| html!("<th scope=\"col\">{}</th>", header));
-        let rows = self.rows.iter().enumerate().map(|(place, row)| match row.as_slice() {
-            [title] => {
-                let span = self.headers.len().to_string();
-                html!("<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\">{}</th></tr>\n", span, title)
-            }
-            [first, cells @ ..] => {
-                let is_highlighted = self.highlighted.contains(&place);
-                let cells =
-                    cells.iter().enumerate().map(|(column, cell)| match is_highlighted && column + 1 == cells.len() {
-                        true => html!("<td class=\"outside\">{}</td>", cell),
-                        false => html!("<td>{}</td>", cell),
-                    });
-                html!("<tr><th scope=\"row\">{}</th>{}</tr>\n", first, cells.collect::<Html>())
-            }
-            [] => Html::default(),
-        });
-        html!(
-            "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
-             <p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
-            if self.caption.is_empty() { "Table" } else { &self.caption },
-            caption,
-            headers.collect::<Html>(),
-            rows.collect::<Html>(),
-            &self.source,
-        )
-    }
-}
-
-impl Display for DataTable {
-    /// Writes the caption, then the headers and rows in aligned columns.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rows = || std::iter::once(&self.headers).chain(&self.rows);
-        let cell = |row: &[String], column: usize| row.get(column).map_or(0, |cell| cell.chars().count());
-        let widths: Vec<usize> =
-            (0..self.headers.len()).map(|column| rows().map(|row| cell(row, column)).max().unwrap_or(0)).collect();
-        writeln!(f, "{}", self.caption)?;
-        for row in rows() {
-            let cells = row.iter().zip(&widths).map(|(cell, width)| format!("  {cell:width$}"));
-            writeln!(f, "{}", cells.collect::<String>().trim_end())?;
-        }
-        Ok(())
-    }
-}
-
-/// Returns the name of a method for the distribution of the pressure, for readers.
-pub(crate) fn method_name(method: &str) -> String {
-    match method {
-        "monte_carlo" => "Monte Carlo".into(),
-        "latin_hypercube" => "Latin hypercube".into(),
-        "sobol" => "Sobol’ sequence".into(),
-        "polynomial_chaos" => "polynomial chaos".into(),
-        "polynomial_chaos_log" => "polynomial chaos of log p".into(),
-        "polynomial_chaos_local" => "local polynomial chaos".into(),
-        "default" => "default of asperity".into(),
-        other => other.replace('_', " "),
     }
 }
 

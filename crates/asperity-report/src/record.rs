@@ -17,7 +17,7 @@ const DATA: &str = "record";
 /// # Errors
 /// The columns of a table differ in length.
 pub fn record_figures(tables: &BTreeMap<String, Table>) -> Result<Vec<Figure>, ReportError> {
-    crate::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
+    crate::run::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
     let chart = |name: &str, draw: &dyn Fn(&Table) -> Option<Chart>| -> Vec<Chart> {
         tables.get(name).and_then(draw).into_iter().collect()
     };

@@ -1,14 +1,19 @@
 //! The page of a scan and its twins.
 
 mod figures;
+pub(crate) mod run;
 
-use std::collections::BTreeMap;
+use asperity_results::{BandMethod, Comparison, StatisticComparison};
 
-use asperity_results::{BandMethod, Comparison, Provenance, StatisticComparison};
-
+use self::run::{TwinRun, distance, inside_share, named, percent, statistics};
+use crate::cells::{DASH, shown};
 use crate::format::{Dimension, fixed, significant};
-use crate::page::{Answer, DASH, DataTable, Page, Section, in_words, length_in_words, parameter, shown};
-use crate::{Field, Report, ReportError, Table};
+use crate::page::Page;
+use crate::page::answer::Answer;
+use crate::page::data_table::DataTable;
+use crate::page::section::Section;
+use crate::words::{in_words, length_in_words};
+use crate::{Report, ReportError};
 
 /// References of the twins.
 const REFERENCES: [&str; 4] = [
@@ -22,30 +27,13 @@ const REFERENCES: [&str; 4] = [
      surface texture parameters.",
 ];
 
-/// The data of the page of a comparison.
-#[derive(Debug, Clone, Default)]
-pub struct TwinRun {
-    /// Name of the scan.
-    pub name: String,
-    /// The content of `comparison.json`.
-    pub comparison: Comparison,
-    /// The tables by the name of their CSV file, without its extension.
-    pub tables: BTreeMap<String, Table>,
-    /// The prepared scan, in metre.
-    pub scan: Option<Field>,
-    /// The first twins, in metre.
-    pub twins: Vec<Field>,
-    /// The content of `provenance.json`.
-    pub provenance: Option<Provenance>,
-}
-
 /// Renders the page of a scan and its twins. It is a pure function; absent tables and fields are left out.
 ///
 /// # Errors
 /// The columns of a table differ in length, a field does not fill its grid or has no pixel size, or the PNG encoder failed.
 pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
     let fields = run.scan.iter().map(|scan| ("scan", scan)).chain(run.twins.iter().map(|twin| ("twin", twin)));
-    crate::validate(run.tables.iter().map(|(name, table)| (name.as_str(), table)), fields)?;
+    crate::run::validate(run.tables.iter().map(|(name, table)| (name.as_str(), table)), fields)?;
     let comparison = &run.comparison;
     let lead = format!(
         "Twins were evaluated as the scan was: its missing points were masked out of them and the form was removed. {}",
@@ -74,23 +62,6 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
     Ok(page.render())
 }
 
-/// Returns the statistics of a comparison in the order in which parameters are shown.
-fn statistics(comparison: &Comparison) -> Vec<(&str, &StatisticComparison)> {
-    let mut found: Vec<_> = comparison.twins.iter().map(|(key, statistic)| (key.as_str(), statistic)).collect();
-    found.sort_by_key(|(key, _)| parameter(key).map_or(usize::MAX, |(place, _, _)| place));
-    found
-}
-
-/// Returns symbol and meaning of a statistic.
-fn named(key: &str) -> (String, String) {
-    match parameter(key) {
-        // The gradients by seven points and by forward differences have the same symbol.
-        Some((_, symbol, meaning)) if key == "Sdq_7point" => (format!("{symbol} (7 points)"), meaning.into()),
-        Some((_, symbol, meaning)) => (symbol.into(), meaning.into()),
-        None => (Dimension::of_key(key).0.replace('_', " "), String::new()),
-    }
-}
-
 /// Returns the statistics as rows.
 fn table(comparison: &Comparison) -> DataTable {
     let statistics = statistics(comparison);
@@ -113,12 +84,6 @@ fn table(comparison: &Comparison) -> DataTable {
     DataTable::new("Scan and twins", &headers, rows, "comparison.json").with_highlighted(outside.collect())
 }
 
-/// Returns the distance of the scan from the mean of its twins, in their standard deviations.
-fn distance(statistic: &StatisticComparison) -> Option<f64> {
-    let std = statistic.std.filter(|std| *std > 0.0)?;
-    Some((statistic.target? - statistic.mean?) / std)
-}
-
 fn band_sentence(comparison: &Comparison) -> String {
     let count = comparison.count;
     match comparison.band_method {
@@ -133,10 +98,6 @@ fn band_sentence(comparison: &Comparison) -> String {
         ),
         BandMethod::None => "A single twin has no band; draw more.".into(),
     }
-}
-
-fn percent(fraction: f64) -> String {
-    format!("{} %", fixed(100.0 * fraction, 0))
 }
 
 /// Returns the fraction of the functions in the pointwise bands, for all of them and for each; empty without any.
@@ -158,11 +119,6 @@ fn curve_sentences(comparison: &Comparison) -> (String, String) {
         each.collect::<Vec<_>>().join(", ")
     );
     (format!(" and {} of the points of the curves", percent(inside)), detail)
-}
-
-/// Returns the fraction of the points of a curve inside the pointwise band.
-fn inside_share(comparison: &Comparison, curve: &str) -> Option<f64> {
-    comparison.curves.iter().find(|(name, _)| name == curve)?.1.inside_share
 }
 
 fn likeness(comparison: &Comparison) -> Option<Answer> {

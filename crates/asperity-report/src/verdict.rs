@@ -129,7 +129,7 @@ pub(crate) fn noun(verdict: &VerdictResult) -> &'static str {
     match kind {
         "overtaking" => "Vibration faster than the belt",
         "slip_cycle" => "Vibration without stick",
-        "stick_slip" => "Stick–slip",
+        "stick_slip" => "Stick-slip",
         _ => "Vibration",
     }
 }

@@ -37,6 +37,13 @@ pub struct FrictionResult {
     pub uncertainty: Option<UncertaintyResult>,
 }
 
+impl FrictionResult {
+    /// Returns the level at the operating point.
+    pub fn operating_level(&self) -> Option<&LevelResult> {
+        self.levels.iter().find(|level| level.leading).or(self.levels.first())
+    }
+}
+
 /// Rough body of a sliding contact.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -540,7 +540,7 @@ class Page {
     this.settle(
       "probability",
       `Share of ${numbers.trajectories} runs from standstill that vibrate for at least half of the second half of ${quantity(si(this.values, "duration"), "s", 3)}. ` +
-        `On average they vibrate for ${percent(numbers.vibration_share)} of it, with ${digits(numbers.cycles_mean, 3)} cycles of stick–slip ` +
+        `On average they vibrate for ${percent(numbers.vibration_share)} of it, with ${digits(numbers.cycles_mean, 3)} cycles of stick-slip ` +
         `(${numbers.cycles_deterministic} without fluctuation).${failures}${clipped}`,
     );
     Object.assign(part("probability", ".note").dataset, { numbers: JSON.stringify(numbers) });

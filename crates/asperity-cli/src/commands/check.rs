@@ -6,7 +6,8 @@ use asperity::study::{Stage, StageEstimate, Study, folder_of};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{run, study_file};
+use super::computation::default_destination;
+use super::study_file;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
@@ -48,7 +49,7 @@ impl Check {
         for stage in &stages {
             problems.extend(require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err());
         }
-        let destination = run::default_destination(&self.study);
+        let destination = default_destination(&self.study);
         problems.extend(require_disk(study.disk_bytes(), &destination, "the run").err());
         monitor.check()?;
         warnings.iter().for_each(|warning| monitor.warn(warning));

@@ -7,15 +7,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asperity::quantity::Time;
-use asperity::study::result::Results;
 use asperity::study::{
-    Campaign, CampaignResults, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage,
-    Staging, StoredCampaign, StoredRun, StudyError, Work, folder_of, resolved_study,
+    Campaign, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging,
+    StoredCampaign, StoredRun, StudyError, Work, folder_of, resolved_study,
 };
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{campaign, run, study_file};
+use super::found::{Found, found};
+use super::study_file;
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::{Terminal, duration};
@@ -28,37 +28,6 @@ use crate::run_folder::{begin_folder, load_failure, store_failure};
 pub(super) struct Computation {
     own: asperity::study::Computation,
     file: PathBuf,
-}
-
-/// Results of a finished folder.
-pub(super) enum Found<'a> {
-    Run(&'a Results),
-    Campaign(&'a CampaignResults),
-}
-
-impl Found<'_> {
-    /// Prints the results as JSON, or the main ones with their folder. A campaign without any answer fails.
-    pub(super) fn print(&self, json: bool, folder: &Path) -> Result<(), Failure> {
-        let answer = match self {
-            Self::Run(results) if json => Answer::new(results)?,
-            Self::Run(results) => run::headline(results, folder),
-            Self::Campaign(results) if json => Answer::new(results)?,
-            Self::Campaign(results) => campaign::headline(results, folder),
-        };
-        answer.print(json)?;
-        match self {
-            Self::Campaign(results) => campaign::require_answer(results),
-            Self::Run(_) => Ok(()),
-        }
-    }
-}
-
-/// Returns the results that were just computed.
-pub(super) fn found(computed: &Computed) -> Found<'_> {
-    match computed {
-        Computed::Run(outcome) => Found::Run(&outcome.results),
-        Computed::Campaign(results) => Found::Campaign(results),
-    }
 }
 
 impl Computation {
@@ -99,7 +68,7 @@ impl Computation {
     /// Returns the default folder.
     pub(super) fn destination(&self) -> PathBuf {
         match self.own.work() {
-            Work::Study { .. } => run::default_destination(&self.file),
+            Work::Study { .. } => default_destination(&self.file),
             Work::Campaign(_) => Path::new("campaigns").join(self.name()),
         }
     }
@@ -263,6 +232,11 @@ impl Computation {
     }
 }
 
+/// Returns the default folder of a run.
+pub(super) fn default_destination(study: &Path) -> PathBuf {
+    Path::new("runs").join(study.file_stem().unwrap_or_default())
+}
+
 /// Opens the blocks of a run.
 pub(super) fn open(run: &Path, record: RunRecord, share: Share) -> Result<Arc<RunBlocks>, Failure> {
     RunBlocks::open(run, record, share).map(Arc::new).map_err(|e| store_failure(&e))
@@ -326,7 +300,8 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
 /// Flags of a computation.
 #[derive(Debug, Args)]
 pub(super) struct Options {
-    /// Folder to write; runs/NAME or campaigns/NAME of the file when left out. The folder appears complete or not at all.
+    /// Folder to write. When left out, a study is written to runs/NAME and a campaign to campaigns/NAME, where NAME is the name of
+    /// the file. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed to use instead of the file's.

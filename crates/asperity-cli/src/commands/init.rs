@@ -22,7 +22,7 @@ pub(crate) struct Init {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Example {
-    /// A brake pad on a rough disc: the whole chain from a scan, in a quarter of a minute.
+    /// A brake pad on a rough disc: the whole chain from a scan, in 15 seconds.
     Quickstart,
     /// The study of Gaus et al. 2016.
     Paper,

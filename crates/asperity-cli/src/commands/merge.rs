@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use asperity::study::{RunStatus, Share, program_difference};
 use clap::Args;
 
-use super::computation::{Computation, as_json, found, missing, open, removed_at_exit};
+use super::computation::{Computation, as_json, missing, open, removed_at_exit};
+use super::found::found;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::Answer;

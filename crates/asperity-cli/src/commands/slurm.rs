@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use asperity::quantity::Time;
 use clap::Args;
 
-use super::computation::Computation;
-use super::run::default_destination;
+use super::computation::{Computation, default_destination};
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
@@ -32,10 +31,10 @@ pub(crate) struct Slurm {
     /// Number of arrays, each followed by a merge. An array computes the loops whose inputs are known; the last merge computes what is left.
     #[arg(long, value_name = "K", value_parser = args::count, default_value = "1")]
     rounds: usize,
-    /// Time limit of each job, such as "2 h"; that of the partition when left out.
+    /// Time limit of each job, such as "2 h"; the limit of the partition when left out.
     #[arg(long, value_name = "TIME", value_parser = args::positive_quantity::<Time>)]
     time: Option<Time>,
-    /// Memory of each job, such as "4 GB"; that of the partition when left out.
+    /// Memory of each job, such as "4 GB"; the default of the partition when left out.
     #[arg(long, value_name = "SIZE", value_parser = args::bytes)]
     memory: Option<f64>,
     /// Number of processors of each job.

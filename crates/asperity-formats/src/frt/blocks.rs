@@ -3,9 +3,14 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use super::BLOCK_COUNT;
 use crate::input::Input;
 
+/// First bytes of every file, before the version.
+pub(super) const SIGNATURE: &[u8] = b"FRTM_GLIDERV";
+/// Size in bytes of the version, such as `1.00`.
+pub(super) const VERSION_BYTES: usize = 4;
+/// Offset of the number of blocks, before the first block.
+pub(super) const BLOCK_COUNT: usize = SIGNATURE.len() + VERSION_BYTES;
 pub(super) const CURRENT_IMAGE: u16 = 0x000b;
 pub(super) const IMAGE_SIZE: u16 = 0x0066;
 pub(super) const SCAN_SIZE: u16 = 0x0067;

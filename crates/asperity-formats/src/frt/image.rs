@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::input::Input;
+use crate::large::Shape;
 use crate::sample::Sample;
-use crate::scan::Shape;
 
 /// Size in bytes of the description of the current image, before the first image of block 0x007d.
 const IMAGES_HEADER_BYTES: usize = 8;

@@ -6,6 +6,17 @@ use std::collections::HashMap;
 
 use crate::input::{Input, MAX_TEXT_BYTES};
 
+/// First bytes of a file.
+pub(super) const MAGIC: &[u8] = b"GWYP";
+/// First bytes of a file of Gwyddion 1.
+pub(super) const MAGIC_1: &[u8] = b"GWYO";
+/// Type of the root and of metadata.
+pub(super) const CONTAINER: &str = "GwyContainer";
+/// Type of an image or mask.
+pub(super) const DATA_FIELD: &str = "GwyDataField";
+/// Type of a unit.
+pub(super) const UNIT: &str = "GwySIUnit";
+
 /// Serialised object.
 #[derive(Clone, Copy)]
 pub(super) struct Object<'a> {

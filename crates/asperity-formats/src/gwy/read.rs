@@ -3,11 +3,10 @@
 use crate::error::Result;
 use std::collections::{BTreeMap, HashMap};
 
-use super::object::{Component, Object};
-use super::{CONTAINER, DATA_FIELD, MAGIC, MAGIC_1, UNIT};
+use super::object::{CONTAINER, Component, DATA_FIELD, MAGIC, MAGIC_1, Object, UNIT};
+use crate::chosen_map::ChosenMap;
 use crate::input::{Input, TextLimit};
 use crate::sample::Sample;
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{Format, FormatError, ReadOptions, Scan};
 

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use std::mem::size_of;
 
-use super::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
+use super::object::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
 use crate::{Format, FormatError, Scan};
 
 /// Title of a scan without a title.

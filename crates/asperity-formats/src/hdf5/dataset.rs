@@ -3,11 +3,13 @@
 use crate::error::Result;
 use std::borrow::Cow;
 
-use super::chunks::{Chunks, Filter};
 use super::datatype::{Class, Datatype, dimensions};
+use super::file::File;
+use super::header::Object;
 use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_VALUE};
+use super::layout::{self, Chunks, Filter};
 use super::piece::Piece;
-use super::{File, Object, Value};
+use super::value::Value;
 use crate::sample::{ByteOrder, Sample};
 
 /// Dataset with its header.
@@ -43,7 +45,7 @@ impl<'a> File<'a> {
         let datatype = self.datatype(self.message(datatype, "datatype")?, datatype.shared)?;
         let layout = read_layout(self.message(layout, "layout")?)?;
         let filters = match object.first(FILTERS) {
-            Some(message) => super::chunks::filters(self.message(message, "filters")?)?,
+            Some(message) => layout::filters(self.message(message, "filters")?)?,
             None => Vec::new(),
         };
         let fill = match (object.first(FILL_VALUE), object.first(OLD_FILL_VALUE)) {
@@ -120,7 +122,7 @@ fn read_layout<'a>(mut message: Piece<'a>) -> Result<Layout<'a>> {
             Layout::Compact(message.take("data", length)?)
         }
         1 => Layout::Contiguous(message.optional_address("address")?),
-        2 => Layout::Chunked(super::chunks::layout(message, version)?),
+        2 => Layout::Chunked(layout::layout(message, version)?),
         class => return Err(message.wrong("class", class_at, class, "0 compact, 1 contiguous, 2 chunked")),
     })
 }

@@ -1,8 +1,9 @@
 //! Datatypes and dataspaces.
 
+use super::file::File;
 use super::header::DATATYPE;
+use super::header::Object;
 use super::piece::Piece;
-use super::{File, Object};
 use crate::error::Result;
 use crate::sample::{ByteOrder, Sample};
 

@@ -1,9 +1,10 @@
 //! Groups: names and addresses of their objects.
 
+use super::file::{File, MAX_ENTRIES};
+use super::header::Object;
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
 use super::piece::Piece;
 use super::tree::Keys;
-use super::{File, MAX_ENTRIES, Object};
 use crate::error::Result;
 
 /// Keys of the tree of a symbol table: offsets of names.

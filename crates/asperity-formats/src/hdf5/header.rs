@@ -1,7 +1,7 @@
 //! Object headers: the messages that describe a group or a dataset.
 
+use super::file::{File, MAX_ENTRIES};
 use super::piece::Piece;
-use super::{File, MAX_ENTRIES};
 use crate::error::Result;
 
 pub(super) const DATASPACE: u16 = 0x01;

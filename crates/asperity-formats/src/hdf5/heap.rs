@@ -1,6 +1,6 @@
 //! Heaps: local (names of a symbol table), global (variable-length values) and fractal (dense links and attributes).
 
-use super::File;
+use super::file::File;
 use super::piece::Piece;
 use super::tree::width;
 use crate::error::Result;

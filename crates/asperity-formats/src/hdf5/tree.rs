@@ -1,6 +1,6 @@
 //! B-trees: version 1 for symbol tables and chunks, version 2 for dense links and attributes.
 
-use super::File;
+use super::file::File;
 use super::piece::Piece;
 use crate::error::Result;
 

@@ -1,9 +1,10 @@
 //! Attributes and their values.
 
 use super::datatype::{Class, Datatype, dimensions};
+use super::file::{File, MAX_ENTRIES};
+use super::header::Object;
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
 use super::piece::Piece;
-use super::{File, MAX_ENTRIES, Object};
 use crate::error::{Result, shown};
 
 /// Maximum number of numbers of a value that are shown as text.

@@ -3,13 +3,12 @@
 //! Variables with the record dimension follow the others, record by record. Layout: NetCDF Classic, 64-bit Offset and
 //! 64-bit Data Format Specifications.
 
-use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use super::contents::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable, transposed};
 use crate::Format;
 use crate::error::Result;
 use crate::input::Input;
-use crate::large;
+use crate::large::{self, Shape};
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::Shape;
 
 /// Tags of the three lists.
 const DIMENSIONS: u32 = 0x0a;
@@ -110,7 +109,7 @@ pub(super) fn numbers(input: &Input, variable: &Variable) -> Result<Vec<f64>> {
 /// Returns the numbers of a map in column order.
 pub(super) fn columns(input: &Input, variable: &Variable, shape: Shape) -> Result<Vec<f64>> {
     let Some(sample) = variable.sample.filter(|_| variable.record_bytes.is_none()) else {
-        return numbers(input, variable).map(|numbers| super::transposed(numbers, shape));
+        return numbers(input, variable).map(|numbers| transposed(numbers, shape));
     };
     let (rows, columns) = shape;
     let bytes = input.take(&variable.name, variable.at, (rows * columns).saturating_mul(sample.size()))?;

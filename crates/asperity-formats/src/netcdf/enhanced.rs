@@ -3,7 +3,7 @@
 use crate::error::Result;
 use std::collections::HashMap;
 
-use super::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use super::contents::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
 use crate::hdf5::{File, Object, shown_name};
 
 /// Attributes that connect datasets and are not shown to the user.

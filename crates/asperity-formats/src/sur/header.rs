@@ -8,6 +8,13 @@ use crate::input::{Field, Input, Kind};
 use crate::sample::{ByteOrder, Sample};
 use crate::unit::per_metre;
 
+/// First bytes of an object.
+pub(super) const SIGNATURE: &[u8; 12] = b"DIGITAL SURF";
+/// First bytes of an object whose heights are compressed.
+pub(super) const SIGNATURE_COMPRESSED: &[u8; 12] = b"DSCOMPRESSED";
+/// Difference between the lowest height and the code for missing points.
+pub(super) const VOID_BELOW_MINIMUM: i32 = 2;
+
 /// Size of the header in bytes.
 pub(super) const HEADER_BYTES: usize = 512;
 /// Value of the format field in files of big-endian machines. It is the same in either byte order.
@@ -198,4 +205,9 @@ impl<'a> Header<'a> {
         }
         Ok(metadata)
     }
+}
+
+/// Returns whether an object starts here.
+pub(super) fn is_object(bytes: &[u8]) -> bool {
+    bytes.starts_with(SIGNATURE) || bytes.starts_with(SIGNATURE_COMPRESSED)
 }

@@ -1,7 +1,6 @@
 //! Objects of a file: their parts and numbers.
 
-use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES};
-use super::{SIGNATURE_COMPRESSED, is_object};
+use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES, SIGNATURE_COMPRESSED, is_object};
 use crate::Format;
 use crate::archive::{beyond_reason, damaged, may_hold, unpack};
 use crate::error::Result;

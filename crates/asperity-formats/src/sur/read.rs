@@ -3,9 +3,8 @@
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-use super::VOID_BELOW_MINIMUM;
 use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJECTS};
-use super::header::{NAME_BYTES, SPECIAL_POINTS, X, Y, Z, Z_MAX, Z_MIN};
+use super::header::{NAME_BYTES, SPECIAL_POINTS, VOID_BELOW_MINIMUM, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
 use crate::input::Input;
 use crate::large;

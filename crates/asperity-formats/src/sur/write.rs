@@ -1,9 +1,40 @@
 //! Writer of SUR.
 
-use super::header::{AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME};
-use super::{SIGNATURE, SurData, VOID_BELOW_MINIMUM};
+use super::header::{
+    AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME, SIGNATURE,
+    VOID_BELOW_MINIMUM,
+};
 use crate::error::Result;
+use crate::sample::Sample;
 use crate::{Format, FormatError, Scan};
+
+/// Number type of the heights in a file to write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SurData {
+    /// 32766 steps from the lowest to the highest height.
+    Int16,
+    /// 2³¹ − 2 steps from the lowest to the highest height.
+    #[default]
+    Int32,
+}
+
+impl SurData {
+    /// Returns the number type.
+    fn sample(self) -> Sample {
+        match self {
+            Self::Int16 => Sample::I16,
+            Self::Int32 => Sample::I32,
+        }
+    }
+
+    /// Returns the highest number; the lowest is 0. One more would mark a saturated point.
+    fn highest(self) -> i32 {
+        match self {
+            Self::Int16 => i32::from(i16::MAX) - 1,
+            Self::Int32 => i32::MAX - 1,
+        }
+    }
+}
 
 /// Number of units per metre and spelling of micrometre and nanometre. µ is one byte of Latin-1.
 const MICROMETRE: (f64, &str) = (1e6, "\u{b5}m");

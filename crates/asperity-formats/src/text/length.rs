@@ -1,6 +1,6 @@
 //! Lengths in the header of a text.
 
-use super::rows::decimal_comma;
+use super::field::decimal_comma;
 use crate::unit::per_metre;
 
 /// One or two lengths.

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use crate::input::{TextLimit, utf8_or_latin1};
 use crate::large;
-use crate::text::Separator;
+use crate::text::field::{NO_DATA, decimal_comma, missing, number, special_number, spreadsheet_error};
+use crate::text::separator::{COMMENT, Separator};
 use crate::{Format, FormatError, Location, MAX_POINTS};
 
 /// Size in bytes below which another thread costs more time than it saves.
@@ -373,70 +374,11 @@ impl<'a> Scanner<'a> {
     }
 }
 
-const NO_DATA: &[u8] = b"No Data";
-
-/// Returns whether a field marks a missing height.
-fn missing(field: &[u8]) -> bool {
-    let is_nan = || {
-        let unsigned = field.strip_prefix(b"-").unwrap_or(field);
-        // C libraries write `-nan(ind)`.
-        unsigned.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"nan(")) && field.ends_with(b")")
-    };
-    field.is_empty()
-        || field.eq_ignore_ascii_case(b"bad")
-        || field.eq_ignore_ascii_case(NO_DATA)
-        || spreadsheet_error(field) == Some(field)
-        || is_nan()
-}
-
-/// Returns the length of a special number of Microsoft's C library (`1.#QNAN`, `-1.#IND00`, `1,#INF`) at the start.
-fn special_number(bytes: &[u8]) -> Option<usize> {
-    let unsigned = bytes.strip_prefix(b"-").unwrap_or(bytes);
-    let word = unsigned.strip_prefix(b"1.#").or_else(|| unsigned.strip_prefix(b"1,#"))?;
-    let letters = word.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(word.len());
-    let is_mark = [&b"QNAN"[..], b"SNAN", b"IND", b"INF"].iter().any(|mark| word[..letters].eq_ignore_ascii_case(mark));
-    let digits = word[letters..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-    is_mark.then_some(bytes.len() - word.len() + letters + digits)
-}
-
-/// Parses a number: NaN if it is infinite, `None` if it is beyond the range of `f64`.
-fn number(field: &[u8]) -> Option<f64> {
-    let value: f64 = std::str::from_utf8(field).ok()?.parse().ok()?;
-    let names_infinity = || field.iter().any(|byte| byte.eq_ignore_ascii_case(&b'n'));
-    match value.is_infinite() {
-        true => names_infinity().then_some(f64::NAN),
-        false => Some(value),
-    }
-}
-
-/// Parses a number with one comma between digits as decimal sign.
-pub(super) fn decimal_comma(field: &[u8]) -> Option<f64> {
-    let place = field.iter().position(|&byte| byte == b',')?;
-    let is_digit = |place: Option<usize>| place.and_then(|place| field.get(place)).is_some_and(u8::is_ascii_digit);
-    if !is_digit(place.checked_sub(1)) || !is_digit(place.checked_add(1)) || field.contains(&b'.') {
-        return None;
-    }
-    let mut field = field.to_vec();
-    field[place] = b'.';
-    number(&field)
-}
-
-/// Errors that spreadsheets export for cells without a value. Their first character would otherwise start a comment.
-const SPREADSHEET_ERRORS: [&[u8]; 8] =
-    [b"#N/A", b"#DIV/0!", b"#VALUE!", b"#REF!", b"#NAME?", b"#NUM!", b"#NULL!", b"#NV"];
-
-/// Returns the error of a spreadsheet at the start of a field.
-fn spreadsheet_error(rest: &[u8]) -> Option<&[u8]> {
-    let is_end = |byte: Option<&u8>| byte.is_none_or(|byte| matches!(byte, b',' | b';') || byte.is_ascii_whitespace());
-    let error = SPREADSHEET_ERRORS.iter().find(|error| rest.starts_with(error) && is_end(rest.get(error.len())))?;
-    rest.get(..error.len())
-}
-
 /// Returns the offset of the comment of a line; its length if there is none.
 pub(super) fn comment_start(line: &[u8]) -> usize {
     let is_number = |place: usize| place.checked_sub(2).is_some_and(|start| special_number(&line[start..]).is_some());
     let starts = |(place, byte): (usize, &u8)| {
-        super::COMMENT.contains(byte) && spreadsheet_error(&line[place..]).is_none() && !is_number(place)
+        COMMENT.contains(byte) && spreadsheet_error(&line[place..]).is_none() && !is_number(place)
     };
     line.iter().enumerate().position(starts).unwrap_or(line.len())
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::Scan;
-use crate::text::Separator;
+use crate::text::separator::Separator;
 
 /// Writes the heights in metre as text, one row per line. Each number has the fewest digits that read back to the
 /// same `f64`; missing heights are `nan`.

@@ -13,8 +13,8 @@ use super::directory::{Directory, Tag};
 use super::tag;
 use crate::Format;
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
+use crate::large::Shape;
 use crate::sample::{ByteOrder, Sample};
-use crate::scan::Shape;
 
 /// Maximum number of strips or tiles of one page.
 const MAX_CHUNKS: u64 = 1 << 16;

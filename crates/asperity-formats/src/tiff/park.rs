@@ -5,10 +5,10 @@
 //! Layout of the header: Park Systems, *TIFF Format of XEI*; Gwyddion and SurfaceTopography read the same fields.
 
 use super::directory::{Directory, Tag};
+use crate::chosen_map::ChosenMap;
 use crate::error::Result;
 use crate::input::{Input, utf16_text};
 use crate::sample::{ByteOrder, Sample};
-use crate::selection::ChosenMap;
 use crate::unit::per_metre;
 use crate::{FormatError, ReadOptions, Scan, large};
 

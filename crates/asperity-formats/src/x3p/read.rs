@@ -3,7 +3,7 @@
 use crate::error::{Result, shown};
 use md5::{Digest, Md5};
 
-use super::{CHECKSUM, MAIN, path, sample};
+use super::names::{CHECKSUM, MAIN, path, sample};
 use crate::archive::{Archive, hexadecimal};
 use crate::sample::Sample;
 use crate::scan;

@@ -11,10 +11,40 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
-use super::{CHECKSUM, MAIN, POINT_DATA, VALID_POINTS, X3pData};
+use super::names::{CHECKSUM, MAIN, POINT_DATA, SAMPLES, VALID_POINTS};
 use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit};
-use crate::sample::stored;
+use crate::sample::{Sample, stored};
 use crate::{Format, FormatError, Scan};
+
+/// Number type of the heights in a file to write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum X3pData {
+    /// 32768 steps from the lowest to the highest height, with an error of at most half a step; missing points in
+    /// `valid.bin`. The stored numbers are 0 to 32767, so that readers that take the type as unsigned read them
+    /// correctly.
+    Int16,
+    /// `f32`; NaN for missing points.
+    Float32,
+    /// `f64`; NaN for missing points.
+    #[default]
+    Float64,
+}
+
+impl X3pData {
+    /// Returns the letter of the type in `main.xml`.
+    fn letter(self) -> &'static str {
+        SAMPLES.iter().find(|(_, sample)| *sample == self.sample()).map_or("D", |(letter, _)| letter)
+    }
+
+    /// Returns the number type.
+    fn sample(self) -> Sample {
+        match self {
+            Self::Int16 => Sample::I16,
+            Self::Float32 => Sample::F32,
+            Self::Float64 => Sample::F64,
+        }
+    }
+}
 
 /// Schema of ISO 5436-2, which ISO 25178-72 adopted and readers look for.
 const NAMESPACE: &str = "http://www.opengps.eu/2008/ISO5436_2";

@@ -30,9 +30,10 @@ fn the_content_decides_and_not_the_name() {
 
 #[test]
 fn unknown_content_is_shown() {
-    for (bytes, start) in
-        [(&b""[..], "the file is empty; known are"), (b"\x00\x01BCR", "5 bytes that start with `\\x00\\x01BCR`")]
-    {
+    for (bytes, start) in [
+        (&b""[..], "the file is empty; known formats are"),
+        (b"\x00\x01BCR", "5 bytes that start with `\\x00\\x01BCR`"),
+    ] {
         assert_eq!(Format::detect(bytes), None);
         let error = read_bytes(bytes).unwrap_err();
         assert!(matches!(error, FormatError::Unrecognised { .. }) && error.to_string().contains(start), "{error}");

@@ -2,11 +2,11 @@
 
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
-use super::{
+use crate::campaign::words::{
     capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown, values_in_words,
 };
 use crate::format::{count, significant};
-use crate::page::Answer;
+use crate::page::answer::Answer;
 
 /// Largest number of names in a sentence.
 const MOST_NAMES: usize = 4;

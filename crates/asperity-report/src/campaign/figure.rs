@@ -2,10 +2,10 @@
 
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
-use super::{SOURCE, capitalised, differs, key_in_words, number, unit_of, values_in_words, verdict};
+use crate::campaign::words::{SOURCE, capitalised, differs, key_in_words, number, unit_of, values_in_words, verdict};
+use crate::cells::DASH;
 use crate::figures::CaptionedFigure;
 use crate::format::{Unit, count};
-use crate::page::DASH;
 use crate::plot::{Axis, BLUE, Chart, Colour, Mark, VERMILION, pen, range};
 
 /// Largest number of curves or colours.

@@ -2,10 +2,13 @@
 
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
-use super::{SOURCE, capitalised, is_undetermined, key_in_words, number, probability, shown, unit_of, verdict};
+use crate::campaign::words::{
+    SOURCE, capitalised, is_undetermined, key_in_words, number, probability, shown, unit_of, verdict,
+};
+use crate::cells::DASH;
 use crate::format::{Unit, significant};
 use crate::markup::{Html, html};
-use crate::page::{DASH, kind_in_words};
+use crate::words::kind_in_words;
 
 /// Column of the table: its title and the cells, each with the number by which it is sorted.
 struct Column {

@@ -8,14 +8,16 @@ mod trace;
 mod uncertainty;
 mod windows;
 
-use super::{CaptionedFigure, columns, positive};
-use crate::page::{distribution_name, operating_level};
+use asperity_results::FrictionResult;
+
+use crate::figures::CaptionedFigure;
 use crate::plot::Chart;
+use crate::words::distribution_name;
 use crate::{ReportError, Run, Table};
 
 /// Draws the figures of the friction coefficient.
 pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
-    let level = run.results.friction.as_ref().and_then(operating_level);
+    let level = run.results.friction.as_ref().and_then(FrictionResult::operating_level);
     let first = match level.and_then(|level| level.at_mean_load.marginal.as_ref()) {
         Some(distribution) => format!("ranked first ({})", distribution_name(distribution)),
         None => "ranked first".to_owned(),

@@ -6,9 +6,10 @@ mod intervals;
 mod maps;
 mod scalars;
 pub(super) mod sensitivities;
+mod style;
 
-use super::{CaptionedFigure, columns, field_map};
-use crate::plot::{BLUE, Dash, GREEN, Kind, ORANGE, PLUM, PURPLE, Pen, SKY, Shape, VERMILION, pen};
+use super::{CaptionedFigure, field_map};
+use crate::plot::Kind;
 use crate::{ReportError, Run};
 
 /// Draws the figures for which the run holds data.
@@ -28,19 +29,4 @@ pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
         sensitivities::figure(run),
     ];
     Ok(sample.into_iter().chain(maps::figures(run)?).chain(charts.into_iter().flatten()).collect())
-}
-
-/// Returns the curve and the symbol of a method, the same in all figures; `index` is its place in the list.
-fn style(method: &str, index: usize) -> (Pen, Shape) {
-    let (colour, width, dash, shape) = match method {
-        "monte_carlo" => (BLUE, 1.8, Dash::Short, Shape::Ring),
-        "latin_hypercube" => (SKY, 1.8, Dash::Dashed, Shape::Frame),
-        "sobol" => (GREEN, 1.8, Dash::Alternating, Shape::Diamond),
-        "polynomial_chaos" => (PURPLE, 1.8, Dash::Dotted, Shape::Cross),
-        "polynomial_chaos_log" => (ORANGE, 1.8, Dash::Long, Shape::Plus),
-        "polynomial_chaos_local" => (PLUM, 1.8, Dash::LongShort, Shape::OpenDiamond),
-        "default" => (VERMILION, 2.6, Dash::Solid, Shape::Disc),
-        _ => return (pen(index), Shape::Ring),
-    };
-    (Pen::new(colour, width, dash), shape)
 }

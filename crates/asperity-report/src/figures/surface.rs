@@ -2,12 +2,12 @@
 
 mod correlation;
 mod density;
+mod scan;
 mod spectrum;
 mod structure;
 
-use asperity_results::{SurfaceResult, SurfaceStatistics};
-
-use super::{CaptionedFigure, columns, field_map, positive, present, raster_map};
+use self::scan::scan_sentence;
+use super::{CaptionedFigure, field_map, raster_map};
 use crate::plot::{Kind, Raster};
 use crate::{Field, ReportError, Run};
 
@@ -42,22 +42,4 @@ fn maps(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let drawn = shown.iter().zip(&rasters);
     maps.extend(drawn.filter_map(|(((name, title), _), raster)| raster_map(raster, name, title, &caption)));
     Ok(maps)
-}
-
-/// Returns the statistics of the scan in the figures: the first of several.
-fn scan(run: &Run) -> Option<&SurfaceStatistics> {
-    let surface = run.results.surface.as_ref()?;
-    surface.scan().or_else(|| Some(&surface.part()?.scans.first()?.statistics))
-}
-
-/// Returns a sentence for a caption that names the scan in the figure; empty if there is only one.
-fn scan_sentence(run: &Run) -> String {
-    let scans = run.results.surface.as_ref().and_then(SurfaceResult::part).map_or(&[][..], |part| &part.scans);
-    match scans {
-        [first, _, ..] => {
-            let (file, count) = (&first.file, scans.len());
-            format!(" Measured: {file}, the first of {count} scans; the random surface is fitted to all of them.")
-        }
-        _ => String::new(),
-    }
 }

@@ -5,13 +5,13 @@ use asperity_results::{
     VibrationResult,
 };
 
-use super::cells::shown;
-use super::friction::{operating_level, place};
-use super::vibration::difference;
-use super::{mode_coupling, parameters};
 use crate::Run;
+use crate::cells::shown;
 use crate::format::{Dimension, significant, with_error};
-use crate::markup::{Html, html};
+use crate::page::answer::Answer;
+use crate::page::friction::place;
+use crate::page::vibration::difference;
+use crate::page::{mode_coupling, parameters};
 
 /// Largest fraction of the deterministic cycles at which a resolved effect is called negligible.
 const NEGLIGIBLE: f64 = 0.01;
@@ -19,32 +19,6 @@ const NEGLIGIBLE: f64 = 0.01;
 /// interval is inconclusive.
 const NARROW: f64 = 0.1;
 const VANISHES: &str = "No effect at the scale of your machine";
-
-/// A question, its short answer, and its conditions.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Answer {
-    pub(crate) question: &'static str,
-    pub(crate) answer: String,
-    pub(crate) detail: String,
-}
-
-/// Returns the answers as HTML, below a sentence on the values that they hold for, if there is one.
-pub(super) fn list(answers: &[Answer], lead: Option<&str>) -> Html {
-    let lead = lead.map_or_else(Html::default, |lead| html!("<p class=\"lead\">{}</p>\n", lead));
-    let items = answers.iter().map(|Answer { question, answer, detail }| {
-        let template =
-            html!("<dt>{}</dt><dd class=\"answer\">{}</dd><dd class=\"detail\">{}</dd>", question, answer, detail);
-        html!("<div>{}</div>\n", template)
-    });
-    match answers {
-        [] => Html::default(),
-        _ => html!(
-            "<section id=\"answers\" aria-label=\"Answers\">\n{}<dl class=\"answers\">\n{}</dl>\n</section>\n",
-            lead,
-            items.collect::<Html>()
-        ),
-    }
-}
 
 /// Returns the answers for which the run has results.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
@@ -169,7 +143,7 @@ pub(super) fn of_friction(result: &FrictionResult) -> String {
 
 /// Returns the quotient F/N at the operating point in a sentence, if it has a mean.
 pub(super) fn of_quotient(friction: &FrictionResult) -> Option<String> {
-    let level = operating_level(friction)?;
+    let level = friction.operating_level()?;
     Some(format!(
         "Its mean at the operating point is {}.",
         shown(Dimension::None, Some(level.mean?), level.mean_interval)
@@ -189,7 +163,7 @@ pub(super) fn of_mode_coupling(result: &ModeCouplingResult) -> String {
 }
 
 /// Answers whether the machine vibrates without fluctuation of friction, and what starts the vibration.
-pub(crate) fn vibration_answer(vibration: &VibrationResult) -> String {
+pub fn vibration_answer(vibration: &VibrationResult) -> String {
     match (vibration.cycle.limit_cycle, vibration.steady_sliding_unstable, vibration.kick_m_per_s) {
         (false, Some(_), _) => "No: every motion ends in steady sliding".into(),
         (false, None, _) => "No: no limit cycle is reached from stick".into(),
@@ -204,7 +178,7 @@ pub(crate) fn vibration_answer(vibration: &VibrationResult) -> String {
 
 fn vibrates(vibration: &VibrationResult) -> Answer {
     let kind = match vibration.kind {
-        KindResult::StickSlip => " The motion is stick–slip: the mass sticks to the belt in every period.",
+        KindResult::StickSlip => " The motion is stick-slip: the mass sticks to the belt in every period.",
         KindResult::Overtaking => " The mass overtakes the belt in every period and never sticks.",
         KindResult::SlipCycle => " The mass stays slower than the belt and never sticks.",
         KindResult::Flutter | KindResult::Divergence | KindResult::None => "",

@@ -1,8 +1,9 @@
 //! The appendix: fitted distributions, the comparison of methods, and checks of models, folded.
 
-use super::{Section, friction, parameters, tables};
 use crate::figures::{self, CaptionedFigure};
 use crate::markup::{Html, html};
+use crate::page::section::Section;
+use crate::page::{friction, parameters, tables};
 use crate::{ReportError, Run};
 
 /// Figures of the appendix.

@@ -2,10 +2,11 @@
 
 use asperity_results::{CutoffResult, FrictionResult, MeasuredSurface, Pair, PressureResult, VibrationResult};
 
-use super::cells::shown;
-use super::{DataTable, parameters};
 use crate::Run;
+use crate::cells::shown;
 use crate::format::{Dimension, significant};
+use crate::page::data_table::DataTable;
+use crate::page::parameters;
 use crate::verdict::percent;
 
 /// Name, value with its interval, and the origin of the error.

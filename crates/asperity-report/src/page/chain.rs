@@ -2,13 +2,12 @@
 
 use asperity_results::{ModelResult, SurfaceResult};
 
-use super::DASH;
-use super::cells::percent;
-use super::friction::operating_level;
-use super::verdict::{between, kind_of_motion};
+use crate::cells::{DASH, percent};
 use crate::format::{Dimension, significant, with_error};
 use crate::markup::{Html, html};
 use crate::plot::range;
+use crate::verdict::noun as kind_of_motion;
+use crate::words::between;
 use crate::{Field, Run};
 
 /// Size of a picture.
@@ -76,7 +75,7 @@ fn rms_height(surface: &SurfaceResult) -> Option<(f64, String)> {
 fn contact(run: &Run) -> Option<Link> {
     let friction = run.results.friction.as_ref()?;
     let point = &friction.operating_point;
-    let plastic = operating_level(friction).map(|level| level.plastic_share).filter(|share| *share > 0.0);
+    let plastic = friction.operating_level().map(|level| level.plastic_share).filter(|share| *share > 0.0);
     let plastic = plastic.map_or_else(String::new, |share| format!("; {} of it plastic", percent(share, 2)));
     Some(Link {
         section: "friction",

@@ -2,9 +2,9 @@
 
 use asperity_results::CutoffResult;
 
-use super::DataTable;
-use super::cells::{DASH, percent, plain, shown};
+use crate::cells::{DASH, percent, plain, shown};
 use crate::format::Dimension;
+use crate::page::data_table::DataTable;
 
 /// Returns one row per cut-off and one for half the pitch; `None` without a cut-off.
 pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {

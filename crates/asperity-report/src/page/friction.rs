@@ -7,10 +7,11 @@ use asperity_results::{
     ReturnLevelResult, RoughBodyResult, UncertaintyResult,
 };
 
-use super::cells::{DASH, percent, plain, shown, yes_or_no};
-use super::random_surface::meaning;
-use super::{DataTable, cutoff, in_words};
+use crate::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, significant};
+use crate::page::cutoff;
+use crate::page::data_table::DataTable;
+use crate::words::{conditions, distribution_name, in_words, meaning};
 
 /// Returns the name of a level: its percentile, or the depth or mean pressure that defines it.
 fn level_name(level: &LevelResult) -> String {
@@ -19,29 +20,6 @@ fn level_name(level: &LevelResult) -> String {
         (_, Some(percentile)) => format!("{} %", significant(percentile, 3)),
         (_, None) => format!("at {}", Dimension::Pressure.show(level.mean_pressure_pa)),
     }
-}
-
-/// Returns the level at the operating point.
-pub(crate) fn operating_level(friction: &FrictionResult) -> Option<&LevelResult> {
-    friction.levels.iter().find(|level| level.leading).or(friction.levels.first())
-}
-
-/// Describes window, strips and boundary in a sentence.
-pub(crate) fn conditions(friction: &FrictionResult) -> String {
-    let length = |metre: f64| Dimension::Length.show(metre);
-    let boundary = match friction.mean_compliance_m_per_pa {
-        Some(compliance) => {
-            format!("periodic, of mean compliance {} under a fixed plane", Dimension::Compliance.show(compliance))
-        }
-        None => "free".into(),
-    };
-    format!(
-        "Window of {} × {} on {} strips {} wide ({boundary}).",
-        length(friction.window_m),
-        length(friction.window_width_m),
-        friction.realisations,
-        length(friction.strip_width_m)
-    )
 }
 
 /// Describes the operating point: its level and its mean pressure.
@@ -103,7 +81,7 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
 
 /// Returns the distributions and the correlation models fitted at the operating point.
 pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
-    let Some(level) = operating_level(friction) else { return Vec::new() };
+    let Some(level) = friction.operating_level() else { return Vec::new() };
     let process = &level.at_mean_load;
     let found = Distribution {
         of: "at the mean load",
@@ -118,7 +96,7 @@ pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
 
 /// Returns the moments of F/N by level, and its distribution at the operating point.
 pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
-    let distribution = operating_level(friction).map(|level| {
+    let distribution = friction.operating_level().map(|level| {
         let found = Distribution {
             of: "of the quotient F/N",
             marginal: level.marginal.as_ref(),
@@ -351,10 +329,4 @@ fn correlation_models(level: &LevelResult) -> DataTable {
     );
     let headers = ["Model", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
     DataTable::new(&caption, &headers, curves.chain(models).collect(), "results.json").without_empty_columns()
-}
-
-/// Returns the name of a fitted distribution for readers.
-pub(crate) fn distribution_name(fit: &LawResult) -> String {
-    let shifted = fit.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
-    format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&fit.name))
 }

@@ -3,8 +3,8 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 
-use super::Section;
 use crate::markup::{Html, html};
+use crate::page::section::Section;
 
 /// The oscillator in WebAssembly, gzipped, and the script of its worker; both built from `web`.
 const MODULE: &[u8] = include_bytes!("oscillator.wasm.gz");

@@ -2,10 +2,11 @@
 
 use asperity_results::{CoupledMotion, KindResult, ModeCouplingResult};
 
-use super::cells::{DASH, plain, shown, yes_or_no};
-use super::vibration::kind_in_words;
-use super::{Answer, DataTable};
+use crate::cells::{DASH, plain, shown, yes_or_no};
 use crate::format::{Dimension, significant};
+use crate::page::answer::Answer;
+use crate::page::data_table::DataTable;
+use crate::words::kind_in_words;
 
 /// Answers whether the machine flutters.
 pub(super) fn answer(result: &ModeCouplingResult) -> Answer {

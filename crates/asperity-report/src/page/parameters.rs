@@ -2,10 +2,11 @@
 
 use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
 
-use super::cells::DASH;
-use super::{DataTable, in_words};
+use crate::cells::DASH;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
+use crate::page::data_table::DataTable;
+use crate::words::in_words;
 use crate::{Run, Table};
 
 /// Key, symbol and meaning of a parameter.

@@ -2,9 +2,9 @@
 
 use asperity_results::Provenance;
 
-use super::DataTable;
-use super::cells::DASH;
+use crate::cells::DASH;
 use crate::format::Dimension;
+use crate::page::data_table::DataTable;
 
 /// Largest number of instruction sets that are listed; more are counted.
 const LISTED: usize = 12;

@@ -2,9 +2,10 @@
 
 use asperity_results::{CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, SurfaceResult};
 
-use super::DataTable;
-use super::cells::{percent, plain, yes_or_no};
+use crate::cells::{percent, plain, yes_or_no};
 use crate::format::Dimension;
+use crate::page::data_table::DataTable;
+use crate::words::{TO_1_E, in_words, length_in_words, meaning};
 
 /// Returns the random surface: covariance, distribution of the heights, expansion.
 pub(super) fn table(surface: &SurfaceResult) -> DataTable {
@@ -28,41 +29,6 @@ pub(super) fn table(surface: &SurfaceResult) -> DataTable {
         ]
     }));
     DataTable::properties("Random surface", rows, "results.json")
-}
-
-/// Meaning of a length over which the correlation falls to 1/e.
-const TO_1_E: &str = "to 1/e";
-
-/// Returns the meaning of the length of a covariance model.
-pub(crate) fn length_in_words(model: &str) -> &'static str {
-    match model {
-        "matern" => "scale of the model",
-        "self_affine" => "roll-off length",
-        _ => TO_1_E,
-    }
-}
-
-/// Returns the name of a covariance model, generator or distribution for readers.
-pub(crate) fn in_words(name: &str) -> String {
-    match name {
-        "self_affine" => return "self-affine".into(),
-        "karhunen_loeve" => return "Karhunen–Loève".into(),
-        "weierstrass_mandelbrot" => return "Weierstrass–Mandelbrot".into(),
-        _ => {}
-    }
-    let word = |word| match word {
-        "matern" => "Matérn",
-        "beta" => "Beta",
-        "gamma" => "Gamma",
-        "weibull" => "Weibull",
-        "johnson" => "Johnson",
-        "su" => "SU",
-        "sb" => "SB",
-        "sl" => "SL",
-        "sn" => "SN",
-        other => other,
-    };
-    name.split('_').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// Returns the model with its lengths and exponents, and the models that were tried.
@@ -109,30 +75,6 @@ fn empirical(found: &EmpiricalCovariance) -> [(String, String); 9] {
         ("largest change of a lag by the clipping", plain(found.clipping_change, 3)),
     ];
     rows.map(|(name, value)| (name.to_owned(), value))
-}
-
-/// Returns the meaning of a parameter of a distribution, and whether it has the unit of the distributed quantity.
-pub(super) fn meaning(distribution: &str, key: &str) -> (String, bool) {
-    let (meaning, has_unit) = match (distribution, key) {
-        (_, "mean") => ("mean", true),
-        (_, "std") => ("standard deviation", true),
-        ("lognormal", "mu") => ("mean of the logarithm of the excess over the shift", false),
-        ("lognormal", "sigma") => ("standard deviation of that logarithm", false),
-        ("lognormal" | "weibull" | "gamma", "shift") => ("shift, lower end", true),
-        ("weibull" | "gamma", "shape") => ("shape", false),
-        ("weibull" | "gamma", "scale") => ("scale", true),
-        ("beta", "a") => ("first shape a", false),
-        ("beta", "b") => ("second shape b", false),
-        ("beta" | "triangular", "low") => ("lower end", true),
-        ("triangular", "mode") => ("mode", true),
-        ("beta" | "triangular", "high") => ("upper end", true),
-        (_, "gamma") => ("γ", false),
-        (_, "delta") => ("δ", false),
-        (_, "xi") => ("location ξ", true),
-        (_, "lambda") => ("scale λ", true),
-        (_, other) => return (other.replace('_', " "), false),
-    };
-    (meaning.to_owned(), has_unit)
 }
 
 #[cfg(test)]

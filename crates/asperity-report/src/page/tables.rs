@@ -2,9 +2,11 @@
 
 use asperity_results::{CoarseEntry, PressureResult, ScalarQuantile};
 
-use super::cells::{DASH, plain, shown};
-use super::{DataTable, method_name, parameters, random_surface};
+use crate::cells::{DASH, plain, shown};
 use crate::format::{Dimension, with_error};
+use crate::page::data_table::DataTable;
+use crate::page::{parameters, random_surface};
+use crate::words::method_name;
 use crate::{Input, Run};
 
 /// Returns the tables of `surface`: parameters with their meaning, then the random surface.

@@ -4,24 +4,18 @@ mod drivers;
 mod margin;
 mod remedies;
 mod rests_on;
-mod text;
-mod words;
+pub(crate) mod text;
 
 use asperity_results::{Driver, ModelResult, Quantiles, VerdictResult};
 
-use self::margin::Limits;
-pub use self::text::verdict_text;
-pub(super) use self::words::between;
-pub(crate) use self::words::{dimension, named};
-use super::DataTable;
-use super::cells::{percent as table_percent, shown};
 use crate::Run;
+use crate::cells::{percent as table_percent, shown};
 use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
-pub(super) use crate::verdict::noun as kind_of_motion;
+use crate::page::data_table::DataTable;
+use crate::page::verdict::margin::Limits;
 use crate::verdict::{Headline, MEAN_FRICTION, RARE, is_exact, percent, steady_sliding};
-
-const SOURCE: &str = "results.json";
+use crate::words::{between, named, unbroken};
 
 /// Returns the first screen: the verdict in one sentence, its numbers, and four cards. `chain` is shown below them.
 pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> Html {
@@ -56,11 +50,6 @@ fn card(title: &str, content: &Html) -> Html {
 fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// Keeps numbers and percent signs on one line.
-fn unbroken(text: &str) -> String {
-    text.replace(" %", "\u{a0}%")
 }
 
 /// Returns the sentences below the headline: errors of the probability, steady sliding, and the vibration.
@@ -155,7 +144,7 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
     };
     let headers = ["Value", "First order", "Total", "Shapley effect", "Range narrows by"];
     let drivers = |caption: &str, drivers: &[Driver]| {
-        DataTable::new(caption, &headers, drivers.iter().map(driver).collect(), SOURCE).without_empty_columns()
+        DataTable::new(caption, &headers, drivers.iter().map(driver).collect(), "results.json").without_empty_columns()
     };
     let guesses = verdict.guesses.iter().map(|guess| {
         vec![
@@ -177,7 +166,7 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             "Probability of vibration if an unknown value were at its 5 % or its 95 % quantile",
             &["Value", "At 5 %", "At 95 %"],
             guesses.collect(),
-            SOURCE,
+            "results.json",
         ),
         rests_on::table(&verdict.rests_on),
     ]

@@ -2,10 +2,10 @@
 
 use asperity_results::{DampingResult, EnsembleResult, KindResult, MotionResult, Pair, PointsResult, VibrationResult};
 
-use super::cells::{DASH, percent, plain, shown, yes_or_no};
-use super::random_surface::meaning;
-use super::{DataTable, distribution_name};
+use crate::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, show_range, significant, with_error};
+use crate::page::data_table::DataTable;
+use crate::words::{distribution_name, kind_in_words, meaning};
 
 /// Returns limits and cycle, cycles over damping, motion, and distributions of points.
 pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
@@ -41,7 +41,7 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
         ("smallest kick that starts vibration", in_unit(Dimension::Velocity, vibration.kick_m_per_s)),
         ("Limits of the damping ratio", String::new()),
         ("ζ_v, largest with any vibration", limit(vibration.limit_damping_ratio)),
-        ("ζ_c, largest with stick–slip", limit(vibration.critical_damping_ratio)),
+        ("ζ_c, largest with stick-slip", limit(vibration.critical_damping_ratio)),
         ("ζ_H, steady sliding is unstable below", limit(vibration.hopf_damping_ratio)),
         ("Friction", String::new()),
         ("upscaling of the study", format!("“{}”", vibration.upscaling)),
@@ -58,18 +58,6 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
     });
     let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(distribution);
     DataTable::properties("Motion without roughness, and the friction of the machine", rows, "results.json")
-}
-
-/// Returns the name of a kind of motion for readers.
-pub(crate) fn kind_in_words(kind: KindResult) -> &'static str {
-    match kind {
-        KindResult::StickSlip => "stick–slip",
-        KindResult::Overtaking => "overtaking",
-        KindResult::SlipCycle => "slip cycle",
-        KindResult::Flutter => "flutter",
-        KindResult::Divergence => "divergence",
-        KindResult::None => "steady sliding",
-    }
 }
 
 /// Returns the cycles by damping ratio and upscaling.
@@ -164,7 +152,7 @@ fn motion(vibration: &VibrationResult) -> DataTable {
             cell(|motion| format!("{} %", with_error(100.0 * motion.stick_share, 100.0 * motion.stick_share_se))),
         ),
         ("Time in vibration", cell(|motion| percent(motion.share_in_cycle, 4))),
-        ("of it in stick–slip", kind(KindResult::StickSlip)),
+        ("of it in stick-slip", kind(KindResult::StickSlip)),
         ("of it overtaking the belt without stick", kind(KindResult::Overtaking)),
         ("of it slower than the belt throughout", kind(KindResult::SlipCycle)),
         (

@@ -3,13 +3,13 @@
 mod frame;
 mod layout;
 mod legend;
+pub(super) mod mark;
 
 pub(crate) use self::layout::{Layout, ONE_COLUMN, TWO_COLUMNS, stacked};
-use self::legend::Legend;
+use self::mark::{DISC, Mark, SYMBOL, Series};
 use crate::plot::axis::Axis;
 use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, TEXT, THIN, WHITE, text_width};
 use crate::plot::polyline::{clipped, simplified};
-use crate::plot::symbol::Shape;
 
 /// Curves are simplified by at most this distance in pixels.
 const TOLERANCE: f64 = 0.12;
@@ -17,45 +17,12 @@ const TOLERANCE: f64 = 0.12;
 const MAX_CORNERS: usize = 30_000;
 /// Bars of a histogram up to this width in pixels have no edge.
 const NARROW_BAR: f64 = 4.0;
-/// Radius of symbols in pixels.
-const SYMBOL: f64 = 4.2;
-/// Radius of the discs on curves in pixels.
-const DISC: f64 = 3.2;
 /// Size of notes in pixels.
 const SMALL: f64 = 12.0;
 /// Largest number of curves that remain distinct in one chart.
 pub(crate) const CURVES: usize = 6;
 /// Height of a chart that has a figure of its own, in pixels.
 const HEIGHT: f64 = 330.0;
-
-/// Data of a series and how they are drawn; values are in SI units.
-#[derive(Debug, Clone)]
-pub(crate) enum Mark {
-    /// A curve, interrupted where a value is undefined.
-    Line { x: Vec<f64>, y: Vec<f64>, pen: Pen },
-    /// A curve with a disc at every point.
-    Points { x: Vec<f64>, y: Vec<f64>, pen: Pen },
-    /// A symbol at one point.
-    Symbol { x: f64, y: f64, shape: Shape, colour: Colour },
-    /// A horizontal line between two values of x, for intervals.
-    Span { from: f64, to: f64, y: f64, pen: Pen },
-    /// The region between two curves, interrupted where one of them is undefined.
-    Band { x: Vec<f64>, low: Vec<f64>, high: Vec<f64>, colour: Colour },
-    /// Bars of a histogram from the base of the chart; `x` holds the bin centres.
-    Bars { x: Vec<f64>, y: Vec<f64>, colour: Colour },
-    /// A part of the x axis over the whole height of the chart, cut at the ends of the axis.
-    Region { from: f64, to: f64, colour: Colour },
-    /// A vertical line across the chart.
-    Vertical { x: f64, pen: Pen },
-    /// A horizontal line across the chart.
-    Horizontal { y: f64, pen: Pen },
-    /// A short text above a point.
-    Note { x: f64, y: f64, text: String },
-    /// Many small points.
-    Dots { x: Vec<f64>, y: Vec<f64>, radius: f64, colour: Colour, opacity: f64 },
-    /// An entry of the legend that explains a colour of the image behind the chart.
-    Patch { colour: Colour },
-}
 
 /// An image behind the marks of a chart, which replaces its grid.
 #[derive(Debug, Clone)]
@@ -66,13 +33,6 @@ pub(crate) struct Backdrop {
     pub(crate) y: (f64, f64),
     /// Height over width of the image if both axes have one scale.
     pub(crate) aspect: Option<f64>,
-}
-
-/// A series with its name in the legend; a series without a name is not in the legend.
-#[derive(Debug, Clone)]
-pub(crate) struct Series {
-    pub(crate) name: String,
-    pub(crate) mark: Mark,
 }
 
 /// Series over two axes.

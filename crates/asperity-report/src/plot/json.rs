@@ -4,7 +4,8 @@ use serde_json::{Value, json};
 
 use crate::plot::axis::Axis;
 use crate::plot::canvas::Pen;
-use crate::plot::chart::{Backdrop, Chart, Layout, Mark, Series, bins};
+use crate::plot::chart::mark::{Mark, Series};
+use crate::plot::chart::{Backdrop, Chart, Layout, bins};
 use crate::plot::polyline::corners;
 
 /// Curves with more points are simplified.

@@ -2,7 +2,8 @@
 
 use crate::format::Dimension;
 use crate::plot::axis::Axis;
-use crate::plot::chart::{Backdrop, Chart, Mark};
+use crate::plot::chart::mark::Mark;
+use crate::plot::chart::{Backdrop, Chart};
 use crate::plot::image::{ColourBar, indexed, scale_palette, shade};
 use crate::plot::palette::{MISSING, NO_CONTACT};
 use crate::{Field, ReportError};

@@ -1,9 +1,9 @@
 //! Maps side by side, parameters of the scan among those of the twins, and functions with their bands.
 
-use super::{TwinRun, distance, inside_share, named, percent, statistics};
 use crate::figures::{CaptionedFigure, columns, positive, raster_panels};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Kind, Mark, Pen, Raster, SKY, Shape, VERMILION, range};
+use crate::twin::run::{TwinRun, distance, inside_share, named, percent, statistics};
 use crate::{ReportError, Table};
 
 /// Draws the figures for which the run holds data.

@@ -60,7 +60,7 @@ fn the_sentence_states_the_probability_with_its_interval() {
     let likely = example::verdict::verdict();
     assert_eq!(
         verdict_sentence(&likely),
-        "Stick–slip is as likely as not: 64 % (61 % to 67 %) of machines like this one vibrate, once started from standstill; 12 % from \
+        "Stick-slip is as likely as not: 64 % (61 % to 67 %) of machines like this one vibrate, once started from standstill; 12 % from \
          steady sliding."
     );
     let mut rare = likely.clone();
@@ -75,11 +75,11 @@ fn the_sentence_states_the_probability_with_its_interval() {
     (certain.probability, certain.probability_interval) = (0.9995, [0.994, 0.9999]);
     assert!(verdict_sentence(&certain).contains("more than 99.9 % (99.4 % to more than 99.9 %)"));
     (certain.probability, certain.probability_interval) = (0.99995, [0.9995, 0.99999]);
-    assert!(verdict_sentence(&certain).starts_with("Stick–slip is almost certain: more than 99.9 % of machines"));
+    assert!(verdict_sentence(&certain).starts_with("Stick-slip is almost certain: more than 99.9 % of machines"));
     let mut exact = likely;
     (exact.evaluations, exact.if_vibrating) = (1, None);
     let sentence = verdict_sentence(&exact);
-    assert!(sentence.contains("The machine vibrates (stick–slip)") && sentence.contains("13\u{a0}mm/s"), "{sentence}");
+    assert!(sentence.contains("The machine vibrates (stick-slip)") && sentence.contains("13\u{a0}mm/s"), "{sentence}");
     exact.nominal.vibrates = false;
     assert!(verdict_sentence(&exact).contains("does not vibrate"));
 }
@@ -133,7 +133,7 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
     assert_eq!(html.matches("<li><span>").count(), 3, "three drivers");
     let words = plain(&html);
     for wanted in [
-        "Stick–slip is as likely as not: 64 % of machines like this one vibrate, once started from standstill.",
+        "Stick-slip is as likely as not: 64 % of machines like this one vibrate, once started from standstill.",
         "Computed to ±3 percentage points. Over the unknown Stribeck coefficient it lies between 22 % and 91 %. From steady sliding \
          12 %. If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
@@ -243,7 +243,7 @@ fn exact_values_are_two_marks_on_an_axis() {
     let html = page(verdict);
     let words = plain(&html);
     for wanted in [
-        "The machine vibrates (stick–slip), once started from standstill.",
+        "The machine vibrates (stick-slip), once started from standstill.",
         "Steady sliding stays quiet, unless a kick of 13 mm/s starts it.",
         "the machine has 0.0155",
         "the limit is 0.018",

@@ -197,7 +197,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
                 vec![
                     "ζ_H = 0.181",
                     "ζ_c = 0.221",
-                    "stick–slip",
+                    "stick-slip",
                     "steady sliding",
                     "upwards",
                     "downwards",
@@ -211,7 +211,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
             curve(),
             vec![(
                 "critical_curve",
-                vec!["sliding and stick–slip coexist", "ζ_c − ζ_H", "ζ_H: sliding is stable above"],
+                vec!["sliding and stick-slip coexist", "ζ_c − ζ_H", "ζ_H: sliding is stable above"],
             )],
         ),
         (
@@ -226,7 +226,7 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
                 ("survival", vec!["Fraction in vibration", "never left vibration", "Time τ"]),
             ],
         ),
-        (basin(), vec![("basin", vec!["steady sliding", "stick–slip", "separatrix", "limit cycle"])]),
+        (basin(), vec![("basin", vec!["steady sliding", "stick-slip", "separatrix", "limit cycle"])]),
         (
             modes(),
             vec![

@@ -40,7 +40,7 @@ pub(crate) struct FitRecord {
     preparation: PreparationOptions,
     /// Distribution to fit: auto, normal, lognormal, weibull, beta, beta:LOW,HIGH with known bounds, johnson, or
     /// empirical.
-    #[arg(long, value_name = "LAW", default_value = "auto", value_parser = law, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DISTRIBUTION", default_value = "auto", value_parser = distribution, allow_hyphen_values = true)]
     law: DistributionChoice,
     /// Write the process to this file, for `[vibration] friction_process` and `asperity friction simulate`.
     #[arg(long, value_name = "PROCESS.json")]
@@ -113,7 +113,7 @@ struct PreparationOptions {
     decimate: usize,
 }
 
-fn law(text: &str) -> Result<DistributionChoice, args::Refusal> {
+fn distribution(text: &str) -> Result<DistributionChoice, args::Refusal> {
     text.parse().map_err(|e: String| e.into())
 }
 
@@ -283,9 +283,9 @@ fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answe
     if !json {
         return answer;
     }
-    let laws = &fitted.marginals;
-    let law = |fit: &Fit| {
-        let aic = fit.aic_correlated(laws.effective_size);
+    let marginals = &fitted.marginals;
+    let ranked = |fit: &Fit| {
+        let aic = fit.aic_correlated(marginals.effective_size);
         json!({ "name": fit.family.key(), "law": fit.marginal.to_string(), "aic": aic })
     };
     let model = |ranked: &RankedLength| {
@@ -303,7 +303,7 @@ fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answe
     };
     let warnings: Vec<&String> = record.warnings.iter().chain(&fitted.warnings).collect();
     answer
-        .with("laws", laws.fits.iter().map(law).collect::<Vec<_>>())
+        .with("laws", marginals.fits.iter().map(ranked).collect::<Vec<_>>())
         .with("correlation_models", fitted.models.iter().map(model).collect::<Vec<_>>())
         .with("warnings", json!(warnings))
 }

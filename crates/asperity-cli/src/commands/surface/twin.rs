@@ -93,7 +93,7 @@ struct ModelOptions {
     rms_height: Option<Length>,
     /// Marginal distribution of the heights: measured, normal, beta:A,B, lognormal:MU,SIGMA, weibull:SHAPE,SCALE,
     /// gamma:SHAPE,SCALE, triangular:LOW,MODE,HIGH, johnson:SKEWNESS,KURTOSIS.
-    #[arg(long, value_name = "LAW", default_value = "measured", value_parser = marginal)]
+    #[arg(long, value_name = "DISTRIBUTION", default_value = "measured", value_parser = marginal)]
     marginal: String,
     /// Method that imposes the marginal distribution: corrected keeps the correlation, plain distorts it slightly.
     #[arg(long, value_parser = args::named::<TranslationKind>(), default_value = "corrected")]

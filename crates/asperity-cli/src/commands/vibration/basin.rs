@@ -11,8 +11,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::folder::Folder;
+use super::machine::{Damping, Machine, code};
 use super::map::axis_range;
-use super::{Damping, Machine, code, series};
+use super::series;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;

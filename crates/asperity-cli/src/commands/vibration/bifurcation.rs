@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::critical_curve::{check_over, parameter};
 use super::folder::Folder;
-use super::{Damping, Machine, code};
+use super::machine::{Damping, Machine, code};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;

@@ -6,8 +6,8 @@ use asperity::vibration::{
 };
 use clap::Args;
 
-use super::Machine;
 use super::folder::Folder;
+use super::machine::Machine;
 use crate::args::{self, Named};
 use crate::failure::Failure;
 use crate::monitor::Terminal;

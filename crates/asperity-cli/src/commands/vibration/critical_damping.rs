@@ -3,7 +3,7 @@
 use asperity::vibration::{self, VibrationError, critical_damping, limit_damping};
 use clap::Args;
 
-use super::Machine;
+use super::machine::Machine;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;

@@ -3,7 +3,7 @@
 use asperity::vibration::{LimitCycle, Regime, VibrationError, limit_cycle, smallest_kick};
 use clap::Args;
 
-use super::{Damping, Machine};
+use super::machine::{Damping, Machine};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::Answer;

@@ -8,8 +8,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::folder::Folder;
+use super::machine::{Damping, Machine};
 use super::random::{Paths, Source, Trajectories};
-use super::{Damping, Machine, series};
+use super::series;
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;

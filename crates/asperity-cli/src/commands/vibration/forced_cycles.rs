@@ -4,7 +4,7 @@ use asperity::vibration::{ForcedCycle, forced_cycles};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{Damping, Machine};
+use super::machine::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;

@@ -6,8 +6,8 @@ use asperity::vibration::{MapAxis, MapOver, MapResolution, MapSettings, stabilit
 use clap::Args;
 
 use super::folder::Folder;
+use super::machine::{Damping, Machine};
 use super::random::{Clipping, Fluctuation, Paths, Trajectories};
-use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;

@@ -15,8 +15,8 @@ use asperity::vibration::mode_coupling::{
 use clap::Args;
 use clap::builder::ArgPredicate;
 
-use super::Friction;
 use super::folder::Folder;
+use super::machine::Friction;
 use super::random::{Fluctuation, Paths};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;

@@ -67,7 +67,7 @@ impl Trajectories {
 /// Source of the fluctuation: flags, or the file of a fitted process.
 #[derive(Debug, Args)]
 #[command(mut_arg("correlation_length", |length| length.required(false).required_unless_present("friction_process")))]
-#[command(mut_arg("marginal", |law| law.required(false).required_unless_present("friction_process")))]
+#[command(mut_arg("marginal", |marginal| marginal.required(false).required_unless_present("friction_process")))]
 pub(super) struct Source {
     /// Standard deviation of the friction coefficient.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true,
@@ -149,7 +149,7 @@ pub(super) struct Fluctuation {
     pub(super) correlation_length: f64,
     /// Shape of the distribution: normal, lognormal:MU,SIGMA, weibull:SHAPE,SCALE, gamma:SHAPE,SCALE, beta:A,B or
     /// triangular:LOW,MODE,HIGH.
-    #[arg(long, value_name = "LAW")]
+    #[arg(long, value_name = "DISTRIBUTION")]
     marginal: Marginal,
     /// Grid points of the fluctuation per correlation length.
     #[arg(long, value_name = "N", default_value = "20", value_parser = args::count, allow_hyphen_values = true)]

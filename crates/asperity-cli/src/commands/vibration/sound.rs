@@ -7,9 +7,9 @@ use asperity::vibration::{self, Drive, Integrator, Oscillator, SoundSettings, Tr
 use clap::Args;
 
 use super::folder::Folder;
+use super::machine::{Damping, Machine};
 use super::random::{Paths, Source};
 use super::wav::Wav;
-use super::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;

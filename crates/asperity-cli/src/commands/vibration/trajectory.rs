@@ -8,7 +8,7 @@ use asperity::vibration::{self, Drive, TrajectorySettings, VibrationError};
 use clap::Args;
 use serde_json::json;
 
-use super::{Damping, Machine};
+use super::machine::{Damping, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::input::read_failure;

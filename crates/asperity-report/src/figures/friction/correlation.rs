@@ -1,10 +1,10 @@
 //! The correlation of friction over the lag and over the frequency, and the correlation of contact area with load.
 
-use super::{columns, positive};
 use crate::Table;
+use crate::figures::{columns, positive};
 use crate::format::{Dimension, Unit};
-use crate::page::in_words;
 use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREEN, GREY, Pen, VERMILION, pen, range};
+use crate::words::in_words;
 
 /// Draws the autocorrelation with that of the window alone and with the models fitted to it; `data` names the data.
 pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {

@@ -2,7 +2,7 @@
 
 use asperity_results::CutoffResult;
 
-use super::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 use crate::{Run, Table};

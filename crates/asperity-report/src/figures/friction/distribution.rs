@@ -1,10 +1,10 @@
 //! The distribution of a friction coefficient and its goodness of fit; `data` names the data: windows or a record.
 
-use super::columns;
 use crate::Table;
+use crate::figures::columns;
 use crate::format::Unit;
-use crate::page::in_words;
 use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREY, Pen, VERMILION, pen, range};
+use crate::words::in_words;
 
 /// Draws the histogram with the chosen distribution and the other fitted ones; Beta stands out.
 pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart> {

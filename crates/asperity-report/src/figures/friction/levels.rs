@@ -1,9 +1,9 @@
 //! Moments and load over penetration (Fig. 3 of the paper).
 
-use super::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Dimension, Unit, significant};
-use crate::page::conditions;
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
+use crate::words::conditions;
 use crate::{Run, Table};
 
 /// A band this much wider than the curves is cut off.

@@ -1,6 +1,6 @@
 //! Friction along the track, below the pressure on the strip.
 
-use super::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, Chart, Kind, Pen, Raster, pen, range};
 use crate::{ReportError, Run, Table};

@@ -2,8 +2,8 @@
 
 use asperity_results::{IndexEntry, ParameterIndexResult, UncertainResponse};
 
-use super::CaptionedFigure;
 use crate::Run;
+use crate::figures::CaptionedFigure;
 use crate::figures::pressure::sensitivities::{Panel, draw_panels};
 
 const NAME: &str = "friction_sensitivity";

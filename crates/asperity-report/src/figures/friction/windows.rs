@@ -2,8 +2,8 @@
 
 use asperity_results::LevelResult;
 
-use super::{columns, positive};
 use crate::Table;
+use crate::figures::{columns, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Pen, VERMILION, range, stacked};
 

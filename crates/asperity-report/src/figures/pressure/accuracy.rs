@@ -4,10 +4,11 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI};
 
 use asperity_results::{MethodEntry, PressureResult};
 
-use super::{CaptionedFigure, columns, style};
+use crate::figures::pressure::style::style;
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
-use crate::page::method_name;
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
+use crate::words::method_name;
 use crate::{Run, Table};
 
 /// Larger errors are not drawn: such a distribution is unrelated to the true one.

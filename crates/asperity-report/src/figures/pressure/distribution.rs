@@ -1,10 +1,11 @@
 //! The distribution function of the pressure by every method (Fig. 2 of the paper).
 
-use super::{CaptionedFigure, columns, style};
 use crate::Run;
+use crate::figures::pressure::style::style;
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit};
-use crate::page::method_name;
 use crate::plot::{Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
+use crate::words::method_name;
 
 /// The methods that are left out first if there are too many curves.
 const EXTRA: [&str; 2] = ["polynomial_chaos_local", "sobol"];

@@ -2,11 +2,12 @@
 
 use asperity_results::{MethodEntry, Pair};
 
-use super::{CaptionedFigure, style};
 use crate::Run;
+use crate::figures::CaptionedFigure;
+use crate::figures::pressure::style::style;
 use crate::format::Dimension;
-use crate::page::method_name;
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range};
+use crate::words::method_name;
 
 /// Height of a row in pixels.
 const ROW: f64 = 24.0;

@@ -2,8 +2,8 @@
 
 use asperity_results::ScalarQuantile;
 
-use super::{CaptionedFigure, columns};
 use crate::Run;
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, Mark, Pen, Shape, VERMILION, range};
 

@@ -2,8 +2,8 @@
 
 use asperity_results::{IndexEntry, Pair, SensitivityEntry};
 
-use super::CaptionedFigure;
 use crate::Run;
+use crate::figures::CaptionedFigure;
 use crate::format::{Unit, fixed};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, Mark, ORANGE, Pen};
 

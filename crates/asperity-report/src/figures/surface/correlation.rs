@@ -1,6 +1,7 @@
 //! Autocorrelation along x and y with its bands, the model, and the correlation lengths.
 
-use super::{CaptionedFigure, columns, scan, scan_sentence};
+use crate::figures::surface::scan::{scan, scan_sentence};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 use crate::{Run, Table};

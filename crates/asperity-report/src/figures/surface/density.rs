@@ -1,10 +1,11 @@
 //! Density of heights with the distributions that fit best.
 
-use super::{CaptionedFigure, columns, scan_sentence};
+use crate::figures::surface::scan::scan_sentence;
+use crate::figures::{CaptionedFigure, columns};
 use crate::fits::{HeightFit, height_fits};
 use crate::format::Dimension;
-use crate::page::in_words;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Mark, ORANGE, PURPLE, Pen, VERMILION, range};
+use crate::words::in_words;
 use crate::{Run, Table};
 
 const NAME: &str = "height_pdf";

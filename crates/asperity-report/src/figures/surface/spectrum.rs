@@ -1,7 +1,8 @@
 //! Power spectral density: the radial mean, and profiles along x and y.
 
-use super::{CaptionedFigure, columns, positive, present, scan, scan_sentence};
 use crate::Run;
+use crate::figures::surface::scan::{scan, scan_sentence};
+use crate::figures::{CaptionedFigure, columns, positive, present};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, VERMILION, range};
 

@@ -1,7 +1,8 @@
 //! Structure functions along x and y with the power laws that give the Hurst exponent.
 
-use super::{CaptionedFigure, columns, positive, scan, scan_sentence};
 use crate::Run;
+use crate::figures::surface::scan::{scan, scan_sentence};
+use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range};
 

@@ -2,10 +2,10 @@
 
 use asperity_results::AreaAsOne;
 
-use super::CaptionedFigure;
 use crate::Run;
+use crate::cells::percent;
+use crate::figures::CaptionedFigure;
 use crate::format::{Unit, significant};
-use crate::page::percent;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, Pen, VERMILION};
 
 const TITLE: &str = "Probability of vibration against the windows that share the load";

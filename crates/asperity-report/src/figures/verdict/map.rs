@@ -2,13 +2,13 @@
 
 use asperity_results::{ProbabilityMap, ProbabilityMapAxis, VerdictResult};
 
-use super::CaptionedFigure;
-use crate::figures::present;
-use crate::figures::vibration::outlined;
+use crate::cells::percent;
+use crate::figures::vibration::curves::outlined;
 use crate::figures::vibration::stability_map::{lines, with_colour_bar};
-use crate::page::{dimension, named, percent};
+use crate::figures::{CaptionedFigure, present};
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
 use crate::verdict::percent as probability;
+use crate::words::{dimension, named};
 use crate::{ReportError, Run};
 
 const CONTOURS: &str = "verdict_map_contours";

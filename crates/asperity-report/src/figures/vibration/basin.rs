@@ -1,7 +1,8 @@
 //! Attractors over the starting points in the phase plane.
 
-use super::{ATTRACTORS, CaptionedFigure, Tables, columns, outlined};
 use crate::ReportError;
+use crate::figures::vibration::curves::{ATTRACTORS, Tables, outlined};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Colour, Dash, Mark, Pen, VERMILION, WHITE, indexed, pale, range};
 

@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 
-use super::{ATTRACTORS, CaptionedFigure, Tables, axis_label, columns};
 use crate::Table;
+use crate::figures::vibration::curves::{ATTRACTORS, Tables, axis_label};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
 

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, axis_label, columns};
+use crate::figures::vibration::curves::{Tables, axis_label};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, ORANGE, Pen, VERMILION, range, stacked};
 
@@ -24,15 +25,15 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
     let mut chart = Chart::new(axis(), Axis::padded("Damping ratio ζ", Unit::none(), y, 0.08));
     let (height, cycle, sliding) = match locked {
         true => (320.0, "ζ_c: the locked cycle ends (fold)", "ζ_H of the unforced machine"),
-        false => (250.0, "ζ_c: the stick–slip cycle ends", "ζ_H: sliding is stable above"),
+        false => (250.0, "ζ_c: the stick-slip cycle ends", "ζ_H: sliding is stable above"),
     };
     if !locked {
-        chart.band("sliding and stick–slip coexist", x, [hopf, critical], ORANGE);
+        chart.band("sliding and stick-slip coexist", x, [hopf, critical], ORANGE);
     }
     chart.line(cycle, x, critical, Pen::new(VERMILION, 2.2, Dash::Solid));
     chart.line(sliding, x, hopf, Pen::new(BLUE, 2.0, Dash::Dashed));
     let gap = if locked { None } else { gap(axis(), x, critical, hopf) };
-    let caption = "ζ_c, at which the stick–slip cycle ends, and ζ_H, above which steady sliding is stable. Between the two both exist.";
+    let caption = "ζ_c, at which the stick-slip cycle ends, and ζ_H, above which steady sliding is stable. Between the two both exist.";
     let charts = stacked(std::iter::once(chart).chain(gap).collect(), height);
     CaptionedFigure::from_charts("critical_curve", "Critical damping along a parameter", caption, 1, &charts, &[])
 }

@@ -2,7 +2,7 @@
 
 use asperity_results::VibrationResult;
 
-use super::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, GREY, Pen, VERMILION, range, stacked};
 use crate::{Run, Table};
@@ -19,7 +19,7 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
     let Some(sweep) = run.tables.get(NAME).and_then(|table| Sweep::new(table, run.results.vibration.as_ref())) else {
         return Vec::new();
     };
-    let lost = "Number of stick–slip cycles M, and its difference from the deterministic count (the paper’s Fig. 5c) with 95 % \
+    let lost = "Number of stick-slip cycles M, and its difference from the deterministic count (the paper’s Fig. 5c) with 95 % \
                 intervals. “Area” averages μ over the nominal contact area and is the reading to use; “paper” lets one window carry \
                 the whole normal force.";
     let sustained = "Above: fraction of the trajectories that vibrate for at least half of the second half of their time. Below: cycles \

@@ -1,8 +1,10 @@
 //! Mode coupling: growth and frequency of the modes over the friction coefficient, and the cycle in the plane.
 
+use asperity_results::ModeCouplingResult;
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, columns};
+use crate::figures::vibration::curves::Tables;
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, Shape, VERMILION, range, stacked};
 
@@ -14,8 +16,37 @@ const CONTACTS: [(f64, &str, Pen); 4] = [
     (3.0, "off the belt", Pen::new(PURPLE, 2.0, Dash::Dotted)),
 ];
 
+/// Values in the figure of the modes.
+pub(super) struct Marks {
+    coalescence: Option<f64>,
+    critical_friction: Option<f64>,
+    friction: Option<f64>,
+    /// Mean growth rate under fluctuating friction.
+    mean_growth: Option<f64>,
+}
+
+impl Marks {
+    /// Reads the answer of a command.
+    pub(super) fn of_answer(answer: &Value) -> Self {
+        let number = |key: &str| answer[key].as_f64();
+        Self {
+            coalescence: number("coalescence"),
+            critical_friction: number("critical_friction"),
+            friction: number("friction"),
+            mean_growth: number("growth_rate_mean"),
+        }
+    }
+}
+
+impl From<&ModeCouplingResult> for Marks {
+    fn from(result: &ModeCouplingResult) -> Self {
+        let &ModeCouplingResult { coalescence, critical_friction, friction, .. } = result;
+        Self { coalescence, critical_friction, friction: Some(friction), mean_growth: None }
+    }
+}
+
 /// Draws the growth above the frequency.
-pub(super) fn over_friction(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
+pub(super) fn over_friction(marks: &Marks, tables: &Tables) -> Option<CaptionedFigure> {
     let table = tables.get("modes_over_friction")?;
     let friction = table.column("friction")?;
     let ends = range(friction)?;
@@ -38,9 +69,8 @@ pub(super) fn over_friction(answer: &Value, tables: &Tables) -> Option<Captioned
             for (mode, (name, pen)) in modes.into_iter().zip(pens) {
                 mode.into_iter().for_each(|y| chart.line(name, friction, y, pen));
             }
-            draw_values(&mut chart, answer, ends.1);
-            let mean = answer["friction"].as_f64().zip(answer["growth_rate_mean"].as_f64());
-            if let Some((x, y)) = mean.filter(|_| grows) {
+            draw_values(&mut chart, marks, ends.1);
+            if let Some((x, y)) = marks.friction.zip(marks.mean_growth).filter(|_| grows) {
                 chart
                     .add("mean growth under fluctuation", Mark::Symbol { x, y, shape: Shape::Diamond, colour: PURPLE });
             }
@@ -53,14 +83,14 @@ pub(super) fn over_friction(answer: &Value, tables: &Tables) -> Option<Captioned
 }
 
 /// Draws vertical lines at the characteristic friction coefficients.
-fn draw_values(chart: &mut Chart, answer: &Value, last: f64) {
+fn draw_values(chart: &mut Chart, marks: &Marks, last: f64) {
     let values = [
-        ("coalescence", "undamped modes meet, μ", Pen::new(GREY, 1.8, Dash::Dotted)),
-        ("critical_friction", "critical μ", Pen::new(BLACK, 1.8, Dash::Alternating)),
-        ("friction", "stated machine, μ", Pen::new(GREEN, 1.6, Dash::Long)),
+        (marks.coalescence, "undamped modes meet, μ", Pen::new(GREY, 1.8, Dash::Dotted)),
+        (marks.critical_friction, "critical μ", Pen::new(BLACK, 1.8, Dash::Alternating)),
+        (marks.friction, "stated machine, μ", Pen::new(GREEN, 1.6, Dash::Long)),
     ];
-    for (key, name, pen) in values {
-        if let Some(x) = answer[key].as_f64() {
+    for (value, name, pen) in values {
+        if let Some(x) = value {
             let beyond = if x > last { ", beyond the axis" } else { "" };
             chart.vertical(format!("{name} = {}{beyond}", significant(x, 4)), x, pen);
         }

@@ -1,6 +1,7 @@
 //! Distributions of the points at which the mass sticks again and at which it leaves the belt.
 
-use super::{CaptionedFigure, Tables, columns};
+use crate::figures::vibration::curves::Tables;
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, ORANGE, Pen, range};
 use crate::{Run, Table};

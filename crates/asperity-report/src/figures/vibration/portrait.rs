@@ -1,7 +1,8 @@
 //! Phase portraits: many trajectories, one trajectory, and the deterministic cycle over them.
 
-use super::{CaptionedFigure, Tables, columns, separated};
 use crate::Run;
+use crate::figures::vibration::curves::{Tables, separated};
+use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, Chart, Dash, Mark, PURPLE, Pen, SKY, VERMILION, range};
 

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, columns};
-use crate::figures::positive;
+use crate::figures::vibration::curves::Tables;
+use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Unit, fixed, show_range, significant};
 use crate::plot::{Axis, BLUE, Chart, Dash, Pen, VERMILION, range};
 

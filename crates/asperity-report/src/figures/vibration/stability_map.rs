@@ -1,9 +1,10 @@
 //! The probability of sustained vibration over two parameters.
 
-use asperity_results::{MapResolutionResult, MapResult};
+use asperity_results::MapResolutionResult;
 use serde_json::Value;
 
-use super::{CaptionedFigure, Tables, axis_label, columns, outlined, present, separated};
+use crate::figures::vibration::curves::{Tables, axis_label, outlined, separated};
+use crate::figures::{CaptionedFigure, columns, present};
 use crate::format::{Unit, significant};
 use crate::plot::{
     Axis, BLACK, Backdrop, Chart, ColourBar, Dash, Pen, VERMILION, indexed, range, scale_palette, shade,
@@ -28,24 +29,23 @@ pub(super) fn of_run(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
         return Ok(None);
     };
     let sources = present(run, &["map_cells", "map_contours", "map_limit"]);
-    Ok(drawn(map, &run.tables)?.map(|figure| figure.with_tables(&sources)))
+    Ok(drawn([&map.x, &map.y], Some(&map.resolution), &run.tables)?.map(|figure| figure.with_tables(&sources)))
 }
 
 /// Draws the map of a command.
 pub(super) fn figure(answer: &Value, tables: &Tables) -> Result<Option<CaptionedFigure>, ReportError> {
     let (Some(x), Some(y)) = (answer["x"].as_str(), answer["y"].as_str()) else { return Ok(None) };
-    let number = |key: &str| answer["resolution"][key].as_f64().unwrap_or(0.0);
-    let resolution =
-        MapResolutionResult { x: number("x"), y: number("y"), unresolved_share: number("unresolved_share") };
-    drawn(&MapResult { x: x.into(), y: y.into(), resolution }, tables)
+    let resolution = serde_json::from_value(answer["resolution"].clone()).ok();
+    drawn([x, y], resolution.as_ref(), tables)
 }
 
-/// Describes the map, and the part of it whose cells are wider than the transition.
-fn caption(resolution: &MapResolutionResult) -> String {
-    let &MapResolutionResult { x: width, y: height, unresolved_share: unresolved } = resolution;
-    if unresolved <= 0.0 {
+/// Describes the map, and, if its resolution is known, the part of it whose cells are wider than the transition.
+fn caption(resolution: Option<&MapResolutionResult>) -> String {
+    let Some(&MapResolutionResult { x: width, y: height, unresolved_share: unresolved }) =
+        resolution.filter(|resolution| resolution.unresolved_share > 0.0)
+    else {
         return CAPTION.into();
-    }
+    };
     let along = if unresolved >= 1.0 {
         "the whole front".into()
     } else {
@@ -59,8 +59,11 @@ fn caption(resolution: &MapResolutionResult) -> String {
     )
 }
 
-fn drawn(map: &MapResult, tables: &Tables) -> Result<Option<CaptionedFigure>, ReportError> {
-    let MapResult { x, y, resolution } = map;
+fn drawn(
+    [x, y]: [&str; 2],
+    resolution: Option<&MapResolutionResult>,
+    tables: &Tables,
+) -> Result<Option<CaptionedFigure>, ReportError> {
     let Some(cells) = tables.get("map_cells").and_then(|table| Cells::new(table, x, y)) else { return Ok(None) };
     let axis = |name: &str, ends| Axis::linear(&axis_label(name), Unit::none(), ends);
     let mut chart = Chart::new(axis(x, cells.x), axis(y, cells.y));
@@ -152,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_caption_states_transitions_that_are_narrower_than_a_cell() {
-        let at = |unresolved_share| caption(&MapResolutionResult { x: 0.0125, y: 0.001, unresolved_share });
+        let at = |unresolved_share| caption(Some(&MapResolutionResult { x: 0.0125, y: 0.001, unresolved_share }));
         assert_eq!(at(0.0), CAPTION);
         assert!(at(1.0).contains("Along the whole front") && at(0.4).contains("Along 40 % of the front"));
         assert!(at(0.4).contains("0.013 × 0.001)") && at(0.4).contains("not resolved"), "{}", at(0.4));

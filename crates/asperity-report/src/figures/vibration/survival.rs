@@ -1,6 +1,7 @@
 //! Duration of vibration.
 
-use super::{CaptionedFigure, Tables, columns, present};
+use crate::figures::vibration::curves::Tables;
+use crate::figures::{CaptionedFigure, columns, present};
 use crate::format::Unit;
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, Pen, VERMILION, range};
 use crate::{Run, Table};

@@ -2,11 +2,10 @@
 
 use asperity_results::{Driver, ModelResult, VerdictResult};
 
-use super::unbroken;
-use super::words::named;
 use crate::format::significant;
 use crate::markup::{Html, html};
 use crate::verdict::is_exact;
+use crate::words::{named, unbroken};
 
 /// Number of values on the card.
 const SHOWN: usize = 3;

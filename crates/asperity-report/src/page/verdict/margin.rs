@@ -5,9 +5,9 @@ use asperity_results::{ModelResult, VerdictResult};
 use crate::Run;
 use crate::format::{Unit, count, significant};
 use crate::markup::{Html, html};
-use crate::page::verdict::unbroken;
 use crate::plot::Axis;
 use crate::verdict::{is_exact, percent};
+use crate::words::unbroken;
 
 /// Table of the sampled machines.
 const SAMPLES: &str = "verdict_samples";

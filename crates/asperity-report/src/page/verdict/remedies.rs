@@ -2,14 +2,13 @@
 
 use asperity_results::{ModelResult, Reach, Remedy, VerdictResult};
 
-use super::margin::Limits;
-use super::words::{dimension, named};
-use super::{SOURCE, unbroken};
+use crate::cells::{DASH, plain, shown};
 use crate::format::significant;
 use crate::markup::{Html, html};
-use crate::page::DataTable;
-use crate::page::cells::{DASH, plain, shown};
+use crate::page::data_table::DataTable;
+use crate::page::verdict::margin::Limits;
 use crate::verdict::{is_exact, percent};
+use crate::words::{dimension, named, unbroken};
 
 /// Probability that the damping ratio is given for if the study states no remedies.
 const TARGET: f64 = 0.05;
@@ -25,7 +24,7 @@ pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
         sentence(verdict),
         headers.collect::<Html>(),
         verdict.remedies.iter().map(row).collect::<Html>(),
-        SOURCE,
+        "results.json",
     )
 }
 
@@ -94,7 +93,7 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
     headers.extend(targets.iter().map(|reach| format!("For {}", target(reach.probability))));
     headers.push("Friction left".into());
     let headers: Vec<&str> = headers.iter().map(String::as_str).collect();
-    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect(), SOURCE)
+    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect(), "results.json")
 }
 
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.

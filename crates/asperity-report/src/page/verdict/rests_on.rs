@@ -2,19 +2,18 @@
 
 use asperity_results::{InputKind, InputValue, ModelResult, RestsOn};
 
-use super::SOURCE;
-use super::words::{dimension, named};
 use crate::markup::{Html, html};
-use crate::page::{DataTable, in_words};
+use crate::page::data_table::DataTable;
+use crate::words::{dimension, in_words, named};
 
 /// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
 pub(super) fn card(inputs: &[RestsOn], model: ModelResult) -> Html {
     let machine = match model {
         ModelResult::StickSlip => {
-            "One mass with falling friction: stick–slip, groan and judder. Squeal by mode coupling is another machine."
+            "One mass with falling friction: stick-slip, groan and judder. Squeal by mode coupling is another machine."
         }
         ModelResult::ModeCoupling => {
-            "Two modes coupled by friction: squeal. Stick–slip, groan and judder by falling friction are another machine."
+            "Two modes coupled by friction: squeal. Stick-slip, groan and judder by falling friction are another machine."
         }
     };
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
@@ -87,5 +86,5 @@ pub(super) fn table(inputs: &[RestsOn]) -> DataTable {
         vec![named(&input.input), text, origin.into()]
     };
     let caption = "Inputs of the verdict with their central values";
-    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect(), SOURCE)
+    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect(), "results.json")
 }

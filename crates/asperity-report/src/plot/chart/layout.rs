@@ -1,6 +1,7 @@
 //! Figures of several charts.
 
-use super::{Chart, Legend};
+use super::Chart;
+use super::legend::Legend;
 use crate::plot::canvas::{Rect, draw};
 use crate::plot::image::ColourBar;
 
@@ -44,7 +45,7 @@ impl Layout {
 
     /// Draws the figure as an SVG document.
     pub(crate) fn svg(&self, title: &str, description: &str, width: Width) -> String {
-        let legend = Legend::new(&self.charts, 72.0, width.px - 76.0);
+        let legend = Legend::new(self.charts.iter().flat_map(|chart| &chart.series), 72.0, width.px - 76.0);
         let (places, height) = self.places(width.px, legend.height());
         draw((width.px, height), width.mm, title, description, |canvas| {
             legend.draw(canvas, 0.0);

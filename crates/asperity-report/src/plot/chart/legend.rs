@@ -1,6 +1,6 @@
 //! Legend of one or several charts.
 
-use super::{Chart, DISC, Mark, SYMBOL, Series};
+use super::mark::{DISC, Mark, SYMBOL, Series};
 use crate::plot::canvas::{Align, Canvas, Pen, Rect, TEXT, THIN, text_width};
 
 /// Height of one row of the legend in pixels.
@@ -12,11 +12,11 @@ pub(super) struct Legend<'a> {
 }
 
 impl<'a> Legend<'a> {
-    pub(super) fn new(charts: impl IntoIterator<Item = &'a Chart>, left: f64, width: f64) -> Self {
+    pub(super) fn new(all: impl IntoIterator<Item = &'a Series>, left: f64, width: f64) -> Self {
         let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
         let mut seen: Vec<&str> = vec![""];
         let mut x = f64::INFINITY;
-        for series in charts.into_iter().flat_map(|chart| &chart.series) {
+        for series in all {
             let name = series.name.as_str();
             if seen.contains(&name) {
                 continue;

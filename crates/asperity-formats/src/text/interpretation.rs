@@ -1,0 +1,172 @@
+//! Interpretation of headers: pixel size, unit and factor of the heights, missing points.
+
+use crate::error::shown;
+use crate::large::Shape;
+use crate::text::factor::{Factor, Factors};
+use crate::text::header::{Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
+use crate::text::length::Lengths;
+
+/// Keys with one meaning, separated by bars.
+const DX: &str = "dx|delta x|x step|step x|x spacing|x pitch|x pixel size|pixel size x|pixel width|scale x";
+const DY: &str = "dy|delta y|y step|step y|y spacing|y pitch|y pixel size|pixel size y|pixel height|scale y";
+const SIZE: &str = "size|sizes|scan size|physical size|physical sizes|field of view|image size|map size";
+const WIDTH: &str = "width|x length|xlength|x size|size x|x range|breite|largeur|larghezza|anchura|šířka";
+const HEIGHT: &str = "height|y length|ylength|y size|size y|y range|höhe|hauteur|altezza|altura|výška";
+const NO_DATA: &str = "nodata value|no data value|nodata|no data|missing value|fill value";
+/// Maximum number of factors that warnings quote.
+const QUOTED_FACTORS: usize = 8;
+/// Default mark of missing points in an ESRI grid.
+const ESRI_NO_DATA: f64 = -9999.0;
+
+/// Interpretation of a header.
+pub(crate) struct Interpretation {
+    /// Distance between points along x and y in metre.
+    pub(crate) pitch_m: Option<(f64, f64)>,
+    /// Conversion of numbers to heights: multiplication by `factor`, then division by `per_metre`, so that units stay
+    /// exact.
+    pub(crate) factor: f64,
+    pub(crate) per_metre: f64,
+    /// Original unit or factor of converted numbers; `None` if they are in metre.
+    pub(crate) converted: Option<String>,
+    /// Unit of the heights in the header, after a factor.
+    pub(crate) unit: Option<String>,
+    /// Number that marks a missing point.
+    pub(crate) no_data: Option<f64>,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Header {
+    /// Returns whether the numbers can be heights: they have a conversion factor, a unit of length or no unit.
+    pub(crate) fn may_be_heights(&self) -> bool {
+        self.factors().is_ok_and(|factors| factors.used.is_some())
+            || self.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some())
+    }
+
+    /// Interprets the header of a matrix of `columns` × `rows` numbers. If the user stated the unit (`is_stated`),
+    /// unknown units give no warning and no factor is applied.
+    ///
+    /// # Errors
+    /// The key and the value of a conversion factor that is not a number or is 0, if no unit of length is stated.
+    pub(crate) fn interpret(&self, (rows, columns): Shape, is_stated: bool) -> Result<Interpretation, (&str, &str)> {
+        let mut warnings = Vec::new();
+        let pitch_m = self.pitch((rows, columns), &mut warnings);
+        if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
+            let (ny, nx) = stated;
+            warnings.push(format!("the header states {nx} × {ny} points; there are {columns} × {rows}"));
+        }
+        let replaced = |pair: &Pair| format!("the stated height unit replaces the header's {}", pair.quoted());
+        let Factors { used, unused } = match self.factors() {
+            Ok(Factors { used: Some(factor), unused }) if is_stated => {
+                warnings.push(replaced(factor.pair));
+                Factors { used: None, unused }
+            }
+            Err(pair) if is_stated => {
+                warnings.push(replaced(pair));
+                Factors { used: None, unused: Vec::new() }
+            }
+            Err(pair) => return Err((&pair.key, &pair.value)),
+            Ok(factors) => factors,
+        };
+        let not_used = |pair: &&Pair| format!("the header states {}, which was not used", pair.quoted());
+        warnings.extend(unused.iter().take(QUOTED_FACTORS).map(not_used));
+        let (mut factor, mut per_metre, mut converted, mut unit) = (1.0, 1.0, None, None);
+        match (used, self.height_unit()) {
+            (Some(Factor { pair, value, source, target }), stated) => {
+                let (name, target_per_metre) =
+                    target.map_or(("m", 1.0), |(name, per_metre)| (name, per_metre.unwrap_or(1.0)));
+                (factor, per_metre, converted, unit) = (value, target_per_metre, Some(pair.key.as_str()), Some(name));
+                if let Some((key, unit, Some(other))) = stated
+                    && other != per_metre
+                    && source.is_none()
+                {
+                    let (key, unit, factor) = (shown(key), shown(unit), shown(&pair.key));
+                    warnings.push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
+                }
+                let quoted = pair.quoted();
+                if target.is_none() {
+                    warnings.push(format!("the header states {quoted} without a unit; metre was assumed"));
+                }
+                if value < 0.0 {
+                    let effect = "this negative factor turns the surface upside down";
+                    warnings.push(format!("the header states {quoted}; {effect}"));
+                }
+            }
+            (None, Some((_, stated, Some(stated_per_metre)))) => {
+                (per_metre, converted, unit) = (stated_per_metre, Some(stated), Some(bare(stated)));
+            }
+            (None, Some((key, stated, None))) => {
+                unit = Some(stated);
+                warnings.extend((!is_stated).then(|| unit_warning(key, stated)));
+            }
+            (None, None) => {
+                let other = self.other_unit().filter(|_| !is_stated);
+                warnings.extend(other.map(|pair| unit_warning(&pair.key, &pair.value)));
+            }
+        }
+        let converted = converted.filter(|_| factor != 1.0 || per_metre != 1.0).map(str::to_owned);
+        let (unit, no_data) = (unit.map(str::to_owned), self.no_data());
+        Ok(Interpretation { pitch_m, factor, per_metre, converted, unit, no_data, warnings })
+    }
+
+    /// Returns a pair that may name a unit of the heights under another key.
+    fn other_unit(&self) -> Option<&Pair> {
+        let is_height_unit = |name: &str| name.contains("unit") && !is_one_of(X_UNIT, name) && !is_one_of(Y_UNIT, name);
+        self.pairs.iter().find(|pair| is_height_unit(&pair.name) && pair.value != "m")
+    }
+
+    fn no_data(&self) -> Option<f64> {
+        let stated = self.find(NO_DATA).and_then(|pair| pair.value.parse().ok());
+        stated.or_else(|| self.is_esri().then_some(ESRI_NO_DATA))
+    }
+
+    /// Returns the pixel size from the first key that states it.
+    fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
+        let [x_unit, y_unit, _] = self.units();
+        let is_spip = || self.find("file format").is_some_and(|pair| pair.value == "ASCII");
+        let steps = |pair: &Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit));
+        if let Some(lengths) = self.find(PIXEL_SIZE).and_then(|pair| steps(pair, x_unit)) {
+            return Some(lengths.pair(warnings));
+        }
+        if let Some(x) = self.find(DX).and_then(|pair| steps(pair, x_unit)) {
+            let y = self.find(DY).and_then(|pair| steps(pair, y_unit));
+            let (dx_m, _) = x.pair(warnings);
+            return Some((dx_m, y.map_or(dx_m, |y| y.metre[0])));
+        }
+        if let Some(cell) = self.find("cellsize").and_then(|pair| steps(pair, x_unit)) {
+            return Some((cell.metre[0], cell.metre[0]));
+        }
+        // Numbers equal to the numbers of points are counts, unless they have a unit or the header names a lateral
+        // unit.
+        let has_lateral = self.find(X_UNIT).is_some_and(|pair| unit(&pair.value).is_some());
+        let is_length = |pair: &Pair| has_lateral || steps(pair, None).is_some_and(|lengths| lengths.has_unit);
+        // Sizes cover all points: columns · dx, as in Gwyddion and SPIP.
+        let pitch = |(width_m, height_m): (f64, f64)| (width_m / columns as f64, height_m / rows as f64);
+        if let Some((pair, size)) = self.find(SIZE).and_then(|pair| Some((pair, steps(pair, x_unit)?)))
+            && size.has_unit
+            && (is_length(pair) || size.stated != [columns as f64, rows as f64])
+        {
+            return Some(pitch(size.pair(warnings)));
+        }
+        let nanometre = is_spip().then_some(1e9);
+        let named = |names, unit: Option<f64>| {
+            let pair = self.find(names)?;
+            Some((pair, steps(pair, unit.or(nanometre))?))
+        };
+        let (x, width) = named(WIDTH, x_unit)?;
+        let Some((y, height)) = named(HEIGHT, y_unit) else {
+            if width.has_unit {
+                warnings.push("the header states a width but no height; no pixel size was read".into());
+            }
+            return None;
+        };
+        let counts = [&width.stated[..], &height.stated].concat();
+        let are_counts =
+            counts == [columns as f64, rows as f64] && nanometre.is_none() && !(is_length(x) && is_length(y));
+        let are_lengths = width.has_unit && height.has_unit && !are_counts;
+        are_lengths.then(|| pitch((width.metre[0], height.metre[0])))
+    }
+}
+
+fn unit_warning(key: &str, unit: &str) -> String {
+    format!("a comment states `{}: {}`; heights count as metre", shown(key), shown(unit))
+}

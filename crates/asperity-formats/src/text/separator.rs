@@ -1,0 +1,49 @@
+//! Separators of values and signs of comments.
+
+use super::field::decimal_comma;
+
+/// Characters that start a comment.
+pub(crate) const COMMENT: &[u8] = b"#%";
+
+/// Separator of values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Separator {
+    /// One or more spaces or tabs.
+    Space,
+    /// A comma.
+    Comma,
+    /// A semicolon.
+    Semicolon,
+    /// A tab; two in a row enclose an empty field.
+    Tab,
+}
+
+impl Separator {
+    /// Detects the separator of a row.
+    ///
+    /// In `1,5 2,5` the commas are decimal signs: as separators they would leave two numbers between them.
+    pub(crate) fn detect(row: &[u8]) -> Self {
+        let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let is_number = |word: &[u8]| {
+            decimal_comma(word).is_some() || std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok())
+        };
+        if row.contains(&b';') {
+            Self::Semicolon
+        } else if row.contains(&b'\t') {
+            Self::Tab
+        } else if row.contains(&b',') && !(words().count() > 1 && words().all(is_number)) {
+            Self::Comma
+        } else {
+            Self::Space
+        }
+    }
+
+    pub(crate) fn sign(self) -> u8 {
+        match self {
+            Self::Space => b' ',
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Sections of a page.
+
+use asperity_results::Provenance;
+
+use super::data_table::DataTable;
+use super::{provenance, references};
+use crate::figures::CaptionedFigure;
+use crate::markup::{Html, html};
+
+/// A section of a page.
+#[derive(Default)]
+pub(crate) struct Section {
+    pub(super) id: &'static str,
+    pub(super) title: &'static str,
+    /// The answer of the section in one sentence.
+    answer: String,
+    lead: String,
+    tables: Vec<DataTable>,
+    pub(super) figures: Vec<CaptionedFigure>,
+    list: Html,
+    /// Id and title of the entry of the appendix with further tables and figures.
+    further: Option<(&'static str, &'static str)>,
+}
+
+impl Section {
+    /// Returns a section of tables and figures; `None` without any.
+    pub(crate) fn new(
+        id: &'static str,
+        title: &'static str,
+        lead: impl Into<String>,
+        mut tables: Vec<DataTable>,
+        figures: Vec<CaptionedFigure>,
+    ) -> Option<Self> {
+        tables.retain(|table| !table.rows.is_empty());
+        let is_empty = tables.is_empty() && figures.is_empty();
+        (!is_empty).then(|| Self { id, title, lead: lead.into(), tables, figures, ..Self::default() })
+    }
+
+    /// Returns a section of sentences; `None` without any.
+    pub(crate) fn sentences(id: &'static str, title: &'static str, lead: &str, items: &[String]) -> Option<Self> {
+        let list = unordered(items);
+        (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), list, ..Self::default() })
+    }
+
+    /// Returns a section of HTML.
+    pub(crate) fn of_html(id: &'static str, title: &'static str, lead: impl Into<String>, list: Html) -> Self {
+        Self { id, title, lead: lead.into(), list, ..Self::default() }
+    }
+
+    /// Returns the section of the references.
+    pub(crate) fn references(works: &[&str]) -> Self {
+        let list = html!("<ol>{}</ol>\n", items(works));
+        Self { id: "references", title: "References", list, ..Self::default() }
+    }
+
+    /// Adds how to cite the program and the paper.
+    pub(super) fn with_citation(self, provenance: Option<&Provenance>) -> Self {
+        let version = provenance.map_or("", |provenance| provenance.asperity.as_str());
+        let list = html!("{}<h3>BibTeX</h3>\n<pre tabindex=\"0\">{}</pre>\n", self.list, references::bibtex(version));
+        Self { list, ..self }
+    }
+
+    /// Returns the section of the provenance; `None` without it.
+    pub(crate) fn provenance(provenance: Option<&Provenance>) -> Option<Self> {
+        let tables = provenance.map(provenance::table).into_iter().collect();
+        Self::new("provenance", "Provenance", "", tables, Vec::new())
+    }
+
+    /// States the answer of the section.
+    pub(super) fn with_answer(self, answer: Option<String>) -> Self {
+        Self { answer: answer.unwrap_or_default(), ..self }
+    }
+
+    /// Names the entry of the appendix that belongs to the section, if there is one.
+    pub(super) fn with_further(self, entry: Option<&Self>) -> Self {
+        Self { further: entry.map(|entry| (entry.id, entry.title)), ..self }
+    }
+
+    pub(super) fn html(&self, number: &mut usize) -> Html {
+        let content = self.content(number);
+        html!("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", self.id, self.title, content)
+    }
+
+    /// Returns everything below the title.
+    pub(super) fn content(&self, number: &mut usize) -> Html {
+        let paragraph = |class: &'static str, text: &str| match text {
+            "" => Html::default(),
+            text => html!("<p class=\"{}\">{}</p>\n", class, text),
+        };
+        let lead = html!("{}{}", paragraph("found", &self.answer), paragraph("lead", &self.lead));
+        let figures = self.figures.iter().map(|figure| {
+            *number += 1;
+            figure_html(*number, figure)
+        });
+        let further = self.further.map_or_else(Html::default, |(id, title)| {
+            html!("<p class=\"further\">In the appendix: <a href=\"#{}\">{}</a></p>\n", id, title)
+        });
+        html!(
+            "{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}{}",
+            lead,
+            self.tables.iter().map(DataTable::html).collect::<Html>(),
+            figures.collect::<Html>(),
+            &self.list,
+            further,
+        )
+    }
+}
+
+fn items<T: AsRef<str>>(texts: &[T]) -> Html {
+    texts.iter().map(|text| html!("<li>{}</li>", text)).collect()
+}
+
+/// Returns texts as the items of a list.
+pub(super) fn unordered(texts: &[String]) -> Html {
+    html!("<ul>{}</ul>\n", items(texts))
+}
+
+fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
+    let sources = figure.sources.iter().enumerate().map(|(place, source)| {
+        let comma = if place == 0 { "" } else { ", " };
+        html!("{}<code>{}</code>", comma, source)
+    });
+    html!(
+        "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
+         <div class=\"static\">{3}</div>\n<script type=\"application/json\">{4}</script>\n<figcaption>{5} Data: {6}.</figcaption>\n</figure>\n",
+        figure.name,
+        number.to_string(),
+        &figure.title,
+        Html::from_markup(figure.svg()),
+        // No tag can begin inside of the data.
+        Html::from_markup(figure.layout.json().to_string().replace('<', "\\u003c")),
+        &figure.caption,
+        sources.collect::<Html>(),
+    )
+}
