@@ -55,7 +55,7 @@ const FIRST_DRAWS: usize = 20;
 const LEAST_DRAWS: usize = 8;
 /// Importance samples of the first batch in regions that subset simulation on g located.
 const LOCATED_DRAWS: usize = 400;
-/// Number of mixtures that are learnt on the interpolant.
+/// Number of mixtures that are fitted to the interpolant.
 const ATTEMPTS: usize = 3;
 /// Rounds of learning before each mixture.
 const ROUNDS: [usize; ATTEMPTS] = [24, 8, 8];

@@ -139,7 +139,7 @@ pub(crate) fn percent(probability: f64) -> String {
     if probability <= 0.0 {
         return "0 %".into();
     }
-    if probability < 1e-3 {
+    if probability < RARE {
         return "less than 0.1 %".into();
     }
     if probability > 1.0 - RARE && probability < 1.0 {

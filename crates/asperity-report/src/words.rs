@@ -55,7 +55,7 @@ pub(crate) fn named(input: &str) -> String {
         "stribeck_velocity" => "Stribeck speed".into(),
         "friction_process" => "friction process".into(),
         "static_friction" => "friction coefficient".into(),
-        "scan" => return format!("{section}, as far as the scan tells"),
+        "scan" => return format!("{section}, uncertainty of the scan"),
         "between_scans" => return format!("{section}, from part to part"),
         "between_parts" => "friction of the slider’s parts".into(),
         "file" => section.to_owned(),
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(named("vibration.damping_ratio"), "damping ratio");
         assert_eq!(named("surface.correlation_length[0]"), "correlation length along x");
         assert_eq!(named("vibration.springs[1]"), "second spring");
-        assert_eq!(named("surface.scan"), "surface, as far as the scan tells");
+        assert_eq!(named("surface.scan"), "surface, uncertainty of the scan");
         assert_eq!(named("counterface.between_scans"), "counterface, from part to part");
         assert_eq!(named("counterface.youngs_modulus"), "Young’s modulus of the counterface");
         let hertz = Quantiles { q05: 1298.0, q50: 1312.4, q95: 1326.0 };

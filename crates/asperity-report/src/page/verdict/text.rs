@@ -49,7 +49,7 @@ fn computation(verdict: &VerdictResult) -> String {
     }
     if let Some(friction) = &verdict.friction {
         text += &format!(
-            "; friction learnt from {} contact solutions, {} of them near the limit, to ±{} %",
+            "; friction expanded from {} contact solutions, {} of them near the limit, to ±{} %",
             friction.points,
             friction.points_near_limit,
             significant(100.0 * friction.standard_error, 2)

@@ -114,3 +114,56 @@ fn measured(request: &SurfaceRequest) -> Measured {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chaos::UncertainInput;
+    use crate::distribution::Marginal;
+    use crate::map::Grid;
+    use crate::monitor::Silent;
+    use crate::random::stream;
+    use crate::study::surface_stage;
+    use crate::study::uncertain::{Place, add_latent};
+    use asperity_testing::filtered_noise;
+    use ndarray::Array2;
+
+    const TEXT: &str = "seed = 1\n[surface]\nfile = \"scan.npy\"\npixel_size = \"1 um\"\nheight_unit = \"m\"\n\
+        generator = \"spectral\"\ncovariance = \"squared_exponential\"\ncorrelation_length = \"10 um\"\nmarginal = \"normal\"\n\
+        [material]\nyoungs_modulus = \"10 GPa\"\npoisson_ratio = 0.25\nhardness = \"1 GPa\"\nshear_strength = \"100 MPa\"\n\
+        [friction]\nboundary = \"periodic\"\nstrip = [\"640 um\", \"64 um\"]\npoints = [160, 16]\nwindow = \"64 um\"\nrealisations = 8\n\
+        [vibration]\nmass = \"1 kg\"\nnatural_frequency = \"100 Hz\"\nnormal_force = \"500 N\"\nnominal_area = \"25 mm^2\"\n\
+        belt_velocity = \"20 mm/s\"\ndamping_ratio = 0.03\nstribeck = \"0.3 s/m\"\n";
+
+    #[test]
+    fn friction_follows_the_errors_of_a_scan() {
+        let folder = tempfile::tempdir().unwrap();
+        let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
+        let noise = filtered_noise(grid, &mut stream(3, "scan", 0), |x, y| (-(x * x + y * y) / 200.0).exp());
+        let heights_m = Array2::from_shape_vec(grid.shape(), noise).unwrap() * 1e-7;
+        let bytes = asperity_formats::write_npy(&asperity_formats::Scan::new(heights_m, None));
+        std::fs::write(folder.path().join("scan.npy"), bytes).unwrap();
+        let study = Study::parse(TEXT, "study.toml").unwrap();
+        let (section, request) = (study.file().surface.as_ref().unwrap(), study.surface.as_ref().unwrap());
+        let surface = surface_stage::without_tables(section, request, folder.path()).unwrap();
+        let place = Place::latent("surface.scan").unwrap();
+        let unit = [[0.3, 0.3, 0.0], [0.0; 3]];
+        let input = UncertainInput::new("surface.scan", Marginal::STANDARD_NORMAL, true).unwrap();
+        let central: Table = toml::from_str(TEXT).unwrap();
+        let scan = ScanErrors { inputs: vec![(place, input, unit)] };
+        let points = ContactPoints { study: &study, surface: &surface, central: &central, scan, monitor: &Silent };
+        let mean = |table: &Table| points.solve(table).unwrap().unwrap().all.mean.ln();
+        let at = |normal: f64| {
+            let mut table = central.clone();
+            add_latent(&mut table, &[place]);
+            place.set(&mut table, normal);
+            mean(&table)
+        };
+        // A scan whose heights were read too low belongs to a rougher surface, with fewer and higher pressures.
+        let [low, usual, high] = [-1.0, 0.0, 1.0].map(at);
+        assert_eq!(usual, points.ln_friction(BodyErrors::default()).unwrap());
+        assert_eq!(high, points.ln_friction(unit).unwrap());
+        assert_eq!(low, points.ln_friction(unit.map(|body| body.map(|error| -error))).unwrap());
+        assert!(low > usual && usual > high, "{low} {usual} {high}");
+    }
+}

@@ -156,13 +156,37 @@ mod tests {
     use crate::study::verdict::machines::tests::stated_window;
     use asperity_testing::covered;
 
+    /// Machine that vibrates if ζ − b/2 < 0.
+    const LINEAR: &str = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+        nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+        velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
+
+    #[test]
+    fn the_change_by_another_machine_is_that_of_its_margins() {
+        let study = Study::parse(LINEAR, "study.toml").unwrap();
+        let window = stated_window(&study);
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+        let sampled = Sampled::until(&machines, &evaluate, 1e-3, SHIFTED, &Silent).unwrap();
+        assert_eq!(sampled.machines.len(), SHIFTED);
+        for (weakening, shift) in [("0.104", 0.002), ("0.1", 0.0), ("0.09", -0.005)] {
+            let other = LINEAR.replace("\"0.1 ±", &format!("\"{weakening} ±"));
+            let study = Study::parse(&other, "study.toml").unwrap();
+            let others = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+            let change = sampled.change(&others, |margins| margins.from_stick, &Silent).unwrap();
+            let below = |limit: f64| sampled.count(|machine| machine.margins.from_stick < limit).0 as f64;
+            let wanted = (below(shift) - below(0.0)) / SHIFTED as f64;
+            assert!(
+                (change - wanted).abs() < 1e-12 && (wanted == 0.0) == (shift == 0.0),
+                "{change} instead of {wanted}"
+            );
+        }
+    }
+
     #[test]
     fn a_longer_duration_adds_the_machines_that_vibrate_later() {
-        // A machine vibrates if ζ − b/2 < 0, and later if it is below .005.
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
-        let study = Study::parse(text, "study.toml").unwrap();
+        // A machine vibrates later if ζ − b/2 is below .005.
+        let study = Study::parse(LINEAR, "study.toml").unwrap();
         let window = stated_window(&study);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
