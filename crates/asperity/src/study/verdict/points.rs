@@ -136,6 +136,7 @@ mod tests {
         belt_velocity = \"20 mm/s\"\ndamping_ratio = 0.03\nstribeck = \"0.3 s/m\"\n";
 
     #[test]
+    #[ignore = "slow"]
     fn friction_follows_the_errors_of_a_scan() {
         let folder = tempfile::tempdir().unwrap();
         let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
