@@ -36,7 +36,7 @@ checks = {
     "windows contain hundreds of contact cells": window_cells * point["contact_fraction"] > 200,
     "random surfaces have the slopes of the scan": abs(surface["covariance"]["slope_ratio"] - 1) < 0.15,
     "the brake vibrates": results["vibration"]["kind"] == "stick_slip",
-    # It is about the pitch of the strips; more points would remove it.
+    # The warning is about the pitch of the strips; more points would remove it.
     "at most one warning": len(results["warnings"]) <= 1,
 }
 for name, holds in checks.items():

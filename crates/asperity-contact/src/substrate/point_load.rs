@@ -15,6 +15,7 @@ use statrs::function::erf::erfc;
 use super::{Base, Layer};
 use asperity_base::blocks;
 use asperity_base::map::Grid;
+use asperity_base::numeric::gauss_legendre;
 
 /// Number of Chebyshev points of a piece. The nearest singularity, a mirrored load at depth 2h, leaves an error of 6⁻¹⁶.
 const NODES: usize = 16;
@@ -167,24 +168,6 @@ fn clenshaw(coefficients: &[f64; NODES], x: f64) -> f64 {
         (b1, b2) = (2.0 * x * b1 - b2 + c, b1);
     }
     x * b1 - b2 + coefficients[0]
-}
-
-/// Returns nodes and weights of Gauss' rule of N points on [−1, 1], by Newton's method on Legendre's polynomial.
-fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
-    std::array::from_fn(|i| {
-        let mut x = (PI * (i as f64 + 0.75) / (N as f64 + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..8 {
-            let (mut now, mut before) = (x, 1.0);
-            for n in 2..=N {
-                let n = n as f64;
-                (now, before) = (((2.0 * n - 1.0) * x * now - (n - 1.0) * before) / n, now);
-            }
-            slope = N as f64 * (x * now - before) / (x * x - 1.0);
-            x -= now / slope;
-        }
-        (x, 2.0 / ((1.0 - x * x) * slope * slope))
-    })
 }
 
 /// Table of sin(π(i + ½)/32).

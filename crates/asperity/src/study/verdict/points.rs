@@ -160,7 +160,7 @@ mod tests {
             place.set(&mut table, normal);
             mean(&table)
         };
-        // A scan whose heights were read too low belongs to a rougher surface, with fewer and higher pressures.
+        // A rougher surface with the same correlation length carries the load on a smaller area.
         let [low, usual, high] = [-1.0, 0.0, 1.0].map(at);
         assert_eq!(usual, points.ln_friction(BodyErrors::default()).unwrap());
         assert_eq!(high, points.ln_friction(unit).unwrap());
