@@ -6,6 +6,9 @@ use asperity_results::{Provenance, Results};
 
 use crate::ReportError;
 
+/// File with the results of a run, as tables name their source.
+pub(crate) const RESULTS: &str = "results.json";
+
 /// The data of the report of one study.
 #[derive(Debug, Clone, Default)]
 pub struct Run {

@@ -11,6 +11,7 @@ use crate::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, significant};
 use crate::page::cutoff;
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 use crate::words::{conditions, distribution_name, in_words, meaning};
 
 /// Returns the name of a level: its percentile, or the depth or mean pressure that defines it.
@@ -145,7 +146,7 @@ fn uncertain(friction: &FrictionResult, uncertainty: &UncertaintyResult) -> Opti
         uncertainty.points
     );
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
-    Some(DataTable::new(&caption, &headers, rows, "results.json"))
+    Some(DataTable::new(&caption, &headers, rows, RESULTS))
 }
 
 /// Returns one row per level: its name, then the cells.
@@ -160,7 +161,7 @@ fn by_level(
     let known = rows.iter().any(|row| row[1..].iter().any(|cell| cell != DASH));
     let headers = [&["Level"], headers].concat();
     let rows = if known { rows } else { Vec::new() };
-    DataTable::new(caption, &headers, rows, "results.json").without_empty_columns()
+    DataTable::new(caption, &headers, rows, RESULTS).without_empty_columns()
 }
 
 fn moments(friction: &FrictionResult) -> DataTable {
@@ -302,7 +303,7 @@ impl Distribution<'_> {
             level_name(level),
             self.of
         );
-        DataTable::properties(&caption, rows, "results.json")
+        DataTable::properties(&caption, rows, RESULTS)
     }
 }
 
@@ -328,5 +329,5 @@ fn correlation_models(level: &LevelResult) -> DataTable {
         level_name(level)
     );
     let headers = ["Model", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
-    DataTable::new(&caption, &headers, curves.chain(models).collect(), "results.json").without_empty_columns()
+    DataTable::new(&caption, &headers, curves.chain(models).collect(), RESULTS).without_empty_columns()
 }

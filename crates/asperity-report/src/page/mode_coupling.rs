@@ -6,6 +6,7 @@ use crate::cells::{DASH, plain, shown, yes_or_no};
 use crate::format::{Dimension, significant};
 use crate::page::answer::Answer;
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 use crate::words::kind_in_words;
 
 /// Answers whether the machine flutters.
@@ -71,5 +72,5 @@ pub(super) fn tables(result: &ModeCouplingResult) -> Vec<DataTable> {
         ("fraction of the period off the belt", number(cycle.map(|cycle| cycle.flight_share))),
     ];
     let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter();
-    vec![DataTable::properties("Mode coupling with the mean friction coefficient", rows, "results.json")]
+    vec![DataTable::properties("Mode coupling with the mean friction coefficient", rows, RESULTS)]
 }

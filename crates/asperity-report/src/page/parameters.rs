@@ -6,6 +6,7 @@ use crate::cells::DASH;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 use crate::words::in_words;
 use crate::{Run, Table};
 
@@ -220,7 +221,7 @@ pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
         _ => "Surface parameters".to_owned(),
     };
     let headers = ["Parameter", "Symbol", "Value", "95 % interval", "Std of one scan", "Std between scans"];
-    DataTable::new(&caption, &headers, rows, "results.json").without_empty_columns()
+    DataTable::new(&caption, &headers, rows, RESULTS).without_empty_columns()
 }
 
 /// Returns every scan of a part with its most important parameters.
@@ -240,7 +241,7 @@ pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
         std::iter::once(scan.file.clone()).chain(KEYS.iter().map(cell)).collect()
     });
     let headers: Vec<&str> = std::iter::once("Scan").chain(KEYS.iter().map(|(_, symbol)| *symbol)).collect();
-    Some(DataTable::new("Scans of the part", &headers, rows.collect(), "results.json"))
+    Some(DataTable::new("Scans of the part", &headers, rows.collect(), RESULTS))
 }
 
 /// Returns the distributions fitted to the heights, best first.

@@ -5,6 +5,7 @@ use asperity_results::{CovarianceCandidateResult, CovarianceResult, EmpiricalCov
 use crate::cells::{percent, plain, yes_or_no};
 use crate::format::Dimension;
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 use crate::words::{TO_1_E, in_words, length_in_words, meaning};
 
 /// Returns the random surface: covariance, distribution of the heights, expansion.
@@ -28,7 +29,7 @@ pub(super) fn table(surface: &SurfaceResult) -> DataTable {
             ("fraction of the slope variance".into(), plain(found.captured_slope_variance, 4)),
         ]
     }));
-    DataTable::properties("Random surface", rows, "results.json")
+    DataTable::properties("Random surface", rows, RESULTS)
 }
 
 /// Returns the model with its lengths and exponents, and the models that were tried.

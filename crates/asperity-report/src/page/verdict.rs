@@ -14,6 +14,7 @@ use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
+use crate::run::RESULTS;
 use crate::verdict::{Headline, MEAN_FRICTION, RARE, is_exact, percent, steady_sliding};
 use crate::words::{between, named, unbroken};
 
@@ -144,7 +145,7 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
     };
     let headers = ["Value", "First order", "Total", "Shapley effect", "Range narrows by"];
     let drivers = |caption: &str, drivers: &[Driver]| {
-        DataTable::new(caption, &headers, drivers.iter().map(driver).collect(), "results.json").without_empty_columns()
+        DataTable::new(caption, &headers, drivers.iter().map(driver).collect(), RESULTS).without_empty_columns()
     };
     let guesses = verdict.guesses.iter().map(|guess| {
         vec![
@@ -166,7 +167,7 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             "Probability of vibration if an unknown value were at its 5 % or its 95 % quantile",
             &["Value", "At 5 %", "At 95 %"],
             guesses.collect(),
-            "results.json",
+            RESULTS,
         ),
         rests_on::table(&verdict.rests_on),
     ]

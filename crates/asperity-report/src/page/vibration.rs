@@ -5,6 +5,7 @@ use asperity_results::{DampingResult, EnsembleResult, KindResult, MotionResult, 
 use crate::cells::{DASH, percent, plain, shown, yes_or_no};
 use crate::format::{Dimension, show_range, significant, with_error};
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 use crate::words::{distribution_name, kind_in_words, meaning};
 
 /// Returns limits and cycle, cycles over damping, motion, and distributions of points.
@@ -57,7 +58,7 @@ fn scalars(vibration: &VibrationResult) -> DataTable {
         std::iter::once(("distribution of μ".into(), distribution_name(fit))).chain(fit.parameters.iter().map(of))
     });
     let rows = rows.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(distribution);
-    DataTable::properties("Motion without roughness, and the friction of the machine", rows, "results.json")
+    DataTable::properties("Motion without roughness, and the friction of the machine", rows, RESULTS)
 }
 
 /// Returns the cycles by damping ratio and upscaling.
@@ -105,7 +106,7 @@ fn by_upscaling(
     let rows = rows
         .map(|(title, cell)| std::iter::once(title).chain(upscalings.map(|(_, part)| cell(part))).collect())
         .filter(|row: &Vec<String>| row[1..].iter().any(|cell| cell != DASH));
-    DataTable::new(caption, &headers, rows.collect(), "results.json")
+    DataTable::new(caption, &headers, rows.collect(), RESULTS)
 }
 
 /// Returns the damping ratios at which the fraction of time in vibration falls below certain values.
@@ -196,7 +197,7 @@ fn points(vibration: &VibrationResult, of: fn(&EnsembleResult) -> &PointsResult,
         ]
     });
     let headers = ["Upscaling", "Std of μ", "X: mean ± std", "Skewness", "Excess kurtosis", "p (normality)"];
-    DataTable::new(caption, &headers, rows.into(), "results.json").without_empty_columns()
+    DataTable::new(caption, &headers, rows.into(), RESULTS).without_empty_columns()
 }
 
 /// Formats the lost cycles with their interval.

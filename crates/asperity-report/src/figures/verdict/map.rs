@@ -7,6 +7,7 @@ use crate::figures::vibration::curves::outlined;
 use crate::figures::vibration::stability_map::{lines, with_colour_bar};
 use crate::figures::{CaptionedFigure, present};
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
+use crate::run::RESULTS;
 use crate::verdict::percent as probability;
 use crate::words::{dimension, named};
 use crate::{ReportError, Run};
@@ -59,7 +60,7 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
     }
     let figure = with_colour_bar("verdict_map", TITLE, caption(verdict, map), chart, BAR)?;
     Ok(figure.map(|mut figure| {
-        figure.sources.push("results.json".into());
+        figure.sources.push(RESULTS.into());
         figure.with_tables(&present(run, &[CONTOURS]))
     }))
 }

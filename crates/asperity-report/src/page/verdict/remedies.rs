@@ -7,6 +7,7 @@ use crate::format::significant;
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
+use crate::run::RESULTS;
 use crate::verdict::{is_exact, percent};
 use crate::words::{dimension, named, unbroken};
 
@@ -24,7 +25,7 @@ pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
         sentence(verdict),
         headers.collect::<Html>(),
         verdict.remedies.iter().map(row).collect::<Html>(),
-        "results.json",
+        RESULTS,
     )
 }
 
@@ -93,7 +94,7 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
     headers.extend(targets.iter().map(|reach| format!("For {}", target(reach.probability))));
     headers.push("Friction left".into());
     let headers: Vec<&str> = headers.iter().map(String::as_str).collect();
-    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect(), "results.json")
+    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect(), RESULTS)
 }
 
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.

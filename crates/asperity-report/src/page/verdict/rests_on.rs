@@ -4,6 +4,7 @@ use asperity_results::{InputKind, InputValue, ModelResult, RestsOn};
 
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 use crate::words::{dimension, in_words, named};
 
 /// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
@@ -86,5 +87,5 @@ pub(super) fn table(inputs: &[RestsOn]) -> DataTable {
         vec![named(&input.input), text, origin.into()]
     };
     let caption = "Inputs of the verdict with their central values";
-    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect(), "results.json")
+    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect(), RESULTS)
 }

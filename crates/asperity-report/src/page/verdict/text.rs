@@ -6,6 +6,7 @@ use crate::cells::{percent, plain};
 use crate::format::{count, significant};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::{computed_to, drivers, margin_of, over_unknowns, remedies, tables, vibration};
+use crate::run::RESULTS;
 use crate::verdict::{RARE, is_exact, percent as probability, verdict_sentence};
 
 /// Returns the verdict as text: sentences on the probability, the vibration and the error of the computation, then tables of what
@@ -71,7 +72,7 @@ fn margin(verdict: &VerdictResult) -> DataTable {
     } else {
         rows.collect()
     };
-    DataTable::new(&caption, &["Quantile", "Margin"], rows, "results.json")
+    DataTable::new(&caption, &["Quantile", "Margin"], rows, RESULTS)
 }
 
 /// Returns the probability against the number of windows that share the load.
@@ -84,5 +85,5 @@ fn area_as_one(verdict: &VerdictResult) -> DataTable {
     let rows = verdict.area_as_one.iter().flatten().map(row).collect();
     let caption =
         "How much of the area acts as one: probability of vibration if so many independent windows share the load";
-    DataTable::new(caption, &["Windows", "Standard deviation of friction", "Probability"], rows, "results.json")
+    DataTable::new(caption, &["Windows", "Standard deviation of friction", "Probability"], rows, RESULTS)
 }
