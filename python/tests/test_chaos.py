@@ -46,7 +46,7 @@ def test_designs_are_stratified_and_depend_on_the_seed():
 
 
 def test_wrong_samples_are_refused():
-    with pytest.raises(ValueError, match="no sampler"):
+    with pytest.raises(ValueError, match="not a valid sampler"):
         asperity.design("halton", seed=1, samples=2, variables=1)
     with pytest.raises(ValueError, match="2 samples have 3 values"):
         asperity.Expansion.fit(np.zeros((2, 1)), np.zeros(3), degree=1)

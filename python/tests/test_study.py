@@ -192,7 +192,7 @@ def test_every_error_has_its_kind(tmp_path):
         asperity.run_study({**MACHINE, "colour": 1})
     with pytest.raises(ValueError, match="found -1, expected a whole number"):
         asperity.run_study(MACHINE, seed=-1)
-    with pytest.raises(ValueError, match="no stage"):
+    with pytest.raises(ValueError, match="not a valid stage"):
         asperity.run_study(MACHINE, only="report")
     with pytest.raises(ValueError, match="pressure"):
         asperity.run_study(MACHINE, only="pressure")
