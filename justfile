@@ -89,14 +89,14 @@ web:
     npm --prefix web run oscillator
     npm --prefix web run explorer
     npm --prefix web run check
-    cargo build
+    cargo build --workspace --bin asperity
     npm --prefix web test
 
 # Fails on warnings, broken links and generated pages that are not current; then runs the commands of README.md and docs.
 # Builds the book of docs, target/book.
 book:
     cargo install --quiet --root target/tools --locked --no-default-features --features search mdbook --version 0.5.4
-    cargo build
+    cargo build --workspace --bin asperity
     PATH="$PWD/target/tools/bin:$PATH" scripts/build-book --check
     scripts/check-docs
 

@@ -58,7 +58,8 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+    /// Runs the command; `program` returns the whole command line, which some commands print.
+    pub(crate) fn run(&self, program: fn() -> clap::Command, monitor: &Terminal) -> Result<(), Failure> {
         match self {
             Self::Init(init) => init.run(monitor),
             Self::Check(check) => check.run(monitor),
@@ -73,8 +74,8 @@ impl Command {
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),
             Self::Schema(schema) => schema.run(monitor),
-            Self::Completions(completions) => completions.run(),
-            Self::Manual(manual) => manual.run(),
+            Self::Completions(completions) => completions.run(program()),
+            Self::Manual(manual) => manual.run(program()),
             Self::Contact(contact) => contact.run(monitor),
             Self::Friction(friction) => friction.run(monitor),
             Self::Vibration(vibration) => vibration.run(monitor),

@@ -16,7 +16,7 @@ use std::panic;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use commands::Command;
 use failure::{Failure, Kind};
@@ -87,7 +87,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
             .map_err(|e| Failure::new(Kind::Resources, format!("cannot start {threads} threads: {e}")))?;
     }
     let monitor = Terminal::new(cli.quiet)?;
-    let result = cli.command.run(&monitor);
+    let result = cli.command.run(Cli::command, &monitor);
     monitor.finish();
     result
 }

@@ -11,7 +11,7 @@ mod sums;
 
 use std::ops::Range;
 
-use self::hardness::{Hardness, Unbounded, Yielding};
+use self::hardness::{Unbounded, Yielding};
 pub(super) use self::kernels::Step;
 use self::kernels::{
     Below, Beyond, Cut, Drift, Go, Gradient, Largest, Multiply, OnBound, Propose, Room, Shifted, Span, Summarise,
@@ -26,11 +26,11 @@ const IDLE_ONE_IN: f64 = 8.0;
 /// Largest number of cells for which the memory of unused lists is kept.
 const MOST_KEPT: usize = 1 << 11;
 
-/// Evaluates an expression with the hardness H of the cells of a slab, compiled separately for infinite hardness.
+/// Evaluates an expression with the hardness of the cells of a slab, compiled separately for infinite hardness.
 macro_rules! with_h {
     ($hardness:expr, |$h:ident| $work:expr) => {
-        if let Some(hardness) = $hardness.as_deref() {
-            let $h = Yielding(hardness);
+        if let Some(hardness_pa) = $hardness {
+            let $h = Yielding(hardness_pa);
             $work
         } else {
             let $h = Unbounded;
@@ -79,22 +79,19 @@ struct Lists {
     /// Pressure and S p − z.
     p: Vec<f64>,
     v: Vec<f64>,
-    /// Hardness, if finite.
-    hardness: Option<Vec<f64>>,
     /// Last step and its image under S, over their units; zero for cells that were not near contact then.
     step: Vec<f32>,
     image: Vec<f32>,
 }
 
 impl Lists {
-    fn clear(&mut self, yields: bool) {
+    fn clear(&mut self) {
         self.starts = [0; ROWS_OF_SLAB + 1];
         self.columns.clear();
         self.p.clear();
         self.v.clear();
         self.step.clear();
         self.image.clear();
-        self.hardness = if yields { Some(self.hardness.take().map_or_else(Vec::new, cleared)) } else { None };
     }
 
     /// Reserves exactly this number of cells.
@@ -104,9 +101,6 @@ impl Lists {
         self.v.reserve_exact(cells);
         self.step.reserve_exact(cells);
         self.image.reserve_exact(cells);
-        if let Some(list) = &mut self.hardness {
-            list.reserve_exact(cells);
-        }
     }
 
     /// Returns the range of the cells of a row.
@@ -114,15 +108,12 @@ impl Lists {
         self.starts[row] as usize..self.starts[row + 1] as usize
     }
 
-    fn push(&mut self, column: u32, [p, v]: [f64; 2], hardness: f64, [step, image]: [f32; 2]) {
+    fn push(&mut self, column: u32, [p, v]: [f64; 2], [step, image]: [f32; 2]) {
         self.columns.push(column);
         self.p.push(p);
         self.v.push(v);
         self.step.push(step);
         self.image.push(image);
-        if let Some(list) = &mut self.hardness {
-            list.push(hardness);
-        }
     }
 
     /// Appends the cells in `cells` of other lists.
@@ -131,16 +122,8 @@ impl Lists {
         self.p.extend_from_slice(&other.p[cells.clone()]);
         self.v.extend_from_slice(&other.v[cells.clone()]);
         self.step.extend_from_slice(&other.step[cells.clone()]);
-        self.image.extend_from_slice(&other.image[cells.clone()]);
-        if let (Some(list), Some(other)) = (&mut self.hardness, &other.hardness) {
-            list.extend_from_slice(&other[cells]);
-        }
+        self.image.extend_from_slice(&other.image[cells]);
     }
-}
-
-fn cleared(mut list: Vec<f64>) -> Vec<f64> {
-    list.clear();
-    list
 }
 
 /// A cell that comes near contact.
@@ -162,11 +145,11 @@ impl Slab {
         self.hardness_pa = hardness_pa;
         self.entrants.clear();
         self.summary = Summary::NONE;
-        self.lists.clear(hardness_pa.is_some());
+        self.lists.clear();
         self.lists.reserve(p.iter().filter(|p| **p > 0.0).count());
         for (row, p) in p.chunks_exact(width).enumerate() {
             for (column, p) in p.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-                self.lists.push(column as u32, [*p, 0.0], hardness_pa.unwrap_or(f64::INFINITY), [0.0; 2]);
+                self.lists.push(column as u32, [*p, 0.0], [0.0; 2]);
             }
             self.lists.starts[row + 1..].fill(self.lists.columns.len() as u32);
         }
@@ -252,10 +235,9 @@ impl Slab {
             return;
         }
         let width = self.width;
-        let Self { lists, next, entrants, far, hardness_pa, origin_m, unit_m, .. } = self;
-        next.clear(hardness_pa.is_some());
+        let Self { lists, next, entrants, far, origin_m, unit_m, .. } = self;
+        next.clear();
         next.reserve(lists.p.len() + entrants.len());
-        let hardness = hardness_pa.unwrap_or(f64::INFINITY);
         let mut waiting = entrants.iter().peekable();
         for row in 0..far.len() / width {
             let cells = lists.cells(row);
@@ -264,7 +246,7 @@ impl Slab {
                     let (column, p, v) = (lists.columns[i], lists.p[i], lists.v[i]);
                     let place = row * width + column as usize;
                     if p > 0.0 || v < bound {
-                        next.push(column, [p, v], hardness, [lists.step[i], lists.image[i]]);
+                        next.push(column, [p, v], [lists.step[i], lists.image[i]]);
                     } else {
                         far[place] = ((v - *origin_m) / *unit_m) as f32;
                     }
@@ -274,7 +256,7 @@ impl Slab {
             }
             while let Some(entrant) = waiting.next_if(|entrant| entrant.row == row) {
                 let place = row * width + entrant.column as usize;
-                next.push(entrant.column, [0.0, entrant.v], hardness, [0.0, entrant.image]);
+                next.push(entrant.column, [0.0, entrant.v], [0.0, entrant.image]);
                 far[place] = f32::INFINITY;
             }
             next.starts[row + 1..].fill(next.columns.len() as u32);
@@ -290,15 +272,15 @@ impl Slab {
 
     /// Computes the summary of the lists.
     fn summarise(&mut self, bound: f64) {
-        let Self { lists, trial, open, full, summary, .. } = self;
+        let Self { lists, trial, open, full, summary, hardness_pa, .. } = self;
         let (p, v) = (lists.p.as_slice(), lists.v.as_slice());
-        *summary = with_h!(lists.hardness, |h| wide::<Summarise, _>((p, v, bound, h)));
+        *summary = with_h!(*hardness_pa, |h| wide::<Summarise, _>((p, v, bound, h)));
         trial.resize(p.len(), 0.0);
         *open = wide::<OnBound<false>, _>((trial.as_mut_slice(), p, v, Unbounded));
         full.clear();
-        if let Some(hardness) = &lists.hardness {
+        if let Some(hardness_pa) = *hardness_pa {
             full.resize(p.len(), 0.0);
-            let count = wide::<OnBound<true>, _>((full.as_mut_slice(), p, v, Yielding(hardness)));
+            let count = wide::<OnBound<true>, _>((full.as_mut_slice(), p, v, Yielding(hardness_pa)));
             full.truncate(count);
         }
         summary.full = full.len() as f64;
@@ -306,7 +288,7 @@ impl Slab {
 
     /// Returns pressure, v and hardness of the cells near contact.
     pub(super) fn part(&self) -> Part<'_> {
-        Part { p: &self.lists.p, v: &self.lists.v, hardness: self.lists.hardness.as_deref() }
+        Part { p: &self.lists.p, v: &self.lists.v, hardness_pa: self.hardness_pa }
     }
 
     /// Returns the sum of the gradients v − λ of the cells that may move, and their number below the hardness and at
@@ -320,14 +302,14 @@ impl Slab {
 
     /// Computes the gradient v − λ, over `unit_m`, of the cells that may move, or of all.
     pub(super) fn differentiate(&mut self, lambda: f64, unit_m: f64, all: bool) {
-        let Self { lists, gradient, moves, .. } = self;
+        let Self { lists, gradient, moves, hardness_pa, .. } = self;
         let n = lists.p.len();
         gradient.resize(n, 0.0);
         moves.resize(n, 0.0);
         let terms = [lambda, 1.0 / unit_m];
         let fields = [lists.p.as_slice(), lists.v.as_slice()];
         let (gradient, moves) = (gradient.as_mut_slice(), moves.as_mut_slice());
-        with_h!(lists.hardness, |h| wide::<Gradient, _>((gradient, moves, fields, terms, all, h)));
+        with_h!(*hardness_pa, |h| wide::<Gradient, _>((gradient, moves, fields, terms, all, h)));
     }
 
     /// Writes the gradient of a row; returns false if it has none.
@@ -384,16 +366,17 @@ impl Slab {
 
     /// Returns the extent of the trial.
     fn extent(&self) -> Extent {
-        with_h!(self.lists.hardness, |h| wide::<Span, _>((self.trial.as_slice(), h)))
+        with_h!(self.hardness_pa, |h| wide::<Span, _>((self.trial.as_slice(), h)))
     }
 
     /// Copies the pressure into `trial` for the cells between the bounds.
     pub(super) fn propose_itself(&mut self) -> Extent {
-        let Self { lists, trial, .. } = self;
+        let Self { lists, trial, hardness_pa, .. } = self;
         trial.clear();
         let fixed = |p: f64| if p > 0.0 { f64::INFINITY } else { f64::NEG_INFINITY };
-        let itself = |p: f64, hardness: f64| if (p > 0.0) & (p < hardness) { p } else { fixed(p) };
-        with_h!(lists.hardness, |h| trial.extend(lists.p.iter().enumerate().map(|(i, p)| itself(*p, h.at(i)))));
+        let hardness_pa = hardness_pa.unwrap_or(f64::INFINITY);
+        let itself = |p: f64| if (p > 0.0) & (p < hardness_pa) { p } else { fixed(p) };
+        trial.extend(lists.p.iter().map(|p| itself(*p)));
         self.gradient.clear();
         self.gradient.resize(self.lists.p.len(), 0.0);
         self.extent()
@@ -401,33 +384,33 @@ impl Slab {
 
     /// Returns the sum of the pressures of the cells that the trial fixes at the hardness.
     pub(super) fn fixed(&self) -> f64 {
-        let Some(hardness) = &self.lists.hardness else { return 0.0 };
-        self.trial.iter().zip(hardness).map(|(t, hardness)| if *t == f64::INFINITY { *hardness } else { 0.0 }).sum()
+        let Some(hardness_pa) = self.hardness_pa else { return 0.0 };
+        self.trial.iter().map(|t| if *t == f64::INFINITY { hardness_pa } else { 0.0 }).sum()
     }
 
     /// Returns the sum of the trial pressures, shifted and within the bounds, and the number of cells that follow a
     /// shift.
     pub(super) fn shifted_sum(&self, shift: f64) -> [f64; 2] {
-        with_h!(self.lists.hardness, |h| wide::<Shifted, _>((self.trial.as_slice(), shift, h)))
+        with_h!(self.hardness_pa, |h| wide::<Shifted, _>((self.trial.as_slice(), shift, h)))
     }
 
     /// Replaces `trial` by the step to the trial pressure, shifted and within the bounds.
     pub(super) fn restrict(&mut self, shift: Shift) {
-        let Self { lists, gradient, trial, step, .. } = self;
+        let Self { lists, gradient, trial, step, hardness_pa, .. } = self;
         let (trial, p, gradient) = (trial.as_mut_slice(), lists.p.as_slice(), gradient.as_slice());
         *step = if let Some(by) = shift.common() {
             let shifted = |t: f64, hardness: f64| within(t + by, hardness);
-            with_h!(lists.hardness, |h| wide::<Cut, _>((trial, p, gradient, by, shifted, h)))
+            with_h!(*hardness_pa, |h| wide::<Cut, _>((trial, p, gradient, by, shifted, h)))
         } else {
             let shifted = |t: f64, hardness: f64| shift.applied(t, hardness);
-            with_h!(lists.hardness, |h| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, h)))
+            with_h!(*hardness_pa, |h| wide::<Cut, _>((trial, p, gradient, shift.largest(), shifted, h)))
         };
     }
 
     /// Returns the largest multiple of the step that stays within the bounds.
     pub(super) fn longest_feasible(&self) -> f64 {
         let (p, step) = (self.lists.p.as_slice(), self.trial.as_slice());
-        with_h!(self.lists.hardness, |h| wide::<Room, _>((p, step, h)))
+        with_h!(self.hardness_pa, |h| wide::<Room, _>((p, step, h)))
     }
 
     /// Writes the step of a row, over `unit`; returns false if it has none.
@@ -464,16 +447,15 @@ impl Slab {
 
     /// Applies the trial step; returns whether a pressure changed.
     fn go(&mut self, advance: Advance) -> bool {
-        let Self { lists, trial, .. } = self;
-        let Lists { p, v, step, image, hardness, .. } = lists;
+        let Self { lists, trial, hardness_pa, .. } = self;
+        let Lists { p, v, step, image, .. } = lists;
         let (p, v, step) = (p.as_mut_slice(), v.as_mut_slice(), step.as_mut_slice());
-        with_h!(hardness, |h| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, h)))
+        with_h!(*hardness_pa, |h| wide::<Go, _>((p, v, step, [trial.as_slice()], image.as_slice(), advance, h)))
     }
 
     /// Adds the whole trial step to the pressures only.
     pub(super) fn step_pressure(&mut self) {
-        let Lists { p, hardness, .. } = &mut self.lists;
-        let steps = p.iter_mut().zip(&self.trial).enumerate();
-        with_h!(hardness, |h| steps.for_each(|(i, (p, s))| *p = within(*p + s, h.at(i))));
+        let hardness_pa = self.hardness_pa.unwrap_or(f64::INFINITY);
+        self.lists.p.iter_mut().zip(&self.trial).for_each(|(p, s)| *p = within(*p + s, hardness_pa));
     }
 }

@@ -302,7 +302,7 @@ mod tests {
         certify(
             &ContactProblem::new(&half_space, &heights, control, hardness_pa).unwrap(),
             closure,
-            &[Part { p: &p, v: &v, hardness: hardness_pa.map(|h| [h; 4]).as_ref().map(<[f64; 4]>::as_slice) }],
+            &[Part { p: &p, v: &v, hardness_pa }],
             None,
         )
     }

@@ -207,7 +207,12 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
 
     /// Returns whether the law has an exponential part; an exponential law without weakening has none.
     fn is_exponential(&self) -> bool {
-        matches!(self.oscillator.law(), VelocityLaw::Exponential { kinetic, high_speed, .. } if high_speed < kinetic)
+        match self.oscillator.law() {
+            VelocityLaw::Exponential { kinetic, high_speed, .. } => high_speed < kinetic,
+            VelocityLaw::Stribeck { .. } | VelocityLaw::Coulomb { .. } | VelocityLaw::Linear { .. } => false,
+            // Simulated alone, see `LaneTrajectory::new`.
+            VelocityLaw::Tabulated(_) => false,
+        }
     }
 
     /// Returns m at the scaled distance `passed` since the start of the cell.

@@ -93,7 +93,8 @@ pub fn profile_spectrum(map: &HeightMap, axis: Axis) -> Result<ProfileSpectrum, 
         return Err(EstimateError::Constant { present: extent.n });
     }
     let (all, n, pitch_m) = profiles::dimensions(map, axis);
-    let missing = missing_per_profile(map, axis);
+    let is_complete = extent.n == map.values_m().len();
+    let missing = if is_complete { vec![0; all] } else { missing_per_profile(map, axis) };
     let complete = missing.iter().filter(|missing| **missing == 0).count();
     let (psd_m3, route, used) = if 2 * complete >= all {
         (periodogram(map, axis, complete, extent.mean), SpectrumRoute::Periodogram, complete)

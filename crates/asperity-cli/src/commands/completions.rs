@@ -1,9 +1,8 @@
 //! Completions of shells.
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_complete::{Shell, generate};
 
-use crate::Cli;
 use crate::failure::Failure;
 use crate::output::print;
 
@@ -18,9 +17,10 @@ pub(crate) struct Completions {
 }
 
 impl Completions {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    /// `program` is the whole command line.
+    pub(crate) fn run(&self, mut program: clap::Command) -> Result<(), Failure> {
         let mut script = Vec::new();
-        generate(self.shell, &mut Cli::command(), "asperity", &mut script);
+        generate(self.shell, &mut program, "asperity", &mut script);
         print(&String::from_utf8_lossy(&script))
     }
 }

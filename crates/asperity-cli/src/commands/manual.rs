@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 
-use crate::Cli;
 use crate::failure::{Failure, Kind};
 
 /// Writes the manual pages of the program and of each command.
@@ -16,8 +15,9 @@ pub(crate) struct Manual {
 }
 
 impl Manual {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        fs::create_dir_all(&self.folder).and_then(|()| clap_mangen::generate_to(Cli::command(), &self.folder)).map_err(
+    /// `program` is the whole command line.
+    pub(crate) fn run(&self, program: clap::Command) -> Result<(), Failure> {
+        fs::create_dir_all(&self.folder).and_then(|()| clap_mangen::generate_to(program, &self.folder)).map_err(
             |error| {
                 Failure::new(Kind::Runtime, format!("cannot write manual pages to {}: {error}", self.folder.display()))
             },

@@ -1,15 +1,11 @@
 //! Hardness of the cells of a slab, and chunks of its lists.
 
-/// Hardness of the listed cells.
+/// Hardness of all cells.
 pub(crate) trait Hardness: Copy + Send + Sync {
-    /// Whether a hardness is finite.
+    /// Whether the hardness is finite.
     const YIELD: bool;
-    /// Returns the hardness of the first n cells.
-    fn head(self, n: usize) -> Self;
-    /// Returns the hardness of a cell.
-    fn at(self, i: usize) -> f64;
-    /// Returns the hardness of a chunk of cells.
-    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L];
+    /// Returns the hardness in pascal.
+    fn pa(self) -> f64;
 }
 
 /// Infinite hardness.
@@ -20,41 +16,21 @@ impl Hardness for Unbounded {
     const YIELD: bool = false;
 
     #[inline(always)]
-    fn head(self, _n: usize) -> Self {
-        self
-    }
-
-    #[inline(always)]
-    fn at(self, _i: usize) -> f64 {
+    fn pa(self) -> f64 {
         f64::INFINITY
-    }
-
-    #[inline(always)]
-    fn chunk<const L: usize>(self, _chunk: usize) -> [f64; L] {
-        [f64::INFINITY; L]
     }
 }
 
-/// Finite hardness of every cell.
+/// Finite hardness in pascal.
 #[derive(Clone, Copy)]
-pub(super) struct Yielding<'a>(pub(super) &'a [f64]);
+pub(super) struct Yielding(pub(super) f64);
 
-impl Hardness for Yielding<'_> {
+impl Hardness for Yielding {
     const YIELD: bool = true;
 
     #[inline(always)]
-    fn head(self, n: usize) -> Self {
-        Self(&self.0[..n])
-    }
-
-    #[inline(always)]
-    fn at(self, i: usize) -> f64 {
-        self.0[i]
-    }
-
-    #[inline(always)]
-    fn chunk<const L: usize>(self, chunk: usize) -> [f64; L] {
-        load(self.0, chunk, f64::INFINITY)
+    fn pa(self) -> f64 {
+        self.0
     }
 }
 

@@ -83,13 +83,13 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f64], &'a mut [f64], &'a mut [f32], [&'a 
     ) -> bool {
         let Advance { length, unit_pa, unit_m, .. } = advance;
         let n = p.len();
-        let (v, step, trial, image, hardness) =
-            (&mut v[..n], &mut step[..n], &trial[..n], &image[..n], hardness.head(n));
+        let (v, step, trial, image) = (&mut v[..n], &mut step[..n], &trial[..n], &image[..n]);
+        let h = hardness.pa();
         let (along, factor) = (length * unit_m, 1.0 / unit_pa);
         let mut moved = 0_u64;
         for i in 0..n {
             v[i] += along * f64::from(image[i]);
-            let (before, h) = (p[i], hardness.at(i));
+            let before = p[i];
             // The step was computed as (bound − p), so a whole step reaches the bound up to rounding.
             let lands = (length >= 1.0) & (trial[i] == h - before);
             let after = within(before + length * trial[i], h);
@@ -114,10 +114,9 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
         let (mut pressure, mut free, mut free_v) = ([0.0; L], [0.0; L], [0.0; L]);
         let (mut between_v, mut between, mut idle, mut least) = ([0.0; L], [0.0; L], [0.0; L], [f64::INFINITY; L]);
         for chunk in 0..p.len().div_ceil(L) {
-            let (p, v, h): ([f64; L], [f64; L], [f64; L]) =
-                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), hardness.chunk(chunk));
+            let (p, v): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(v, chunk, f64::MAX));
             for i in 0..L {
-                let below = !C::YIELD || p[i] < h[i];
+                let below = !C::YIELD || p[i] < hardness.pa();
                 let own = if below { p[i] } else { 0.0 };
                 let one = if own > 0.0 { 1.0 } else { 0.0 };
                 if C::YIELD {
@@ -180,11 +179,11 @@ impl<'a, C: Hardness, const FULL: bool> Kernel<(&'a mut [f64], &'a [f64], &'a [f
     #[inline(always)]
     fn run((out, p, v, hardness): (&'a mut [f64], &'a [f64], &'a [f64], C)) -> usize {
         let mut count = 0;
-        for (i, (p, v)) in p.iter().zip(v).enumerate() {
+        for (p, v) in p.iter().zip(v) {
             if let Some(out) = out.get_mut(count) {
                 *out = *v;
             }
-            count += usize::from(if FULL { *p >= hardness.at(i) } else { *p <= 0.0 });
+            count += usize::from(if FULL { *p >= hardness.pa() } else { *p <= 0.0 });
         }
         count
     }
@@ -209,10 +208,10 @@ impl<'a, C: Hardness> Kernel<(&'a mut [f32], &'a mut [f32], [&'a [f64]; 2], [f64
         ),
     ) {
         let n = p.len();
-        let (gradient, moves, v, hardness) = (&mut gradient[..n], &mut moves[..n], &v[..n], hardness.head(n));
+        let (gradient, moves, v) = (&mut gradient[..n], &mut moves[..n], &v[..n]);
         for i in 0..n {
             let g = v[i] - lambda;
-            let member = all | may_move(p[i], g, hardness.at(i));
+            let member = all | may_move(p[i], g, hardness.pa());
             gradient[i] = if member { (factor * g) as f32 } else { 0.0 };
             moves[i] = if member { 1.0 } else { 0.0 };
         }
@@ -307,9 +306,9 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
     fn run((trial, hardness): (&'a [f64], C)) -> Extent {
         const L: usize = LANES;
         let (mut least, mut largest, mut members) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L], [0.0; L]);
-        let (mut capacity, mut largest_hardness) = ([0.0; L], [0.0; L]);
+        let mut capacity = [0.0; L];
         for chunk in 0..trial.len().div_ceil(L) {
-            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), hardness.chunk(chunk));
+            let t: [f64; L] = load(trial, chunk, f64::INFINITY);
             for i in 0..L {
                 let moves = t[i].abs() < f64::INFINITY;
                 let (low, high) = if moves { (t[i], t[i]) } else { (f64::INFINITY, f64::NEG_INFINITY) };
@@ -317,18 +316,17 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
                 largest[i] = if high > largest[i] { high } else { largest[i] };
                 members[i] += if moves { 1.0 } else { 0.0 };
                 if C::YIELD {
-                    let own = if moves { h[i] } else { 0.0 };
-                    capacity[i] += own;
-                    largest_hardness[i] = if own > largest_hardness[i] { own } else { largest_hardness[i] };
+                    capacity[i] += if moves { hardness.pa() } else { 0.0 };
                 }
             }
         }
+        let members = members.iter().sum::<f64>() as usize;
         Extent {
             least: least.into_iter().fold(f64::INFINITY, f64::min),
             largest: largest.into_iter().fold(f64::NEG_INFINITY, f64::max),
-            members: members.iter().sum::<f64>() as usize,
+            members,
             capacity: if C::YIELD { capacity.iter().sum() } else { f64::INFINITY },
-            largest_hardness: if C::YIELD { largest_hardness.into_iter().fold(0.0, f64::max) } else { f64::INFINITY },
+            largest_hardness: if C::YIELD && members == 0 { 0.0 } else { hardness.pa() },
         }
     }
 }
@@ -342,13 +340,13 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], f64, C)> for Shifted {
     #[inline(always)]
     fn run((trial, shift, hardness): (&'a [f64], f64, C)) -> [f64; 2] {
         const L: usize = LANES;
-        let (mut sums, mut follow) = ([0.0; L], [0.0; L]);
+        let (mut sums, mut follow, h) = ([0.0; L], [0.0; L], hardness.pa());
         for chunk in 0..trial.len().div_ceil(L) {
-            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), hardness.chunk(chunk));
+            let t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
             for i in 0..L {
                 let value = t[i] + shift;
-                sums[i] += within(value, h[i]);
-                follow[i] += if (value > 0.0) & (value < h[i]) { 1.0 } else { 0.0 };
+                sums[i] += within(value, h);
+                follow[i] += if (value > 0.0) & (value < h) { 1.0 } else { 0.0 };
             }
         }
         [sums.iter().sum(), follow.iter().sum()]
@@ -387,14 +385,14 @@ impl<'a, C: Hardness, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], 
     fn run((trial, p, gradient, shift, shifted, hardness): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
         const L: usize = LANES;
         let (mut slope, mut square, mut cut, mut largest) = ([0.0; L], [0.0; L], [0.0; L], [0.0; L]);
+        let h = hardness.pa();
         for chunk in 0..trial.len().div_ceil(L) {
             let mut t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
             let (p, g): ([f64; L], [f32; L]) = (load(p, chunk, 0.0), load(gradient, chunk, 0.0));
-            let h: [f64; L] = hardness.chunk(chunk);
             for i in 0..L {
                 let value = t[i] + shift;
-                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > h[i]));
-                let step = shifted(t[i], h[i]) - p[i];
+                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > h));
+                let step = shifted(t[i], h) - p[i];
                 slope[i] += f64::from(g[i]) * step;
                 square[i] += step * step;
                 cut[i] += if outside { 1.0 } else { 0.0 };
@@ -421,9 +419,8 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], C)> for Room {
         let mut least = [f64::INFINITY; L];
         for chunk in 0..p.len().div_ceil(L) {
             let (p, step): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(step, chunk, 0.0));
-            let h: [f64; L] = hardness.chunk(chunk);
             for i in 0..L {
-                let way = if step[i] > 0.0 { h[i] - p[i] } else { p[i] };
+                let way = if step[i] > 0.0 { hardness.pa() - p[i] } else { p[i] };
                 let room = if step[i] == 0.0 { f64::INFINITY } else { way / step[i].abs() };
                 least[i] = if room < least[i] { room } else { least[i] };
             }

@@ -119,12 +119,12 @@ pub(crate) struct Advance {
 pub(crate) struct Part<'a> {
     pub(crate) p: &'a [f64],
     pub(crate) v: &'a [f64],
-    pub(crate) hardness: Option<&'a [f64]>,
+    pub(crate) hardness_pa: Option<f64>,
 }
 
 impl Part<'_> {
     pub(crate) fn cells(&self) -> impl Iterator<Item = (f64, f64, f64)> {
-        let hardness = |i: usize| self.hardness.map_or(f64::INFINITY, |hardness| hardness[i]);
-        self.p.iter().zip(self.v).enumerate().map(move |(i, (p, v))| (*p, *v, hardness(i)))
+        let hardness_pa = self.hardness_pa.unwrap_or(f64::INFINITY);
+        self.p.iter().zip(self.v).map(move |(p, v)| (*p, *v, hardness_pa))
     }
 }

@@ -99,7 +99,7 @@ fn check<C: Hardness>(hardness: C, bound: f64, n: usize) {
 fn loops_equal_their_definitions() {
     for n in [1, 15, 16, 37, 1100] {
         check(Unbounded, f64::INFINITY, n);
-        check(Yielding(&vec![HARDNESS; n]), HARDNESS, n);
+        check(Yielding(HARDNESS), HARDNESS, n);
         let lists = [eighths(4, n), eighths(5, n), eighths(6, n), eighths(7, n)];
         let moves: Vec<f64> = eighths(8, n).into_iter().map(|z| f64::from(u8::from(z > -0.5))).collect();
         let [g, z, s, w] = &lists;

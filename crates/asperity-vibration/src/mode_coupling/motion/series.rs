@@ -71,7 +71,11 @@ impl Series {
         let direction = now.contact.direction();
         self.decay = match parameters.law {
             VelocityLaw::Exponential { stribeck_velocity, .. } if direction != 0.0 => stribeck_velocity.recip(),
-            _ => 0.0,
+            VelocityLaw::Stribeck { .. }
+            | VelocityLaw::Coulomb { .. }
+            | VelocityLaw::Linear { .. }
+            | VelocityLaw::Exponential { .. }
+            | VelocityLaw::Tabulated(_) => 0.0,
         };
         (self.x[0], self.u[0], self.y[0], self.v[0]) = (now.x, now.u, now.y, now.v);
         (self.w[0], self.s[0], self.normal[0]) = (now.speed(model), 0.0, now.normal(model));

@@ -145,7 +145,9 @@ impl VibrationStudy {
         let (key, value) = match (self.stribeck, &self.velocity_law) {
             (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
             (None, VelocityLaw::Linear { slope, .. }) => ("linear_weakening", *slope),
-            _ => return None,
+            (Some(Stribeck::Physical(_)), _)
+            | (None, VelocityLaw::Stribeck { .. } | VelocityLaw::Coulomb { .. })
+            | (None, VelocityLaw::Exponential { .. } | VelocityLaw::Tabulated(_)) => return None,
         };
         let si = sentence::digits(value / self.scales.velocity_m_per_s());
         let instead = match key {
