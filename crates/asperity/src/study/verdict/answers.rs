@@ -95,4 +95,27 @@ mod tests {
             assert!((answers.excess(probability) - wanted).abs() < 1e-15);
         }
     }
+
+    #[test]
+    fn the_interval_of_a_value_is_that_of_the_replicates_over_the_slope() {
+        // The quantile of margins between 0 and 1 at P is P. The probabilities of eight replicates are .05 from their mean.
+        let margins: Vec<f64> = (0..=1000).map(|i| f64::from(i) / 1000.0).collect();
+        let answers = Answers::with_fluctuation(margins.clone(), &[0.35, 0.45].repeat(4));
+        let half_width = 2.364_624_252 * 0.05 * (8.0_f64 / 7.0).sqrt() / 8.0_f64.sqrt();
+        assert!((answers.excess(0.6) - 0.2).abs() < 1e-12);
+        assert!((answers.error(0.4) - half_width).abs() < 1e-9, "{}", answers.error(0.4));
+        for slope in [2.0, -2.0] {
+            let Interval { low, high } = answers.interval(5.0, slope, 0.4);
+            assert!((low - (5.0 - half_width / 2.0)).abs() < 1e-9 && (high - (5.0 + half_width / 2.0)).abs() < 1e-9);
+        }
+        // Fewer replicates have no interval.
+        assert_eq!(Answers::with_fluctuation(margins, &[0.35, 0.45, 0.4]).error(0.4), 0.0);
+    }
+
+    #[test]
+    fn three_times_or_a_third_of_a_probability_is_near_it() {
+        let answers = Answers::with_constant_friction((0..100).map(|i| f64::from(i) - 4.5).collect());
+        let near = [0.016, 0.02, 0.05, 0.14, 0.16].map(|probability| answers.is_near(probability));
+        assert_eq!(near, [false, true, true, true, false]);
+    }
 }

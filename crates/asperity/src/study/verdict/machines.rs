@@ -321,4 +321,40 @@ pub(super) mod tests {
             assert!((friction - 0.45).abs() < 1e-15, "{friction}");
         }
     }
+
+    #[test]
+    fn machines_of_another_load_mass_or_frequency_keep_their_velocities_in_si() {
+        // The unit of velocity N/(mω₀) is that of V and of the fall of friction; a damper c = 2ζmω₀ is held by a change of mass or frequency.
+        let text = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
+                    normal_force = { lognormal = [\"2.5 kN\", 0.2] }\nnominal_area = \"833 mm^2\"\nstatic_friction = 0.3\n\
+                    friction_std = 0\ndamping_ratio = 0.05\ndimensionless_belt_velocity = 0.1\nstribeck = 4\n";
+        let study = Study::parse(&format!("seed = 1\n{text}"), "study.toml").unwrap();
+        let (window, verdict) = (stated_window(&study), study.verdict.as_ref().unwrap());
+        let machines = Machines::new(verdict, &window, None, 1);
+        let [load, mass, frequency] = ["normal_force", "mass", "natural_frequency"]
+            .map(|key| Place::named(&format!("vibration.{key}"), &verdict.central).unwrap());
+        let nominal = machines.nominal().unwrap().study.normal_force.0;
+        assert!((machines.central_value(load).unwrap() / nominal - 1.0).abs() < 1e-12);
+        assert!((machines.central_value(mass).unwrap() - 1.0).abs() < 1e-12);
+        for (changes, held) in [
+            (vec![], 1.0),
+            (vec![Change { place: mass, value: 4.0, hold: Hold::Damper }], 4.0),
+            (vec![Change { place: frequency, value: 4.0 * 316.0, hold: Hold::Damper }], 4.0),
+            (vec![Change { place: mass, value: 4.0, hold: Hold::DampingRatio }], 1.0),
+        ] {
+            let growth = if changes.is_empty() { 1.0 } else { 4.0 };
+            let changed = machines.with_changes(changes.clone());
+            let machine = changed.at(&[1.5]).unwrap();
+            let loaded = machine.study.normal_force.0 / nominal;
+            assert!(loaded > 1.2, "{loaded}");
+            let unit = loaded / growth;
+            for change in &changes {
+                assert_eq!(changed.value_of(change.place, &[1.5]), Some(change.value));
+            }
+            assert!((changed.value_of(load, &[1.5]).unwrap() / machine.study.normal_force.0 - 1.0).abs() < 1e-12);
+            assert!((machine.study.belt_velocity * unit / 0.1 - 1.0).abs() < 1e-12, "{changes:?}");
+            assert!((machine.window.stribeck.unwrap() / (4.0 * unit) - 1.0).abs() < 1e-12, "{changes:?}");
+            assert!((machine.study.damping_ratio * held / 0.05 - 1.0).abs() < 1e-12, "{changes:?}");
+        }
+    }
 }
