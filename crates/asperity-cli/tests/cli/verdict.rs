@@ -76,6 +76,7 @@ fn a_linear_law_has_the_probability_drivers_and_remedies_of_the_closed_form() {
     }
     assert_eq!(found["nominal"]["vibrates"], false);
     assert!((found["nominal"]["damping_margin"].as_f64().unwrap() - 0.005).abs() < 1e-12);
+    assert_eq!(found["warnings"], Value::Array(Vec::new()));
 }
 
 #[test]
@@ -336,6 +337,16 @@ fn machines_without_an_answer_are_counted_and_left_out() {
     assert_eq!((sources.len(), &sources[0]["source"]), (1, &"machines".into()));
     assert!((sources[0]["half_width"].as_f64().unwrap() - 0.5 * (high - low)).abs() < 1e-12, "{found}");
     assert_eq!(found["duration_s"], 2.0);
+    // Fewer answers than the study asks for are none; a narrower interval than the machines give has a warning.
+    for (before, after, code, message) in [
+        ("valid_share = 0.999\n", "", 4, format!("{failed} of {sampled} sampled machines have no answer")),
+        ("", "half_width = 0.0001\n", 0, "the interval of the probability is wider than ± 0.01 %".into()),
+    ] {
+        fs::write(folder.path().join("study.toml"), format!("{before}{MACHINE}{lines}{after}")).unwrap();
+        let ended = run_in(folder.path(), "verdict study.toml --json");
+        assert_eq!(ended.code, code, "{ended:?}");
+        assert!(ended.stderr.contains(&message), "{message}: {ended:?}");
+    }
 }
 
 #[test]
@@ -553,6 +564,7 @@ fn the_map_of_two_inputs_and_its_contours_are_the_closed_form() {
         (&"vibration.damping_ratio".into(), &"vibration.linear_weakening".into())
     );
     assert_eq!((damping[0], damping[16], weakening[0], weakening[16]), (0.03, 0.15, 0.08, 0.2));
+    assert!((damping[4] - 0.06).abs() < 1e-12 && (weakening[4] - 0.11).abs() < 1e-12, "{map}");
     assert_eq!(map["leaves_out_fluctuation"], false);
     for (row, weakening) in weakening.iter().enumerate() {
         for (column, damping) in damping.iter().enumerate() {

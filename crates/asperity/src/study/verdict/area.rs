@@ -175,6 +175,10 @@ mod tests {
             rows
         });
         assert_eq!(rows[0], rows[1]);
+        let (name, columns) = table(&rows[0]);
+        assert_eq!(name, "verdict_area");
+        let probabilities: Vec<f64> = rows[0].iter().map(|row| row.probability).collect();
+        assert_eq!(columns.column("probability"), Some(&probabilities[..]));
         for row in &rows[0] {
             let reduction = if row.windows < 64.0 { 1.0 / row.windows } else { area_reduction };
             assert!((row.friction_std / (std * reduction.sqrt()) - 1.0).abs() < 1e-12, "{row:?}");
@@ -182,6 +186,25 @@ mod tests {
             let log_std = ((std / mean).powi(2) * reduction).ln_1p().sqrt();
             let wanted = standard_normal_cdf(-((0.2_f64 / mean).ln() + 0.5 * log_std * log_std) / log_std);
             assert!((row.probability - wanted).abs() <= 1.5 / MACHINES as f64, "{row:?}, not {wanted}");
+            let interval = wilson_interval((row.probability * MACHINES as f64).round() as usize, MACHINES);
+            assert_eq!(row.probability_interval, [interval.low, interval.high]);
         }
+    }
+
+    #[test]
+    fn sampling_ends_early_where_all_machines_have_the_same_answer() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        // The answers of the machines from number 4 on differ from the first; number 2 has none.
+        for (first, rest, wanted) in [(true, false, (3, 3)), (false, true, (0, 3)), (true, true, (3, 3))] {
+            let asked = AtomicUsize::new(0);
+            let vibrates = |index: usize| {
+                asked.fetch_add(1, Ordering::Relaxed);
+                (index != 2).then_some(if index < 4 { first } else { rest })
+            };
+            assert_eq!(counted([4, 10], &vibrates, &Silent), Ok(wanted));
+            assert_eq!(asked.into_inner(), 4);
+        }
+        let mixed = |index: usize| (index != 2).then_some(index % 2 == 0);
+        assert_eq!(counted([4, 10], &mixed, &Silent), Ok((4, 9)));
     }
 }

@@ -80,4 +80,34 @@ mod tests {
             assert_eq!(vibrates(&machine, DURATION_S, 1, &Silent), Ok(Some(wanted)));
         }
     }
+
+    #[test]
+    #[ignore = "slow"]
+    fn a_machine_near_the_limit_is_decided_by_more_trajectories() {
+        // After 512 trajectories the sign of φ − ½ decides; an earlier decision, at three standard errors, has the same sign.
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
+                    friction_std = 0.003\nfriction_correlation_length = \"25 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
+                    upscaling = \"paper\"\n";
+        let mut early = 0;
+        for (damping, seed) in [(0.74, 2), (0.8, 3), (0.86, 4), (0.92, 5), (0.98, 14)] {
+            let study = Study::parse(&format!("{text}damping_ratio = {damping}\n"), "study.toml").unwrap();
+            let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
+            let window = stated_window(&study);
+            let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
+            let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
+            let model =
+                machine.window.process_model(vibration.upscaling, vibration.generator, vibration.scales.length_m());
+            let process = FrictionProcess::new(model).unwrap();
+            let fraction = |trajectories: usize| {
+                let settings =
+                    EnsembleSettings { drive: vibration.drive, ..EnsembleSettings::new(trajectories, 60.0, seed) };
+                Ensemble::simulate(oscillator, &process, &settings, &Silent).unwrap().passages.late_share.mean
+            };
+            let wanted = fraction(512) >= 0.5;
+            early += usize::from((fraction(8) >= 0.5) != wanted);
+            assert_eq!(vibrates(&machine, 60.0 / 316.0, seed, &Silent), Ok(Some(wanted)), "{seed}");
+        }
+        assert_eq!(early, 2, "decisions by eight trajectories that are wrong");
+    }
 }

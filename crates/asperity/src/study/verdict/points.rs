@@ -136,6 +136,22 @@ mod tests {
         belt_velocity = \"20 mm/s\"\ndamping_ratio = 0.03\nstribeck = \"0.3 s/m\"\n";
 
     #[test]
+    fn only_measured_statistics_have_errors() {
+        let own = "covariance = \"squared_exponential\"\ncorrelation_length = \"10 um\"\n";
+        for (surface, wanted) in [
+            (format!("{own}marginal = \"normal\"\n"), [true, false, false]),
+            (format!("{own}rms_height = \"1 um\"\nmarginal = \"normal\"\n"), [false, false, false]),
+            (own.to_owned(), [true, false, true]),
+            ("covariance = \"measured\"\nmarginal = \"normal\"\n".into(), [true, true, false]),
+        ] {
+            let stated = format!("{own}marginal = \"normal\"\n");
+            let study = Study::parse(&TEXT.replace(&stated, &surface), "study.toml").unwrap();
+            let Measured { rms_height, covariance, marginal } = measured(study.surface.as_ref().unwrap());
+            assert_eq!([rms_height, covariance, marginal], wanted, "{surface}");
+        }
+    }
+
+    #[test]
     #[ignore = "slow"]
     fn friction_follows_the_errors_of_a_scan() {
         let folder = tempfile::tempdir().unwrap();

@@ -157,7 +157,13 @@ fn widened(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bo
 
 #[cfg(test)]
 mod tests {
+    use super::super::machines::Machine;
+    use super::super::responses::tests::of_powers;
     use super::*;
+    use crate::distribution::{Marginal, standard_normal_cdf};
+    use crate::friction::{StatedFriction, WindowFriction};
+    use crate::monitor::Silent;
+    use crate::study::Study;
 
     #[test]
     fn errors_of_a_small_probability_are_relative() {
@@ -168,5 +174,62 @@ mod tests {
         assert!((found.high / (1e-5 * factor) - 1.0).abs() < 1e-12 && (found.low * factor / 1e-5 - 1.0).abs() < 1e-12);
         let found = widened(Interval { low: 0.47, high: 0.53 }, 0.5, [0.54, 0.46], false);
         assert!((found.low - 0.45).abs() < 1e-12 && (found.high - 0.55).abs() < 1e-12);
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn errors_of_friction_count_with_the_change_of_the_probability() {
+        // A machine vibrates if μ > 0.2, the friction at which ζ is its limit. μ = 0.2 τ/(385 MPa) with a normal strength τ; an error of
+        // 1.96·2 % multiplies it, which moves the limit of τ.
+        let factor = (0.02 * NORMAL_95).exp();
+        for (central, std) in [(385.0, 30.0), (300.0, 20.0), (470.0, 20.0)] {
+            let text = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
+                        marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"TAU MPa\"\n[friction]\n\
+                        [vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.2229535019025\n\
+                        normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2\n";
+            let text = text.replace("TAU", &format!("{central} ± {std}"));
+            let study = Study::parse(&text, "study.toml").unwrap();
+            let mut responses = of_powers(&study);
+            (responses.strips_error, responses.expansion_error) = (0.02, 0.0);
+            let stated = StatedFriction {
+                mean: 0.2 * central / 385.0,
+                std: 0.0,
+                length_m: 1e-3,
+                marginal: Marginal::STANDARD_NORMAL,
+                window_m: [1e-3; 2],
+            };
+            let window = WindowFriction { computed: true, ..WindowFriction::from_statement(stated, 64e-6, Some(4.2)) };
+            let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, Some(&responses), 1);
+            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+            let sampled = Sampled::until(&machines, &evaluate, 0.02, 4096, &Silent).unwrap();
+            let mut estimator = Estimator {
+                machines: &machines,
+                sampled: &sampled,
+                responses: Some(&responses),
+                seed: 1,
+                monitor: &Silent,
+                evaluations: 0,
+                warnings: Vec::new(),
+            };
+            let event = Event { vibrates: |m| m.vibrates, margin: |m| m.from_stick, by_margin: true };
+            let Probability { value, interval, sources } = estimator.probability(&event).unwrap();
+            let at = |factor: f64| standard_normal_cdf((central - 385.0 / factor) / std);
+            let [least, wanted, most] = [at(1.0 / factor), at(1.0), at(factor)];
+            let is_small = wanted.min(1.0 - wanted) < 0.01;
+            let tolerance = if is_small { 0.15 * wanted.min(1.0 - wanted) } else { 0.01 };
+            assert!((value - wanted).abs() < tolerance, "{value} instead of {wanted}");
+            let own = sources.iter().find(|(source, _)| *source == "strips").unwrap().1;
+            let half = 0.5 * (most - least);
+            assert!((own / half - 1.0).abs() < 0.15, "{own} instead of {half}");
+            assert_eq!(sources.iter().find(|(source, _)| *source == "expansion").unwrap().1, 0.0);
+            assert!(sources.is_sorted_by(|a, b| a.1 >= b.1), "{sources:?}");
+            // The errors of the machines widen the interval little.
+            for (end, wanted) in [(interval.low, least), (interval.high, most)] {
+                let [end, wanted] = if wanted > 0.9 { [1.0 - end, 1.0 - wanted] } else { [end, wanted] };
+                assert!((end / wanted).ln().abs() < 0.4, "{end} instead of {wanted}");
+            }
+            assert_eq!(estimator.evaluations > 0, is_small);
+            assert!(estimator.warnings.is_empty(), "{:?}", estimator.warnings);
+        }
     }
 }

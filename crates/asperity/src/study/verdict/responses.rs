@@ -155,9 +155,10 @@ fn expand_moment(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::axis::contact_places;
     use super::*;
+    use crate::chaos::Basis;
     use crate::distribution::Marginal;
     use crate::friction::StatedFriction;
     use crate::study::Study;
@@ -179,6 +180,35 @@ mod tests {
         }
     }
 
+    /// Returns the friction of a study whose moments are powers of its uncertain strength.
+    pub(in crate::study::verdict) fn of_powers(study: &Study) -> FrictionResponses {
+        let verdict = study.verdict.as_ref().unwrap();
+        let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
+        assert_eq!((axes.len(), axes[0].place.name().as_str()), (1, "material.shear_strength"));
+        let propagation = Propagation::new(vec![axes[0].parameter().unwrap()], 8, 1).unwrap();
+        let point = |index: usize| {
+            let all = moments(axes[0].value(propagation.point(index)[0]) / 385e6);
+            Some(MomentReplicates { all, without: vec![all; 4] })
+        };
+        let found: Vec<_> = (0..8).map(point).collect();
+        FrictionResponses::fit(axes, &propagation, &found, 1).unwrap()
+    }
+
+    #[test]
+    fn beyond_its_range_an_expansion_is_continued_along_its_slope() {
+        // f = x² + xy has the value .5 and the slope 2x + y = 1.5 at the end (1, −.5) of its range.
+        let points: Vec<[f64; 2]> =
+            (0..25).map(|i| [f64::from(i / 5) * 0.5 - 1.0, f64::from(i % 5) * 0.5 - 1.0]).collect();
+        let values: Vec<f64> = points.iter().map(|[x, y]| x * x + x * y).collect();
+        let (expansion, _) = Expansion::fit(Basis::hermite(2, 2).unwrap(), &points, &values).unwrap();
+        for (point, wanted) in
+            [([0.5, -0.5], 0.0), ([3.0, -0.5], 3.5), ([-2.0, 1.0], 1.0), ([2.0, 3.0], 2.0 + 3.0 + 2.0)]
+        {
+            let found = continued(&expansion, &point);
+            assert!((found - wanted).abs() < 5e-3, "{found} instead of {wanted} at {point:?}");
+        }
+    }
+
     #[test]
     fn the_error_of_few_strips_is_that_of_the_jackknife_with_students_factor() {
         let study = Study::parse(STUDY, "study.toml").unwrap();
@@ -186,29 +216,39 @@ mod tests {
         let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
         let propagation = Propagation::new(vec![axes[0].parameter().unwrap()], 8, 1).unwrap();
         // Without a strip, ln μ changes by ±d everywhere: the variance of the jackknife is 3/4·4d².
-        let (d, all) = (1e-3_f64, moments(1.0));
-        let without = [d, -d, d, -d].map(|change| LevelMoments { mean: all.mean * change.exp(), ..all }).to_vec();
-        let found = vec![Some(MomentReplicates { all, without }); 8];
-        let responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
-        let wanted = d * 3.0_f64.sqrt() * 3.182_446 / 1.959_964;
-        assert!((responses.strips_error / wanted - 1.0).abs() < 1e-3, "{} instead of {wanted}", responses.strips_error);
+        for (d, percent, is_large) in [(1e-3_f64, " 0.28", false), (2e-2, " 5.6", true)] {
+            let all = moments(1.0);
+            let without = [d, -d, d, -d].map(|change| LevelMoments { mean: all.mean * change.exp(), ..all }).to_vec();
+            let found = vec![Some(MomentReplicates { all, without }); 8];
+            let axes = vec![Axis::new(axes[0].place, verdict).unwrap()];
+            let mut responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
+            let wanted = d * 3.0_f64.sqrt() * 3.182_446 / 1.959_964;
+            let error = responses.strips_error;
+            assert!((error / wanted - 1.0).abs() < 1e-3, "{error} instead of {wanted}");
+            responses.result.difference_near_limit = Some(0.03);
+            responses.result.points_near_limit = 2;
+            let mut output = StageOutput::default();
+            responses.state(&mut output);
+            assert!((responses.result.standard_error / wanted - 1.0).abs() < 1e-3);
+            let [assumption] = &output.assumptions[..] else { panic!("{:?}", output.assumptions) };
+            for part in [percent, "the 2 points near the limit", "by 3 %"] {
+                assert!(assumption.contains(part), "{assumption}");
+            }
+            assert_eq!(
+                output.warnings.iter().any(|warning| warning.contains(percent)),
+                is_large,
+                "{:?}",
+                output.warnings
+            );
+        }
     }
 
     #[test]
     fn expanded_powers_of_a_value_are_predicted_within_its_range_and_beyond() {
         let study = Study::parse(STUDY, "study.toml").unwrap();
         let verdict = study.verdict.as_ref().unwrap();
-        let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
-        let place = axes[0].place;
-        assert_eq!((axes.len(), place.name().as_str()), (1, "material.shear_strength"));
-        let propagation = Propagation::new(vec![axes[0].parameter().unwrap()], 8, 1).unwrap();
-        let found: Vec<_> = (0..8)
-            .map(|index| {
-                let all = moments(axes[0].value(propagation.point(index)[0]) / 385e6);
-                Some(MomentReplicates { all, without: vec![all; 4] })
-            })
-            .collect();
-        let responses = FrictionResponses::fit(axes, &propagation, &found, 1).unwrap();
+        let responses = of_powers(&study);
+        let place = responses.axes[0].place;
         assert!(responses.errors().iter().all(|(_, error)| *error < 1e-9), "{:?}", responses.errors());
         assert_eq!((responses.result.inputs[0].as_str(), responses.result.points), ("material.shear_strength", 8));
         let stated = StatedFriction {
