@@ -6,6 +6,8 @@ pub(crate) trait Hardness: Copy + Send + Sync {
     const YIELD: bool;
     /// Returns the hardness in pascal.
     fn pa(self) -> f64;
+    /// Returns the hardness in every lane; a constant array, unlike a repeated value, lets the compiler drop comparisons with infinity.
+    fn lanes<const L: usize>(self) -> [f64; L];
 }
 
 /// Infinite hardness.
@@ -19,6 +21,11 @@ impl Hardness for Unbounded {
     fn pa(self) -> f64 {
         f64::INFINITY
     }
+
+    #[inline(always)]
+    fn lanes<const L: usize>(self) -> [f64; L] {
+        [f64::INFINITY; L]
+    }
 }
 
 /// Finite hardness in pascal.
@@ -31,6 +38,11 @@ impl Hardness for Yielding {
     #[inline(always)]
     fn pa(self) -> f64 {
         self.0
+    }
+
+    #[inline(always)]
+    fn lanes<const L: usize>(self) -> [f64; L] {
+        [self.0; L]
     }
 }
 

@@ -11,8 +11,8 @@ const FEW_LANES: usize = 8;
 /// Number of chunks that are summed in single precision before they are added in double precision.
 const CHUNKS_OF_BLOCK: usize = 64;
 
-// Sums go through the lists chunk by chunk with arrays as accumulators. The compiler vectorises loops of this form,
-// without any branch.
+// Sums go through the lists chunk by chunk with arrays as accumulators, also of the hardness. The compiler vectorises loops
+// of this form, without any branch.
 
 /// Writes a chunk back to a list.
 #[inline(always)]
@@ -114,9 +114,10 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], f64, C)> for Summarise {
         let (mut pressure, mut free, mut free_v) = ([0.0; L], [0.0; L], [0.0; L]);
         let (mut between_v, mut between, mut idle, mut least) = ([0.0; L], [0.0; L], [0.0; L], [f64::INFINITY; L]);
         for chunk in 0..p.len().div_ceil(L) {
-            let (p, v): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(v, chunk, f64::MAX));
+            let (p, v, h): ([f64; L], [f64; L], [f64; L]) =
+                (load(p, chunk, 0.0), load(v, chunk, f64::MAX), hardness.lanes());
             for i in 0..L {
-                let below = !C::YIELD || p[i] < hardness.pa();
+                let below = !C::YIELD || p[i] < h[i];
                 let own = if below { p[i] } else { 0.0 };
                 let one = if own > 0.0 { 1.0 } else { 0.0 };
                 if C::YIELD {
@@ -306,9 +307,9 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
     fn run((trial, hardness): (&'a [f64], C)) -> Extent {
         const L: usize = LANES;
         let (mut least, mut largest, mut members) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L], [0.0; L]);
-        let mut capacity = [0.0; L];
+        let (mut capacity, mut largest_hardness) = ([0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
-            let t: [f64; L] = load(trial, chunk, f64::INFINITY);
+            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::INFINITY), hardness.lanes());
             for i in 0..L {
                 let moves = t[i].abs() < f64::INFINITY;
                 let (low, high) = if moves { (t[i], t[i]) } else { (f64::INFINITY, f64::NEG_INFINITY) };
@@ -316,17 +317,18 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], C)> for Span {
                 largest[i] = if high > largest[i] { high } else { largest[i] };
                 members[i] += if moves { 1.0 } else { 0.0 };
                 if C::YIELD {
-                    capacity[i] += if moves { hardness.pa() } else { 0.0 };
+                    let own = if moves { h[i] } else { 0.0 };
+                    capacity[i] += own;
+                    largest_hardness[i] = if own > largest_hardness[i] { own } else { largest_hardness[i] };
                 }
             }
         }
-        let members = members.iter().sum::<f64>() as usize;
         Extent {
             least: least.into_iter().fold(f64::INFINITY, f64::min),
             largest: largest.into_iter().fold(f64::NEG_INFINITY, f64::max),
-            members,
+            members: members.iter().sum::<f64>() as usize,
             capacity: if C::YIELD { capacity.iter().sum() } else { f64::INFINITY },
-            largest_hardness: if C::YIELD && members == 0 { 0.0 } else { hardness.pa() },
+            largest_hardness: if C::YIELD { largest_hardness.into_iter().fold(0.0, f64::max) } else { f64::INFINITY },
         }
     }
 }
@@ -340,13 +342,13 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], f64, C)> for Shifted {
     #[inline(always)]
     fn run((trial, shift, hardness): (&'a [f64], f64, C)) -> [f64; 2] {
         const L: usize = LANES;
-        let (mut sums, mut follow, h) = ([0.0; L], [0.0; L], hardness.pa());
+        let (mut sums, mut follow) = ([0.0; L], [0.0; L]);
         for chunk in 0..trial.len().div_ceil(L) {
-            let t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
+            let (t, h): ([f64; L], [f64; L]) = (load(trial, chunk, f64::NEG_INFINITY), hardness.lanes());
             for i in 0..L {
                 let value = t[i] + shift;
-                sums[i] += within(value, h);
-                follow[i] += if (value > 0.0) & (value < h) { 1.0 } else { 0.0 };
+                sums[i] += within(value, h[i]);
+                follow[i] += if (value > 0.0) & (value < h[i]) { 1.0 } else { 0.0 };
             }
         }
         [sums.iter().sum(), follow.iter().sum()]
@@ -385,14 +387,14 @@ impl<'a, C: Hardness, F: Fn(f64, f64) -> f64> Kernel<(&'a mut [f64], &'a [f64], 
     fn run((trial, p, gradient, shift, shifted, hardness): (&'a mut [f64], &'a [f64], &'a [f32], f64, F, C)) -> Step {
         const L: usize = LANES;
         let (mut slope, mut square, mut cut, mut largest) = ([0.0; L], [0.0; L], [0.0; L], [0.0; L]);
-        let h = hardness.pa();
         for chunk in 0..trial.len().div_ceil(L) {
             let mut t: [f64; L] = load(trial, chunk, f64::NEG_INFINITY);
             let (p, g): ([f64; L], [f32; L]) = (load(p, chunk, 0.0), load(gradient, chunk, 0.0));
+            let h: [f64; L] = hardness.lanes();
             for i in 0..L {
                 let value = t[i] + shift;
-                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > h));
-                let step = shifted(t[i], h) - p[i];
+                let outside = (t[i].abs() < f64::INFINITY) & ((value < 0.0) | (value > h[i]));
+                let step = shifted(t[i], h[i]) - p[i];
                 slope[i] += f64::from(g[i]) * step;
                 square[i] += step * step;
                 cut[i] += if outside { 1.0 } else { 0.0 };
@@ -419,8 +421,9 @@ impl<'a, C: Hardness> Kernel<(&'a [f64], &'a [f64], C)> for Room {
         let mut least = [f64::INFINITY; L];
         for chunk in 0..p.len().div_ceil(L) {
             let (p, step): ([f64; L], [f64; L]) = (load(p, chunk, 0.0), load(step, chunk, 0.0));
+            let h: [f64; L] = hardness.lanes();
             for i in 0..L {
-                let way = if step[i] > 0.0 { hardness.pa() - p[i] } else { p[i] };
+                let way = if step[i] > 0.0 { h[i] - p[i] } else { p[i] };
                 let room = if step[i] == 0.0 { f64::INFINITY } else { way / step[i].abs() };
                 least[i] = if room < least[i] { room } else { least[i] };
             }

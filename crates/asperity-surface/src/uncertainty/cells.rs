@@ -76,11 +76,6 @@ impl Cells {
         self.value[point]
     }
 
-    /// Returns the scaled heights of all points, 0 where missing.
-    pub(super) fn values(&self) -> &[f64] {
-        &self.value
-    }
-
     pub(super) fn is_present(&self, point: usize) -> bool {
         self.present.as_ref().is_none_or(|present| present[point] > 0.0)
     }

@@ -10,7 +10,7 @@ use super::window::Window;
 use crate::areal::{EquivalentLine, MaterialRatio};
 use asperity_base::blocks;
 use asperity_base::random;
-use asperity_base::stats::{Extent, Interval, Moments, Spread};
+use asperity_base::stats::{Interval, Moments, Spread};
 
 /// Number of height classes of equal frequency.
 const CLASSES: usize = 256;
@@ -82,8 +82,10 @@ impl Classes {
         let last = sample.len() - 1;
         let mut bounds: Vec<f64> = (0..=CLASSES).map(|k| sample[k * last / CLASSES]).collect();
         // The sample may miss the extremes.
-        let Extent { least, largest, .. } = Extent::new(cells.values());
-        (bounds[0], bounds[CLASSES]) = (least, largest);
+        let (low, high) = (0..points)
+            .map(|point| cells.value(point))
+            .fold((bounds[0], bounds[CLASSES]), |(l, h), v| (f64::min(l, v), f64::max(h, v)));
+        (bounds[0], bounds[CLASSES]) = (low, high);
         let inner = &bounds[1..CLASSES];
         let counts = cells.histogram(CLASSES, |v| inner.partition_point(|bound| *bound <= v));
         Self { bounds, counts }
