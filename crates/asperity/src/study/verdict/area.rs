@@ -175,6 +175,12 @@ mod tests {
             rows
         });
         assert_eq!(rows[0], rows[1]);
+        let study = Study::parse(STUDY, "study.toml").unwrap().verdict.unwrap();
+        // The nominal area of 64 mm² has fewer than two windows of 40 mm².
+        let large = WindowFriction { area_m2: Some(40e-6), ..window.clone() };
+        let machines = Machines::new(&study, &large, None, 1);
+        let (nominal, sampled) = (machines.nominal().unwrap(), Sampled::default());
+        assert_eq!(area_as_one(&machines, &nominal, &sampled, &evaluate, false, &Silent), Ok(None));
         let (name, columns) = table(&rows[0]);
         assert_eq!(name, "verdict_area");
         let probabilities: Vec<f64> = rows[0].iter().map(|row| row.probability).collect();

@@ -150,3 +150,31 @@ impl MarginModel {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use crate::study::verdict::machines::tests::stated_window;
+
+    #[test]
+    fn variance_beyond_the_expansion_widens_the_intervals_of_the_drivers() {
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
+        let study = Study::parse(text, "study.toml").unwrap();
+        let window = stated_window(&study);
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        // A margin of .2 + .6 x + .8 y, which has the indices .36 and .64.
+        let points: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i / 3) - 1.0, f64::from(i % 3) - 1.0]).collect();
+        let margins: Vec<f64> = points.iter().map(|[x, y]| 0.2 + 0.6 * x + 0.8 * y).collect();
+        let (expansion, _) = Expansion::fit(Basis::hermite(2, 1).unwrap(), &points, &margins).unwrap();
+        let model = MarginModel { expansion, unexplained: 0.1, threshold: 0.3 };
+        assert!((model.margin(&[1.0, 1.0]) - 1.3).abs() < 1e-12);
+        for (driver, index) in model.margin_drivers(&machines, 1).unwrap().iter().zip([0.36, 0.64]) {
+            for [low, high] in [driver.first_order_interval, driver.total_interval] {
+                assert!((low - (index - 0.1)).abs() < 0.02 && (high - (index + 0.1)).abs() < 0.02, "{driver:?}");
+            }
+        }
+    }
+}

@@ -143,3 +143,52 @@ impl Dynamics {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use crate::study::verdict::machines::Machines;
+    use crate::study::verdict::machines::tests::stated_window;
+
+    #[test]
+    fn a_nominal_machine_has_its_margin_and_its_smallest_kick_in_si() {
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\n";
+        let machine = |lines: &str| {
+            let study = Study::parse(&format!("{text}{lines}"), "study.toml").unwrap();
+            let window = stated_window(&study);
+            Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).nominal().unwrap()
+        };
+        // A jump of .05 with a fall b at V = .05 between the limits ζ_H = b/2 = .05 of steady sliding and ζ_v = .1078 of stick-slip.
+        let jumps = machine(
+            "damping_ratio = 0.09\ndimensionless_belt_velocity = 0.05\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n\
+             kinetic_share = 0.8333333333333334\n",
+        );
+        let Dynamics::StickSlip(oscillator) = &jumps.dynamics else { panic!() };
+        let (scales, limit) = (&jumps.study.scales, limit_damping(oscillator).unwrap());
+        let found = jumps.dynamics.nominal(true, scales).unwrap();
+        let kick = smallest_kick(oscillator).unwrap().unwrap() * 2500.0 / 316.0;
+        assert!((found.kick_m_per_s.unwrap() / kick - 1.0).abs() < 1e-12, "{found:?}");
+        assert!(
+            (found.damping_margin - (0.09 - limit)).abs() < 1e-12 && (limit - 0.1078291).abs() < 1e-6,
+            "{found:?} {limit}"
+        );
+        assert_eq!((found.vibrates, found.steady_sliding_unstable), (true, false));
+        // Coupled modes have the margin of friction.
+        for (friction, is_unstable) in [("0.1", false), ("0.9", true)] {
+            let lines = "model = \"mode_coupling\"\nbelt_velocity = \"0.5 m/s\"\ndamping_ratio = 0.001\n";
+            let study = Study::parse(
+                &format!("{text}{lines}").replace("static_friction = 0.3", &format!("static_friction = {friction}")),
+                "study.toml",
+            )
+            .unwrap();
+            let window = stated_window(&study);
+            let machine = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).nominal().unwrap();
+            let Dynamics::ModeCoupling(model) = &machine.dynamics else { panic!() };
+            let found = machine.dynamics.nominal(is_unstable, &machine.study.scales).unwrap();
+            assert_eq!(found.damping_margin, friction_margin(model).unwrap());
+            assert_eq!((found.damping_margin < 0.0, found.steady_sliding_unstable), (is_unstable, is_unstable));
+        }
+    }
+}

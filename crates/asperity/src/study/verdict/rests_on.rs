@@ -261,8 +261,10 @@ mod tests {
             window_m: [6e-4, 7.5e-5],
         };
         let window = WindowFriction::from_statement(stated, nominal.nominal_area.0, nominal.dimensionless_stribeck());
-        let of = |computed: bool| rests_on(&study, verdict, &WindowFriction { computed, ..window.clone() }, false);
-        let found = |computed: bool, name: &str| of(computed).into_iter().find(|input| input.input == name);
+        let of = |computed: bool, fluctuates: bool| {
+            rests_on(&study, verdict, &WindowFriction { computed, ..window.clone() }, fluctuates)
+        };
+        let found = |computed: bool, name: &str| of(computed, false).into_iter().find(|input| input.input == name);
         for (name, value, unit, kind) in [
             ("surface.correlation_length[0]", 2e-5, "m", InputKind::Stated),
             ("material.poisson_ratio", 0.3, "", InputKind::Default),
@@ -280,7 +282,49 @@ mod tests {
         assert_eq!(found(true, "material.hardness").unwrap().value, InputValue::Name("elastic".into()));
         assert_eq!(found(true, "friction.law").unwrap().kind, InputKind::Default);
         // The contact does not matter to friction that is stated.
-        assert!(of(false).iter().all(|input| input.input.starts_with("vibration.")));
+        assert!(of(false, false).iter().all(|input| input.input.starts_with("vibration.")));
         assert!(found(false, "vibration.nominal_area").is_none());
+        // The area shares the fluctuation of friction, or carries the contact.
+        for (computed, fluctuates, area, upscaling) in
+            [(false, true, true, true), (true, false, true, false), (true, true, true, true)]
+        {
+            let all = of(computed, fluctuates);
+            let has = |name: &str| all.iter().any(|input| input.input == name);
+            assert_eq!((has("vibration.nominal_area"), has("vibration.upscaling")), (area, upscaling));
+        }
+        // A friction process has its own fall of friction.
+        let own = WindowFriction { stribeck: Some(5.0), ..window.clone() };
+        let replaced = rests_on(&study, verdict, &own, false);
+        let stribeck: Vec<_> = replaced.iter().filter(|input| input.input == "vibration.stribeck").collect();
+        assert_eq!((stribeck.len(), &stribeck[0].value), (1, &InputValue::Number(5.0)));
+        assert_eq!(stribeck[0].kind, InputKind::Stated);
+    }
+
+    #[test]
+    fn scans_and_each_length_of_an_anisotropic_surface_are_inputs() {
+        let text = STUDY
+            .replace("rms_height = \"1 um\"", "file = [\"a.x3p\", \"b.x3p\"]")
+            .replace("correlation_length = \"20 um\"", "correlation_length = [\"20 um\", \"30 um\"]");
+        for (text, wanted) in [(text.as_str(), (Some(2.0), 2)), (STUDY, (None, 1))] {
+            let study = Study::parse(text, "study.toml").unwrap();
+            let stated = crate::friction::StatedFriction {
+                mean: 0.3,
+                std: 0.0,
+                length_m: 1e-3,
+                marginal: crate::distribution::Marginal::STANDARD_NORMAL,
+                window_m: [6e-4, 7.5e-5],
+            };
+            let window = WindowFriction { computed: true, ..WindowFriction::from_statement(stated, 833e-6, None) };
+            let inputs = rests_on(&study, study.verdict.as_ref().unwrap(), &window, false);
+            let files = inputs.iter().find(|input| input.input == "surface.file");
+            let lengths = inputs.iter().filter(|input| input.input.starts_with("surface.correlation_length[")).count();
+            let count = files.map(|files| {
+                assert_eq!(files.kind, InputKind::Measured);
+                let InputValue::Number(count) = files.value else { panic!("{files:?}") };
+                count
+            });
+            assert_eq!((count, lengths), wanted);
+            assert!(inputs.iter().all(|input| input.input != "counterface.file"), "{inputs:?}");
+        }
     }
 }

@@ -226,4 +226,10 @@ mod tests {
         assert!((std - 1.5_f64.ln() / 2.0_f64.sqrt()).abs() < 2.0 * error[0].hypot(error[1]), "{std} {error:?}");
         assert!(output.assumptions[0].contains("counterfaces differ by"), "{:?}", output.assumptions);
     }
+
+    #[test]
+    fn the_mean_of_covariances_is_taken_element_by_element() {
+        let joint = [1.0, 2.0, 6.0].map(|own| [[own, 0.0, 0.5 * own], [0.0, 2.0 * own, 0.0], [0.5 * own, 0.0, own]]);
+        assert_eq!(mean_of(&joint), [[3.0, 0.0, 1.5], [0.0, 6.0, 0.0], [1.5, 0.0, 3.0]]);
+    }
 }

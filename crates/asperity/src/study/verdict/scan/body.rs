@@ -91,4 +91,11 @@ mod tests {
             assert!(several.contains(words), "{several}");
         }
     }
+
+    #[test]
+    fn warnings_of_the_counterface_name_it() {
+        assert_eq!(Body::Surface.warning("few points"), "few points");
+        let named = Body::Counterface.warning("few points");
+        assert!(named.contains("counterface") && named.contains("few points"), "{named}");
+    }
 }
