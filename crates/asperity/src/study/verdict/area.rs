@@ -210,7 +210,7 @@ mod tests {
             assert_eq!(counted([4, 10], &vibrates, &Silent), Ok(wanted));
             assert_eq!(asked.into_inner(), 4);
         }
-        let mixed = |index: usize| (index != 2).then_some(index % 2 == 0);
+        let mixed = |index: usize| (index != 2).then_some(index.is_multiple_of(2));
         assert_eq!(counted([4, 10], &mixed, &Silent), Ok((4, 9)));
     }
 }
