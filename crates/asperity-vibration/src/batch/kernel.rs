@@ -110,19 +110,19 @@ impl Consts {
 
     pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
         let Weakening { jump, linear, curve, .. } = Weakening::new(oscillator);
-        // r″ is at most twice gain × curvature for a quotient, and once that for an exponential law.
-        let (bend, thins) = match curve {
-            Curve::Quotient(_) => (1.0, true),
-            Curve::Exponential(_) => (0.5, false),
-            // No curvature. Machines with a table are simulated alone.
-            Curve::Straight | Curve::Cubic(_) => (1.0, false),
-        };
         let [gain, curvature] = curve.gain_and_curvature().unwrap_or_default();
+        // r″ is at most twice gain × curvature for a quotient, and once that for an exponential law.
+        let (bend, thinning) = match curve {
+            Curve::Quotient(_) => (1.0, curvature),
+            Curve::Exponential(_) => (0.5, 0.0),
+            // No curvature. Machines with a table are simulated alone.
+            Curve::Straight | Curve::Cubic(_) => (1.0, 0.0),
+        };
         (self.jump[lane], self.linear[lane], self.gain[lane], self.curvature[lane]) = (jump, linear, gain, curvature);
         self.softening[lane] = bend * gain * curvature;
         let [floor, slope] = oscillator.law().floor_and_slope();
         (self.floor[lane], self.loss[lane]) = (floor, slope * oscillator.belt_velocity());
-        self.thinning[lane] = if thins { curvature } else { 0.0 };
+        self.thinning[lane] = thinning;
     }
 }
 

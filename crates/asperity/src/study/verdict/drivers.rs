@@ -171,7 +171,9 @@ mod tests {
         let (expansion, _) = Expansion::fit(Basis::hermite(2, 1).unwrap(), &points, &margins).unwrap();
         let model = MarginModel { expansion, unexplained: 0.1, threshold: 0.3 };
         assert!((model.margin(&[1.0, 1.0]) - 1.3).abs() < 1e-12);
-        for (driver, index) in model.margin_drivers(&machines, 1).unwrap().iter().zip([0.36, 0.64]) {
+        let drivers = model.margin_drivers(&machines, 1).unwrap();
+        assert_eq!(drivers.len(), 2);
+        for (driver, index) in drivers.iter().zip([0.36, 0.64]) {
             for [low, high] in [driver.first_order_interval, driver.total_interval] {
                 assert!((low - (index - 0.1)).abs() < 0.02 && (high - (index + 0.1)).abs() < 0.02, "{driver:?}");
             }

@@ -288,6 +288,7 @@ mod tests {
         let machines = Machines::new(verdict, &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
         let found = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
+        assert_eq!([0, 1, 2].map(|remedy: usize| found[remedy].reach.len()), [2; 3]);
         for (remedy, (now, slope)) in found.iter().zip([(0.055, 1.0), (0.1, 2.0)]) {
             assert!((remedy.now - now).abs() < 1e-12 && remedy.friction_coefficient_now == Some(0.3), "{remedy:?}");
             for (reach, (wanted, half_width)) in remedy.reach.iter().zip([(0.013_390, 0.9e-3), (0.021_009, 1.5e-3)]) {
