@@ -41,7 +41,7 @@ pub(super) fn core(
         let values: Vec<f64> = replicates.iter().map(|r| r[k]).collect();
         Moments::new(&values).sample_std()
     };
-    let wider = spread.variance.sqrt() / (std(3) / classes.mean_size(&total_of(&classes.counts, cells)));
+    let wider = spread.variance.sqrt() / (std(3) / classes.mean_size(&total_of(&classes.counts)));
     let of = |k: usize, value: f64| {
         // The draws use heights over their standard deviation.
         let se = std(k) * values.sq_m * wider;
@@ -161,6 +161,13 @@ impl Classes {
     }
 }
 
-fn total_of(counts: &[f64], cells: &Cells) -> Vec<f64> {
-    (0..CLASSES).map(|k| (0..cells.rows * cells.columns).map(|cell| counts[cell * CLASSES + k]).sum()).collect()
+/// Returns the counts of the whole map.
+fn total_of(counts: &[f64]) -> Vec<f64> {
+    let mut totals = vec![0.0; CLASSES];
+    for cell in counts.chunks_exact(CLASSES) {
+        for (total, count) in totals.iter_mut().zip(cell) {
+            *total += count;
+        }
+    }
+    totals
 }
