@@ -95,9 +95,8 @@ web:
 # Fails on warnings, broken links and generated pages that are not current; then runs the commands of README.md and docs.
 # Builds the book of docs, target/book.
 book:
-    cargo install --quiet --root target/tools --locked --no-default-features --features search mdbook --version 0.5.4
     cargo build --workspace --bin asperity
-    PATH="$PWD/target/tools/bin:$PATH" scripts/build-book --check
+    scripts/build-book --check
     scripts/check-docs
 
 # All checks except the tests.

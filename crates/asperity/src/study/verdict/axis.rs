@@ -74,3 +74,48 @@ impl Axis {
         Ok(Parameter::uniform(&self.place.name(), self.scale(self.low), self.scale(self.high))?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+
+    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
+        marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 MPa\"\n[friction]\n[vibration]\n\
+        mass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = { uniform = [0.1, 0.2] }\n\
+        normal_force = { uniform = [\"1 kN\", \"4 kN\"] }\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"0.1 m/s\"\n\
+        [verdict]\nremedies = [{ input = \"vibration.normal_force\", range = [\"2 kN\", \"8 kN\"] }, \
+        { input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"] }, \
+        { input = \"material.youngs_modulus\", range = [\"100 GPa\", \"400 GPa\"] }]\n";
+
+    #[test]
+    fn loads_and_bodies_change_the_contact_and_the_other_values_of_the_machine_do_not() {
+        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let mut verdict = study.verdict.clone().unwrap();
+        verdict.places.push(Place::latent(BETWEEN_PARTS).unwrap());
+        let names: Vec<String> = contact_places(&verdict).iter().map(Place::name).collect();
+        assert_eq!(names, ["vibration.normal_force", "material.youngs_modulus"]);
+    }
+
+    #[test]
+    fn an_axis_contains_the_quantiles_of_its_value_and_the_range_of_its_remedy() {
+        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let verdict = study.verdict.as_ref().unwrap();
+        let axis = |name: &str| Axis::new(Place::named(name, &verdict.central).unwrap(), verdict).unwrap();
+        let load = axis("vibration.normal_force");
+        // The quantile at .001 of 1 … 4 kN, and the upper end of the remedy; logarithmic, because loads are positive.
+        let (low, high) = (1003.0_f64, 8000.0_f64);
+        for (value, wanted) in [(low, -1.0), (high, 1.0), ((low * high).sqrt(), 0.0), (-5.0, -1.0), (0.0, -1.0)] {
+            let mut table = verdict.central.clone();
+            load.place.set(&mut table, value);
+            assert!((load.xi(&table) - wanted).abs() < 1e-9, "{value}: {}", load.xi(&table));
+        }
+        assert!((load.value(low.ln()) / low - 1.0).abs() < 1e-12);
+        // A standard normal value has both signs.
+        let linear = Axis { low: -3.0, high: 5.0, logarithmic: false, ..axis("material.youngs_modulus") };
+        assert_eq!(linear.value(-3.0), -3.0);
+        let mut table = verdict.central.clone();
+        linear.place.set(&mut table, 1.0);
+        assert!(linear.xi(&table).abs() < 1e-12);
+    }
+}

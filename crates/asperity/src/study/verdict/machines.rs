@@ -357,4 +357,26 @@ pub(super) mod tests {
             assert!((machine.study.damping_ratio * held / 0.05 - 1.0).abs() < 1e-12, "{changes:?}");
         }
     }
+
+    #[test]
+    fn the_fall_of_a_friction_process_keeps_its_rate_in_si() {
+        // The process falls at another rate than the study; under 1.5 times the load the unit of velocity is 1.5 times as large.
+        let text = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nfriction_process = \"process.json\"\ndamping_ratio = 0.05\n\
+                    belt_velocity = \"0.8 m/s\"\nstribeck = 4\n[verdict]\n";
+        let study = Study::parse(&format!("seed = 1\n{text}"), "study.toml").unwrap();
+        let stated = "[vibration]\nstatic_friction = 0.3\nfriction_std = 0\n";
+        let stated = text.replace("friction_process = \"process.json\"\n", stated.split_once('\n').unwrap().1);
+        let usual = stated_window(&Study::parse(&format!("seed = 1\n{stated}"), "study.toml").unwrap());
+        let verdict = study.verdict.as_ref().unwrap();
+        let load = Place::named("vibration.normal_force", &verdict.central).unwrap();
+        for (stribeck, wanted) in [(Some(7.0), Some(10.5)), (Some(4.0), Some(6.0)), (None, None)] {
+            let window = WindowFriction { stribeck, ..usual.clone() };
+            let change = Change { place: load, value: 3750.0, hold: Hold::default() };
+            let machine = Machines::new(verdict, &window, None, 1).with_changes(vec![change]).nominal().unwrap();
+            let found = machine.window.stribeck;
+            assert_eq!(found.is_some(), wanted.is_some());
+            assert!(found.zip(wanted).is_none_or(|(found, wanted)| (found / wanted - 1.0).abs() < 1e-12), "{found:?}");
+        }
+    }
 }

@@ -140,3 +140,51 @@ impl Grid<'_> {
         moved(self.machines, &changes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::distribution::standard_normal_cdf;
+    use crate::monitor::Silent;
+    use crate::study::Study;
+    use crate::study::verdict::machines::tests::stated_window;
+
+    #[test]
+    fn either_axis_can_be_the_damping_ratio() {
+        // M = ζ − b/2 has the standard deviation .0111803, and a machine vibrates if it is negative.
+        let ranges = |input: &str| if input == "damping_ratio" { [0.03, 0.08] } else { [0.08, 0.16] };
+        let text = |inputs: [&str; 2]| {
+            let remedy = |input| format!("{{ input = \"vibration.{input}\", range = {:?} }}", ranges(input));
+            let remedies = inputs.map(remedy);
+            format!(
+                "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                 nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+                 velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
+                 [verdict]\nremedies = [{}]\n",
+                remedies.join(", ")
+            )
+        };
+        let maps = [["damping_ratio", "linear_weakening"], ["linear_weakening", "damping_ratio"]].map(|inputs| {
+            let study = Study::parse(&text(inputs), "study.toml").unwrap();
+            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+            let machines = Machines::new(verdict, &window, None, 1);
+            map(&machines, verdict, false, 1, &Silent).unwrap().unwrap().result
+        });
+        for (which, map) in maps.iter().enumerate() {
+            assert_eq!([&map.x, &map.y].map(|axis| axis.values.len()), [VALUES; 2]);
+            for (axis, damping) in [(&map.x, which == 0), (&map.y, which == 1)] {
+                let input = if damping { "damping_ratio" } else { "linear_weakening" };
+                assert_eq!(axis.input, format!("vibration.{input}"));
+                assert_eq!([axis.values[0], axis.values[VALUES - 1]], ranges(input));
+            }
+            for (y, row) in map.y.values.iter().zip(&map.probability) {
+                for (x, probability) in map.x.values.iter().zip(row) {
+                    let (damping, weakening) = if which == 0 { (x, y) } else { (y, x) };
+                    let wanted = standard_normal_cdf(-(damping - 0.5 * weakening) / 0.011_180_3);
+                    // Four standard deviations of 512 independent machines at P = 1/2.
+                    assert!((probability - wanted).abs() < 0.09, "{damping} {weakening}: {probability} not {wanted}");
+                }
+            }
+        }
+    }
+}

@@ -327,4 +327,18 @@ mod tests {
             assert!(inputs.iter().all(|input| input.input != "counterface.file"), "{inputs:?}");
         }
     }
+
+    #[test]
+    fn a_counterface_has_its_own_poisson_ratio_and_hardness() {
+        let origins = |counterface: &str| {
+            let study = Study::parse(&STUDY.replace("[friction]", counterface), "study.toml").unwrap();
+            let found = |name: &str| left_out(name, &study).map(|input| (input.value, input.kind));
+            ["material.hardness", "counterface.poisson_ratio"].map(found)
+        };
+        let elastic = || Some((InputValue::Name("elastic".into()), InputKind::Default));
+        let usual = || Some((InputValue::Number(0.3), InputKind::Default));
+        assert_eq!(origins("[friction]"), [elastic(), None]);
+        assert_eq!(origins("[counterface]\nhardness = \"2 GPa\"\n[friction]"), [None, None]);
+        assert_eq!(origins("[counterface]\nyoungs_modulus = \"100 GPa\"\n[friction]"), [elastic(), usual()]);
+    }
 }

@@ -46,3 +46,38 @@ impl Measured {
 pub(in super::super) struct ScanErrors {
     pub(in super::super) inputs: Vec<(Place, UncertainInput, BodyErrors)>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlation::{CorrelationModel, Covariance};
+    use crate::distribution::Marginal;
+    use crate::surface::model::Texture;
+    use crate::translation::TranslationKind;
+
+    #[test]
+    fn errors_change_measured_quantities_only() {
+        let heights = (0..2000).map(|i| Marginal::STANDARD_NORMAL.quantile((f64::from(i) + 0.5) / 2000.0)).collect();
+        let marginal = Marginal::empirical(heights).unwrap().standardised(0.0, 1e-6).unwrap();
+        let covariance = Covariance::new(CorrelationModel::Exponential, 1e-6, 20e-6, 10e-6).unwrap();
+        let texture = Texture::Translated {
+            covariance: SurfaceCovariance::Model(covariance),
+            translation: TranslationKind::Plain,
+            expansion: None,
+        };
+        let surface = SurfaceModel { marginal, texture };
+        for [rms_height, covariance, marginal] in
+            [[true, true, true], [true, false, false], [false, true, false], [false, false, true], [false; 3]]
+        {
+            let measured = Measured { rms_height, covariance, marginal };
+            let found = measured.with_errors(&surface, [0.1, 0.3, 0.02]).unwrap();
+            let std_m = if rms_height { 1e-6 * 0.1_f64.exp() } else { 1e-6 };
+            assert!((found.marginal.std() / std_m - 1.0).abs() < 1e-9, "{measured:?}");
+            // Rms slopes are proportional to rms heights over lengths.
+            let length_m = if covariance { 20e-6 * (-0.2_f64).exp() } else { 20e-6 };
+            assert!((found.covariance().unwrap().length_x_m() / length_m - 1.0).abs() < 1e-9, "{measured:?}");
+            let skewness = if marginal { 0.02 } else { 0.0 };
+            assert!((found.marginal.skewness() - skewness).abs() < 1e-3, "{measured:?}: {}", found.marginal.skewness());
+        }
+    }
+}
