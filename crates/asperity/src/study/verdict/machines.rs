@@ -280,17 +280,8 @@ fn velocity_unit(table: &Table) -> f64 {
 
 /// Multiplies a dimensionless number of [vibration], if the study states it.
 fn scale(table: &mut Table, key: &str, factor: f64) {
-    if factor == 1.0 {
-        return;
-    }
-    match table.get_mut("vibration").and_then(|section| section.get_mut(key)) {
-        Some(Value::Float(number)) => *number *= factor,
-        Some(place @ Value::Integer(_)) => {
-            if let Value::Integer(number) = *place {
-                *place = Value::Float(number as f64 * factor);
-            }
-        }
-        _ => {}
+    if let Some(Value::Float(number)) = table.get_mut("vibration").and_then(|section| section.get_mut(key)) {
+        *number *= factor;
     }
 }
 
@@ -369,10 +360,19 @@ pub(super) mod tests {
         let stated = text.replace("friction_process = \"process.json\"\n", stated.split_once('\n').unwrap().1);
         let usual = stated_window(&Study::parse(&format!("seed = 1\n{stated}"), "study.toml").unwrap());
         let verdict = study.verdict.as_ref().unwrap();
-        let load = Place::named("vibration.normal_force", &verdict.central).unwrap();
-        for (stribeck, wanted) in [(Some(7.0), Some(10.5)), (Some(4.0), Some(6.0)), (None, None)] {
+        let changes = [("normal_force", 3750.0), ("stribeck", 8.0)].map(|(key, value)| {
+            let place = Place::named(&format!("vibration.{key}"), &verdict.central).unwrap();
+            Change { place, value, hold: Hold::default() }
+        });
+        // The study's own rate counts only if the process has the same.
+        for (stribeck, change, wanted) in [
+            (Some(7.0), changes[0], Some(10.5)),
+            (Some(4.0), changes[0], Some(6.0)),
+            (None, changes[0], None),
+            (Some(7.0), changes[1], Some(7.0)),
+            (Some(4.0), changes[1], Some(8.0)),
+        ] {
             let window = WindowFriction { stribeck, ..usual.clone() };
-            let change = Change { place: load, value: 3750.0, hold: Hold::default() };
             let machine = Machines::new(verdict, &window, None, 1).with_changes(vec![change]).nominal().unwrap();
             let found = machine.window.stribeck;
             assert_eq!(found.is_some(), wanted.is_some());

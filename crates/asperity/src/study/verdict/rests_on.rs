@@ -237,6 +237,13 @@ mod tests {
             assert_eq!(defaults(&resolved(text)), defaults(text));
         }
         assert!(!defaults(&stated).contains(&"vibration.stribeck".to_owned()));
+        // Only Stribeck's law has a Stribeck coefficient.
+        for (law, has) in
+            [("velocity_law = \"stribeck\"", true), ("velocity_law = \"linear\"\nlinear_weakening = 0.1", false)]
+        {
+            let of_law = defaults(&STUDY.replace("[vibration]", &format!("[vibration]\n{law}")));
+            assert_eq!(of_law.contains(&"vibration.stribeck".to_owned()), has, "{law}");
+        }
         // A changed value is stated, even if the list still names it.
         let changed = resolved(STUDY).replace("stribeck = 4.2", "stribeck = 5.0");
         let left: Vec<String> = defaults(STUDY).into_iter().filter(|name| name != "vibration.stribeck").collect();
