@@ -79,8 +79,8 @@ python PROFILE="release":
 gallery:
     scripts/build-gallery --check
 
-# Installs the tools (`--debug` compiles three times faster and writes the same files), builds, checks types, and tests the explorer (web/dist/explorer.html) and reports of every kind in Chromium with the
-# program `asperity`.
+# Installs the tools (wasm-bindgen with `--debug`: twice as fast to compile, and it writes the same files), builds, checks types, and tests the
+# explorer (web/dist/explorer.html) and reports of every kind in Chromium with the program `asperity`.
 # Builds and tests the scripts of the reports and the explorer.
 web:
     rustup target add wasm32-unknown-unknown

@@ -79,18 +79,20 @@ impl Axis {
 mod tests {
     use super::*;
     use crate::study::Study;
+    use crate::study::verdict::rests_on::tests::STUDY;
 
-    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
-        marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 MPa\"\n[friction]\n[vibration]\n\
-        mass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = { uniform = [0.1, 0.2] }\n\
-        normal_force = { uniform = [\"1 kN\", \"4 kN\"] }\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"0.1 m/s\"\n\
-        [verdict]\nremedies = [{ input = \"vibration.normal_force\", range = [\"2 kN\", \"8 kN\"] }, \
-        { input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"] }, \
-        { input = \"material.youngs_modulus\", range = [\"100 GPa\", \"400 GPa\"] }]\n";
+    /// Returns the study with an uncertain load and remedies.
+    fn study() -> Study {
+        let verdict = "[verdict]\nremedies = [{ input = \"vibration.normal_force\", range = [\"2 kN\", \"8 kN\"] }, \
+                       { input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"] }, \
+                       { input = \"material.youngs_modulus\", range = [\"100 GPa\", \"400 GPa\"] }]\n";
+        let text = STUDY.replace("\"2.5 kN\"", "{ uniform = [\"1 kN\", \"4 kN\"] }").replace("0.17", "\"0.17 ± 0.02\"");
+        Study::parse(&format!("{text}{verdict}"), "study.toml").unwrap()
+    }
 
     #[test]
     fn loads_and_bodies_change_the_contact_and_the_other_values_of_the_machine_do_not() {
-        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let study = study();
         let mut verdict = study.verdict.clone().unwrap();
         verdict.places.push(Place::latent(BETWEEN_PARTS).unwrap());
         let names: Vec<String> = contact_places(&verdict).iter().map(Place::name).collect();
@@ -99,7 +101,7 @@ mod tests {
 
     #[test]
     fn an_axis_contains_the_quantiles_of_its_value_and_the_range_of_its_remedy() {
-        let study = Study::parse(STUDY, "study.toml").unwrap();
+        let study = study();
         let verdict = study.verdict.as_ref().unwrap();
         let axis = |name: &str| Axis::new(Place::named(name, &verdict.central).unwrap(), verdict).unwrap();
         let load = axis("vibration.normal_force");

@@ -356,8 +356,7 @@ pub(super) mod tests {
                     nominal_area = \"833 mm^2\"\nfriction_process = \"process.json\"\ndamping_ratio = 0.05\n\
                     belt_velocity = \"0.8 m/s\"\nstribeck = 4\n[verdict]\n";
         let study = Study::parse(&format!("seed = 1\n{text}"), "study.toml").unwrap();
-        let stated = "[vibration]\nstatic_friction = 0.3\nfriction_std = 0\n";
-        let stated = text.replace("friction_process = \"process.json\"\n", stated.split_once('\n').unwrap().1);
+        let stated = text.replace("friction_process = \"process.json\"", "static_friction = 0.3\nfriction_std = 0");
         let usual = stated_window(&Study::parse(&format!("seed = 1\n{stated}"), "study.toml").unwrap());
         let verdict = study.verdict.as_ref().unwrap();
         let changes = [("normal_force", 3750.0), ("stribeck", 8.0)].map(|(key, value)| {

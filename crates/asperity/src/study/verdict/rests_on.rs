@@ -203,13 +203,23 @@ fn replaced_stribeck(whole: &Study, window: &WindowFriction) -> Option<RestsOn> 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::distribution::Marginal;
+    use crate::friction::StatedFriction;
 
-    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
+    /// Study of computed friction.
+    pub(in crate::study::verdict) const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
                          marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 MPa\"\n\
                          [friction]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\n\
                          normal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"0.1 m/s\"\n";
+
+    /// Returns the friction .3 of a window, as if it was computed.
+    pub(in crate::study::verdict) fn computed_window(stribeck: Option<f64>) -> WindowFriction {
+        let marginal = Marginal::STANDARD_NORMAL;
+        let stated = StatedFriction { mean: 0.3, std: 0.0, length_m: 1e-3, marginal, window_m: [6e-4, 7.5e-5] };
+        WindowFriction { computed: true, ..WindowFriction::from_statement(stated, 833e-6, stribeck) }
+    }
 
     fn resolved(text: &str) -> String {
         toml::to_string(&Study::parse(text, "study.toml").unwrap().file().to_table().unwrap()).unwrap()
@@ -260,14 +270,7 @@ mod tests {
         let study = Study::parse(&text, "study.toml").unwrap();
         let verdict = study.verdict.as_ref().unwrap();
         let nominal = study.vibration.as_ref().unwrap();
-        let stated = crate::friction::StatedFriction {
-            mean: 0.3,
-            std: 0.0,
-            length_m: 1e-3,
-            marginal: crate::distribution::Marginal::STANDARD_NORMAL,
-            window_m: [6e-4, 7.5e-5],
-        };
-        let window = WindowFriction::from_statement(stated, nominal.nominal_area.0, nominal.dimensionless_stribeck());
+        let window = computed_window(nominal.dimensionless_stribeck());
         let of = |computed: bool, fluctuates: bool| {
             rests_on(&study, verdict, &WindowFriction { computed, ..window.clone() }, fluctuates)
         };
@@ -314,14 +317,7 @@ mod tests {
             .replace("correlation_length = \"20 um\"", "correlation_length = [\"20 um\", \"30 um\"]");
         for (text, wanted) in [(text.as_str(), (Some(2.0), 2)), (STUDY, (None, 1))] {
             let study = Study::parse(text, "study.toml").unwrap();
-            let stated = crate::friction::StatedFriction {
-                mean: 0.3,
-                std: 0.0,
-                length_m: 1e-3,
-                marginal: crate::distribution::Marginal::STANDARD_NORMAL,
-                window_m: [6e-4, 7.5e-5],
-            };
-            let window = WindowFriction { computed: true, ..WindowFriction::from_statement(stated, 833e-6, None) };
+            let window = computed_window(None);
             let inputs = rests_on(&study, study.verdict.as_ref().unwrap(), &window, false);
             let files = inputs.iter().find(|input| input.input == "surface.file");
             let lengths = inputs.iter().filter(|input| input.input.starts_with("surface.correlation_length[")).count();

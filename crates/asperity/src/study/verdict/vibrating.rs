@@ -96,24 +96,21 @@ pub(super) fn samples_table(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::{StatedFriction, WindowFriction};
+    use crate::friction::WindowFriction;
     use crate::monitor::Silent;
     use crate::study::Study;
+    use crate::study::verdict::rests_on::tests::{STUDY, computed_window};
     use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     fn the_table_of_samples_states_values_friction_stiffness_and_margins() {
-        let text = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
-                    marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 MPa\"\n[friction]\n\
-                    [vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = \"0.05 ± 0.01\"\n\
-                    normal_force = \"2.5 kN\"\nnominal_area = \"800 mm^2\"\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = 0.1\n";
-        let study = Study::parse(text, "study.toml").unwrap();
+        let text = STUDY
+            .replace("0.17", "\"0.05 ± 0.01\"")
+            .replace("belt_velocity = \"0.1 m/s\"", "dimensionless_belt_velocity = 0.1")
+            + "velocity_law = \"linear\"\nlinear_weakening = 0.1\n";
+        let study = Study::parse(&text, "study.toml").unwrap();
         let verdict = study.verdict.as_ref().unwrap();
-        let marginal = crate::distribution::Marginal::STANDARD_NORMAL;
-        let stated = StatedFriction { mean: 0.3, std: 0.0, length_m: 1e-3, marginal, window_m: [6e-4, 7.5e-5] };
-        let mut window = WindowFriction::from_statement(stated, 8e-4, None);
-        (window.computed, window.stiffness_pa_per_m) = (true, Some(2e12));
+        let window = WindowFriction { stiffness_pa_per_m: Some(2e12), ..computed_window(None) };
         let machines = Machines::new(verdict, &window, None, 1);
         let evaluate = |machine: &_, _: usize| Evaluated::constant_friction(machine);
         let sampled = Sampled::until(&machines, &evaluate, 0.5, 64, &Silent).unwrap();
@@ -122,8 +119,8 @@ mod tests {
         let damping = column("vibration.damping_ratio");
         assert_eq!(damping.len(), 64);
         assert!(column("friction_coefficient").iter().all(|friction| *friction == 0.3));
-        // 2·10¹² Pa/m on 800 mm².
-        assert!(column("contact_stiffness_n_per_m").iter().all(|stiffness| (stiffness / 1.6e9 - 1.0).abs() < 1e-12));
+        // 2·10¹² Pa/m on 833 mm².
+        assert!(column("contact_stiffness_n_per_m").iter().all(|stiffness| (stiffness / 1.666e9 - 1.0).abs() < 1e-12));
         for (margin, damping) in column("damping_margin").iter().zip(damping) {
             assert!((margin - (damping - 0.05)).abs() < 1e-6, "{margin} of {damping}");
         }

@@ -77,7 +77,9 @@ mod tests {
             let length_m = if covariance { 20e-6 * (-0.2_f64).exp() } else { 20e-6 };
             assert!((found.covariance().unwrap().length_x_m() / length_m - 1.0).abs() < 1e-9, "{measured:?}");
             let skewness = if marginal { 0.02 } else { 0.0 };
-            assert!((found.marginal.skewness() - skewness).abs() < 1e-3, "{measured:?}: {}", found.marginal.skewness());
+            // The next term of the expansion is of the order of the square of the change.
+            let difference = found.marginal.skewness() - skewness;
+            assert!(difference.abs() <= 1e-9 + skewness * skewness, "{measured:?}: {difference}");
         }
     }
 }
