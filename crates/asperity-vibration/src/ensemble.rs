@@ -70,16 +70,22 @@ const VALUE_BYTES: f64 = 24.0;
 const DISTRIBUTIONS: f64 = 3.0;
 
 impl EnsembleSettings {
-    /// Returns an approximate upper bound of the memory of a block in bytes. It assumes one slip per natural period; each
-    /// trajectory keeps at most `sample_capacity` values.
+    /// Returns an approximate upper bound of the memory of the samples of a number of trajectories in bytes. It assumes one
+    /// slip per natural period; each distribution keeps at most `sample_capacity` values.
+    fn samples_bytes(&self, trajectories: usize) -> f64 {
+        let values = self.duration / TAU * trajectories as f64;
+        VALUE_BYTES * DISTRIBUTIONS * values.min(self.sample_capacity as f64)
+    }
+
+    /// Returns an approximate upper bound of the memory of a block in bytes: each trajectory keeps its own samples.
     fn block_bytes(&self) -> f64 {
-        VALUE_BYTES * DISTRIBUTIONS * (self.duration / TAU).min(self.sample_capacity as f64) * BLOCK as f64
+        self.samples_bytes(1) * BLOCK as f64
     }
 
     /// Returns an approximate upper bound of the memory of an ensemble in bytes.
     pub fn memory_bytes(&self, threads: usize) -> f64 {
         let waiting = blocks::at_once(self.block_bytes() as usize, threads).min(self.trajectories.div_ceil(BLOCK));
-        self.block_bytes() * waiting as f64 + VALUE_BYTES * DISTRIBUTIONS * self.sample_capacity as f64
+        self.block_bytes() * waiting as f64 + self.samples_bytes(self.trajectories)
     }
 }
 
