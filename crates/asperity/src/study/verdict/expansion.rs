@@ -76,10 +76,7 @@ pub(super) fn expand_friction(
             responses.expansion_error = difference.mean.hypot(difference.standard_error());
             responses.result.difference_near_limit = Some(difference.mean.hypot(difference.std));
         }
-        let error = responses.strips_error.hypot(responses.expansion_error);
-        if near.change(error) <= PART_OF_HALF_WIDTH * verdict.half_width
-            || responses.strips_error > responses.expansion_error
-        {
+        if near.suffices(responses.strips_error, responses.expansion_error, verdict.half_width) {
             break;
         }
     }
@@ -127,6 +124,13 @@ impl Near {
         Self { tables, margins: near.into_iter().map(|(margin, slope, _)| (margin, slope)).collect() }
     }
 
+    /// Returns whether more points would hardly narrow the interval of the probability, whose half width may be `half_width`: the error of
+    /// friction widens it little, or is mostly that of the strips.
+    fn suffices(&self, strips_error: f64, expansion_error: f64, half_width: f64) -> bool {
+        strips_error > expansion_error
+            || self.change(strips_error.hypot(expansion_error)) <= PART_OF_HALF_WIDTH * half_width
+    }
+
     /// Returns the half width of the probability's interval that a relative standard error of friction causes.
     fn change(&self, error: f64) -> f64 {
         let fraction = |sign: f64| {
@@ -147,5 +151,8 @@ mod tests {
         let margins: Vec<_> = (0..1000).map(|i| ((f64::from(i) + 0.5) / 1000.0 - 0.5, 2.0)).collect();
         let near = Near { tables: Vec::new(), margins };
         assert!((near.change(0.1) - 0.392).abs() < 1e-12, "{}", near.change(0.1));
+        // It may take half of the half width; points lower the error of the expansion only.
+        assert!(near.suffices(0.06, 0.08, 0.785) && !near.suffices(0.06, 0.08, 0.783));
+        assert!(near.suffices(0.08, 0.06, 0.1));
     }
 }

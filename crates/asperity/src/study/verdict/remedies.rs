@@ -199,22 +199,25 @@ impl Changed<'_> {
             Some((at, answers)) if at == value => answers,
             _ => self.answers(value, self.points.len())?,
         };
-        // Closer values differ by their errors.
-        let far = FAR * answers.error(probability);
-        let end = |end: [f64; 2]| {
-            let beyond = known.iter().filter(|[_, excess]| excess.is_finite() && excess * end[1].signum() >= far);
-            beyond.min_by(|x, y| (x[0] - value).abs().total_cmp(&(y[0] - value).abs())).copied().unwrap_or(end)
-        };
-        let [a, b] = [end(a), end(b)];
-        let slope = (b[1] - a[1]) / (b[0] - a[0]);
-        // Without a slope the interval is the whole range.
-        Ok((value, answers.interval(value, if slope.is_finite() { slope } else { 0.0 }, probability)))
+        let slope = slope_at(value, &known, [a, b], FAR * answers.error(probability));
+        Ok((value, answers.interval(value, slope, probability)))
     }
 
     /// Returns the tolerance of a value.
     fn tolerance(&self) -> f64 {
         TOLERANCE * (self.remedy.high - self.remedy.low)
     }
+}
+
+/// Returns the slope of the excess at `value`, between the nearest known values on both sides whose excess is at least `far`, or else
+/// the ends; closer values differ by their errors. Without a slope it is zero: the interval is the whole range.
+fn slope_at(value: f64, known: &[[f64; 2]], ends: [[f64; 2]; 2], far: f64) -> f64 {
+    let [a, b] = ends.map(|end| {
+        let beyond = known.iter().filter(|[_, excess]| excess.is_finite() && excess * end[1].signum() >= far);
+        beyond.min_by(|x, y| (x[0] - value).abs().total_cmp(&(y[0] - value).abs())).copied().unwrap_or(end)
+    });
+    let slope = (b[1] - a[1]) / (b[0] - a[0]);
+    if slope.is_finite() { slope } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -224,6 +227,27 @@ mod tests {
     use crate::study::verdict::machines::Machine;
     use crate::study::verdict::machines::tests::stated_window;
     use crate::study::verdict::sampled::Evaluated;
+
+    #[test]
+    fn the_slope_is_that_between_the_nearest_values_whose_excess_exceeds_its_error() {
+        // The excess is y + y³ at x = 1 + y; at two values close to the root errors exceed it, and one answer has no limit.
+        let excess = |x: f64| [x, (x - 1.0) + (x - 1.0).powi(3)];
+        let ends = [excess(-1.0), excess(4.0)];
+        let mut known: Vec<_> = [-1.0, 4.0, 0.0, 3.0, 0.5, 2.0].map(excess).to_vec();
+        known.extend([[0.9, 0.1], [1.1, -0.2], [0.6, f64::NEG_INFINITY]]);
+        let slope = |far: f64| slope_at(1.0, &known, ends, far);
+        // From −.625 at .5 to 2 at 2, from −2 at 0 to 2 at 2, and from −2 at 0 to 10 at 3.
+        assert!((slope(0.6) - 2.625 / 1.5).abs() < 1e-12, "{}", slope(0.6));
+        assert!((slope(2.0) - 2.0).abs() < 1e-12, "{}", slope(2.0));
+        assert!((slope_at(1.6, &known, ends, 2.0) - 2.0).abs() < 1e-12);
+        assert!((slope_at(1.0, &known[..4], ends, 1.9) - 12.0 / 3.0).abs() < 1e-12);
+        // No value is far enough: the ends, also where the first has the larger excess.
+        let wide = (ends[1][1] - ends[0][1]) / 5.0;
+        assert!((slope(100.0) - wide).abs() < 1e-12);
+        let falling = [[0.0, 1.5], [4.0, -1.0]];
+        assert!((slope_at(1.0, &[[0.5, 1.2], [3.0, -0.9]], falling, 0.8) + 2.1 / 2.5).abs() < 1e-12);
+        assert_eq!(slope_at(1.0, &[], [[1.0, 0.0], [1.0, 0.5]], 0.8), 0.0);
+    }
 
     #[test]
     #[ignore = "slow"]
