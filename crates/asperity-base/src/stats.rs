@@ -87,7 +87,13 @@ pub fn quantile_sorted(sorted: &[f64], probability: f64) -> f64 {
 pub(crate) fn between_order_statistics(sorted: &[f64], position: f64) -> f64 {
     let left = position.floor() as usize;
     let right = (left + 1).min(sorted.len() - 1);
-    sorted[left] + (position - left as f64) * (sorted[right] - sorted[left])
+    let (low, high, part) = (sorted[left], sorted[right], position - left as f64);
+    // Infinite values have no difference.
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => low + part * (high - low),
+        (true, false) if part > 0.0 => high,
+        _ => low,
+    }
 }
 
 /// Returns the median, the upper one of two; `None` without values. The values are reordered.
@@ -156,6 +162,11 @@ mod tests {
         assert_eq!(quantile_sorted(&sorted, 1.0), 8.0);
         assert_eq!(quantile_sorted(&[5.0], 0.3), 5.0);
         assert!(quantile_sorted(&[], 0.3).is_nan());
+        // Between infinite values, and next to one.
+        let infinite = [f64::NEG_INFINITY, f64::NEG_INFINITY, 1.0, 3.0, f64::INFINITY];
+        let quantiles = [0.0, 0.1, 0.25, 0.3, 0.5, 0.625, 0.75, 0.8, 1.0].map(|p| quantile_sorted(&infinite, p));
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        assert_eq!(quantiles, [low, low, low, low, 1.0, 2.0, 3.0, high, high]);
         assert_eq!(sorted_present([2.0, f64::NAN, 1.0]), [1.0, 2.0]);
     }
 

@@ -464,6 +464,8 @@ fn samples_with_decimal_commas_wrong_units_or_no_file_are_unusable_data() {
     for (samples, words) in [
         (Some("0,10\n0,12\n1,11\n"), "m.csv:1: `0,10` may have a decimal comma"),
         (Some("damping\n0,10\n0,12\n"), "m.csv:2: `0,10` may have a decimal comma"),
+        (Some("damping;part\n0,19;1\n0,18;2\n"), "m.csv:2: `0,19` may have a decimal comma"),
+        (Some("z\n0.1;5\n0,15\n"), "m.csv:3: `0,15` may have a decimal comma"),
         (Some("0.10 mm\n0.12\n"), "m.csv:1: "),
         (Some("damping\n0.10\nnothing\n"), "m.csv:3: "),
         (None, "m.csv: no such file"),
@@ -471,9 +473,13 @@ fn samples_with_decimal_commas_wrong_units_or_no_file_are_unusable_data() {
         let ended = ended(samples);
         assert!(ended.code == 3 && ended.stderr.contains(words), "{samples:?}: {:?} {}", ended.code, ended.stderr);
     }
-    for samples in
-        ["damping,part\n0.10,1\n0.12,2\n", "damping,part\n0,10\n1,12\n", "0.10,1\n0.12,2\n", "damping\n0.10\n0.11\n"]
-    {
+    for samples in [
+        "damping,part\n0.10,1\n0.12,2\n",
+        "damping,part\n0,10\n1,12\n",
+        "# a; b\n0.10,1\n0.12,2\n",
+        "damping;part\n0.10;1,5\n0.12;2,5\n",
+        "damping\n0.10\n0.11\n",
+    ] {
         let ended = ended(Some(samples));
         assert_eq!(ended.code, 0, "{samples}: {}", ended.stderr);
     }
@@ -488,7 +494,9 @@ fn wrong_uncertain_values_name_their_line() {
         ("damping_ratio = { normal = [0.05] }\n", 12, "a list of 2 values"),
         ("damping_ratio = { normal = [0.05, 0.01], known = true }\n", 12, "unknown key `known`"),
         ("damping_ratio = 0.05\nduration = \"640 ± 10\"\n", 13, "cannot be uncertain"),
-        ("damping_ratio = \"0.05 ± 0.01\"\n[verdict]\ntargets = [0.0]\n", 14, "a probability strictly between 0 and 1"),
+        ("damping_ratio = \"0.05 ± 0.01\"\n[verdict]\ntargets = [0.0]\n", 14, "a probability from 0.001 to 0.999"),
+        ("damping_ratio = 0.05\n[verdict]\ntargets = [1e-4]\n", 14, "a probability from 0.001 to 0.999"),
+        ("damping_ratio = 0.05\n[verdict]\ntargets = []\n", 14, "no probability"),
         (
             "damping_ratio = 0.05\n[verdict]\nremedies = [{ input = \"vibration.dampng\", range = [0.1, 0.2] }]\n",
             14,

@@ -215,18 +215,20 @@ fn marginal(key: &UncertainKey, stated: &StatedDistribution, folder: &Path) -> R
 /// Reads samples from the first column of a CSV file: quantities with units, or numbers in SI. A first line that does not begin with a
 /// number names the columns.
 fn samples(key: &UncertainKey, file: &PathBuf) -> Result<Vec<f64>, String> {
-    const SEPARATORS: [char; 3] = [',', ';', '\t'];
     let text = std::fs::read_to_string(file).map_err(|error| match error.kind() {
         ErrorKind::NotFound => format!("{}: no such file", file.display()),
         ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
         _ => format!("{}: {error}", file.display()),
     })?;
+    // Where another separator is used, a comma separates no columns.
+    let is_separated = text.lines().any(|line| !line.trim_start().starts_with('#') && line.contains([';', '\t']));
+    let separators: &[char] = if is_separated { &[';', '\t'] } else { &[','] };
     let begins_with_number = |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     let (mut values, mut columns) = (Vec::new(), 1);
     // A line with a decimal comma, and whether another line has none.
     let (mut comma, mut other) = (None, false);
     for (index, line) in text.lines().enumerate() {
-        let mut cells = line.split(SEPARATORS).map(|cell| cell.trim().trim_matches('"'));
+        let mut cells = line.split(separators).map(|cell| cell.trim().trim_matches('"'));
         let cell = cells.next().unwrap_or("");
         if cell.is_empty() || cell.starts_with('#') {
             continue;
@@ -236,6 +238,9 @@ fn samples(key: &UncertainKey, file: &PathBuf) -> Result<Vec<f64>, String> {
             continue;
         }
         let wrong = |reason: String| format!("{}:{}: {reason}", file.display(), index + 1);
+        if cell.contains(',') {
+            return Err(wrong(format!("`{cell}` may have a decimal comma; write numbers with a decimal point")));
+        }
         let value = match cell.parse() {
             Ok(number) => number,
             Err(_) => key.parse(&Value::String(cell.into())).map_err(wrong)?,

@@ -163,6 +163,8 @@ pub(super) fn run(
     let margin_quantiles = MARGIN_PROBABILITIES
         .map(|probability| MarginQuantile { probability, damping_margin: quantile_sorted(&margins, probability) });
     let vibrates = evaluate(&nominal, 0).map_err(StudyError::Verdict)?.vibrates;
+    let (remedies, warnings) = remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?;
+    output.warnings.extend(warnings);
     let mut result = VerdictResult {
         model,
         probability,
@@ -179,7 +181,7 @@ pub(super) fn run(
         nominal: nominal.dynamics.nominal(vibrates, &nominal.study.scales)?,
         if_vibrating: vibrating_machines(&machines, &sampled, monitor)?,
         margin_quantiles: margin_quantiles.to_vec(),
-        remedies: remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?,
+        remedies,
         rests_on: rests_on::rests_on(whole, study, window, fluctuates),
         ..VerdictResult::default()
     };
@@ -207,6 +209,7 @@ pub(super) fn run(
     }
     if let Some(map) = map::map(&machines, study, friction_fluctuates, seed, monitor)? {
         result.map = Some(map.result);
+        output.warnings.extend(map.warning);
         output.tables.push(map.contours);
     }
     if let Some(model) = MarginModel::new(&machines, &sampled, fluctuates)? {

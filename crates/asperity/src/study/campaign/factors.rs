@@ -301,17 +301,17 @@ impl Reader<'_> {
         seed: u64,
     ) -> Result<Option<Factor>, StudyFileError> {
         const COUNT: &str = "count";
+        const MOST: i64 = 100_000;
         let entries = self.entries("sample", &file.sample);
         if entries.is_empty() {
             return Ok(None);
         }
         let (count, entries): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(key, _)| key.name == COUNT);
         let count = match count.as_slice() {
-            [(_, Value::Integer(count))] if *count > 0 => *count as usize,
+            [(_, Value::Integer(count))] if (1..=MOST).contains(count) => *count as usize,
             [(key, found)] => {
-                return Err(
-                    self.error(key.line, format!("[sample] count: found {found}, expected a whole number from 1 on"))
-                );
+                let message = format!("[sample] count: found {found}, expected a whole number from 1 to {MOST}");
+                return Err(self.error(key.line, message));
             }
             _ => return Err(self.error(self.line("sample"), "[sample] has no `count`, the number of samples")),
         };

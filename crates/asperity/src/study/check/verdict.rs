@@ -9,7 +9,8 @@ use crate::study::file::{Hold, RemedySection, VerdictSection};
 use crate::study::uncertain::{Place, UncertainValue, add_latent};
 
 const SECTION: &str = "verdict";
-const PROBABILITY: &str = "a probability strictly between 0 and 1";
+/// Targets of remedies that the machines of their search resolve.
+const TARGETS: std::ops::RangeInclusive<f64> = 0.001..=0.999;
 /// Largest number of machines of a study's verdict.
 const MOST_EVALUATIONS: f64 = 1e8;
 
@@ -76,7 +77,10 @@ impl StudyFile {
             within(SECTION, "duration", duration, positive, POSITIVE)?;
         }
         for target in &targets {
-            within(SECTION, "targets", *target, |p| p > 0.0 && p < 1.0, PROBABILITY)?;
+            within(SECTION, "targets", *target, |p| TARGETS.contains(&p), "a probability from 0.001 to 0.999")?;
+        }
+        if targets.is_empty() {
+            return Err(invalid(SECTION, "targets", "no probability is stated"));
         }
         within(SECTION, "half_width", half_width, |w| w > 0.0 && w < 0.5, "a value above 0, below 0.5")?;
         at_least(SECTION, "evaluations", evaluations, 1000)?;

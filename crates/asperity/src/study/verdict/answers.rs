@@ -40,6 +40,11 @@ impl Answers {
         if excess == 0.0 || excess.is_nan() { probability - self.probability } else { excess }
     }
 
+    /// Returns the fraction of machines without an answer, whose margin is −∞.
+    pub(super) fn unanswered(&self) -> f64 {
+        self.sorted.partition_point(|margin| *margin == f64::NEG_INFINITY) as f64 / self.sorted.len() as f64
+    }
+
     fn quantile(&self, probability: f64) -> f64 {
         quantile_sorted(&self.sorted, probability.clamp(0.0, 1.0))
     }
@@ -94,6 +99,26 @@ mod tests {
         for (probability, wanted) in [(0.75, 0.25), (0.5, 0.0), (0.05, -0.45)] {
             assert!((answers.excess(probability) - wanted).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn machines_without_an_answer_vibrate() {
+        // −∞ and its differences must not read as a distance from the limit.
+        let margins = [vec![f64::NEG_INFINITY; 60], (1..=140).map(f64::from).collect()].concat();
+        let answers = Answers::with_constant_friction(margins.clone());
+        assert_eq!((answers.unanswered(), answers.probability), (0.3, 0.3));
+        for probability in [0.0, 0.05, 0.29, 59.5 / 199.0] {
+            assert_eq!(answers.excess(probability), f64::NEG_INFINITY, "{probability}");
+        }
+        assert!((answers.excess(0.5) - 40.5).abs() < 1e-9);
+        let none = Answers::with_constant_friction(vec![f64::NEG_INFINITY; 9]);
+        assert_eq!(
+            (none.unanswered(), none.excess(0.05), none.excess(1.0)),
+            (1.0, f64::NEG_INFINITY, f64::NEG_INFINITY)
+        );
+        let terms = [vec![1.0; 60], vec![0.0; 140]].concat();
+        let fluctuating = Answers::with_fluctuation(margins, &terms);
+        assert!(fluctuating.excess(0.05) < 0.0 && fluctuating.excess(0.5) > 0.0);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Probability of vibration over the central values of two inputs.
 
 use asperity_base::blocks::Task;
+use asperity_base::sentence;
 
 use super::machines::{Change, Machines};
 use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
@@ -28,6 +29,8 @@ const CONTOURS: &str = "verdict_map_contours";
 pub(super) struct Map {
     pub(super) result: ProbabilityMap,
     pub(super) contours: (&'static str, CsvTable),
+    /// Warning if too few machines have an answer somewhere.
+    pub(super) warning: Option<String>,
 }
 
 /// Computes the map over the ranges of the first two remedies; `None` unless they change two inputs.
@@ -73,7 +76,15 @@ pub(super) fn map(
         y: axis(y, y_values),
         leaves_out_fluctuation: friction_fluctuates,
     };
-    Ok(Some(Map { result, contours: (CONTOURS, table) }))
+    let unanswered = nodes.iter().filter(|node| 1.0 - node.unanswered < study.valid_fraction).count();
+    let warning = (unanswered > 0).then(|| {
+        format!(
+            "the map counts machines without an answer as vibrating, more than {} % of them at {unanswered} of its {} pairs of values",
+            sentence::digits(100.0 * (1.0 - study.valid_fraction)),
+            nodes.len()
+        )
+    });
+    Ok(Some(Map { result, contours: (CONTOURS, table), warning }))
 }
 
 /// Returns the central values of an axis.
@@ -86,6 +97,8 @@ fn values(remedy: &RemedyStudy) -> Vec<f64> {
 struct Node {
     /// Fraction of them that vibrates.
     probability: f64,
+    /// Fraction without an answer.
+    unanswered: f64,
     /// Quantiles of the margin.
     quantiles: Vec<f64>,
 }
@@ -126,6 +139,8 @@ impl Grid<'_> {
             margins.sort_by(f64::total_cmp);
             Ok(Node {
                 probability: fraction_below_zero(&margins),
+                unanswered: margins.partition_point(|margin| *margin == f64::NEG_INFINITY) as f64
+                    / margins.len() as f64,
                 quantiles: levels.iter().map(|level| quantile_sorted(&margins, *level)).collect(),
             })
         };

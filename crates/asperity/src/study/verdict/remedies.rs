@@ -2,13 +2,14 @@
 
 use asperity_base::blocks::Task;
 use asperity_base::numeric::try_root_between;
+use asperity_base::sentence;
 
 use super::answers::Answers;
 use super::decided;
 use super::machines::{Change, Machines};
 use super::margins::{Limits, Moved, is_damping, margins, moved};
 use super::replicates::{REPLICATES, points};
-use super::sampled::Evaluate;
+use super::sampled::{Evaluate, Evaluated};
 use crate::distribution::standard_normal_cdf;
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
@@ -22,7 +23,8 @@ pub(in crate::study) const POINTS: usize = 512;
 pub(in crate::study) const FLUCTUATING_POINTS: usize = 1024;
 /// Steps from the present value to each end of the range in the search for the nearest value.
 pub(in crate::study) const STEPS: usize = 8;
-/// Tolerance of a value, relative to the range, and the distance within which the values of one replicate and of all differ.
+/// Tolerance of a value, and the distance within which the values of one replicate and of all differ, relative to the range or, if it is
+/// wider, to the value.
 const TOLERANCE: f64 = 1e-5;
 const NEAR: f64 = 0.01;
 /// Half widths of the interval within which the search for a value ends where friction fluctuates, and beyond which its slope is taken.
@@ -31,7 +33,7 @@ const FAR: f64 = 3.0;
 /// Stream of the machines that are decided.
 const DECIDED: &str = "study/verdict/remedies/decided";
 
-/// Returns the remedies of a study. `evaluate` counts the fluctuation of friction.
+/// Returns the remedies of a study, and warnings. `evaluate` counts the fluctuation of friction.
 pub(super) fn remedies(
     machines: &Machines<'_>,
     study: &VerdictStudy,
@@ -39,21 +41,23 @@ pub(super) fn remedies(
     fluctuates: bool,
     seed: u64,
     monitor: &dyn Monitor,
-) -> Result<Vec<Remedy>, StudyError> {
+) -> Result<(Vec<Remedy>, Vec<String>), StudyError> {
     if study.remedies.is_empty() {
-        return Ok(Vec::new());
+        return Ok(Default::default());
     }
     let points = points(machines.variables(), if fluctuates { FLUCTUATING_POINTS } else { POINTS }, seed)?;
     let normal = random::standard_normal(&mut random::stream(seed, DECIDED, 0), points.len());
     let draws: Vec<f64> = normal.into_iter().map(standard_normal_cdf).collect();
     let damping = study.remedies.iter().any(|remedy| is_damping(remedy.place, machines.model()));
     let limits = damping.then(|| Limits::new(&Ok(machines.clone()), &points, monitor)).transpose()?;
+    let mut warnings = Vec::new();
     let remedies = study.remedies.iter().map(|remedy| {
         let limits = limits.as_ref().filter(|_| is_damping(remedy.place, machines.model()));
         let evaluate = fluctuates.then_some(evaluate);
-        Changed { machines, remedy, points: &points, limits, evaluate, draws: &draws, monitor }.remedy(study)
+        Changed { machines, remedy, points: &points, limits, evaluate, draws: &draws, monitor }
+            .remedy(study, &mut warnings)
     });
-    remedies.collect()
+    Ok((remedies.collect::<Result<_, _>>()?, warnings))
 }
 
 /// Machines under a change of one central value.
@@ -72,7 +76,7 @@ struct Changed<'a> {
 }
 
 impl Changed<'_> {
-    fn remedy(&self, study: &VerdictStudy) -> Result<Remedy, StudyError> {
+    fn remedy(&self, study: &VerdictStudy, warnings: &mut Vec<String>) -> Result<Remedy, StudyError> {
         let RemedyStudy { place, low, high, .. } = *self.remedy;
         // Results state NaN for a value on which no machine depends.
         let now = self.machines.central_value(place).unwrap_or(f64::NAN);
@@ -89,6 +93,7 @@ impl Changed<'_> {
                 friction_coefficient: nearest.and_then(|(value, _)| self.friction(value)),
             });
         }
+        warnings.extend(self.unanswered(sides.iter().flatten(), study.valid_fraction));
         let friction_coefficient_now = self.friction(now);
         Ok(Remedy { input: place.name(), unit: place.key().unit.into(), now, friction_coefficient_now, reach })
     }
@@ -97,6 +102,26 @@ impl Changed<'_> {
     fn moved(&self, value: f64) -> Moved<'_> {
         let RemedyStudy { place, hold, .. } = *self.remedy;
         moved(self.machines, &[Change { place, value, hold }])
+    }
+
+    /// Returns a warning if a smaller fraction than `valid_fraction` of the machines has an answer at a value of the search.
+    fn unanswered<'s>(
+        &self,
+        mut sides: impl Iterator<Item = &'s (f64, Answers)>,
+        valid_fraction: f64,
+    ) -> Option<String> {
+        let (value, answers) = sides.find(|(_, answers)| 1.0 - answers.unanswered() < valid_fraction)?;
+        let machines = self.moved(*value);
+        let answer = |point: &Vec<f64>| -> Result<(), String> {
+            Evaluated::constant_friction(&machines.as_ref().map_err(Clone::clone)?.at(point)?).map(drop)
+        };
+        let reason = self.points.iter().find_map(|point| answer(point).err()).unwrap_or_default();
+        let (name, unit) = (self.remedy.place.name(), self.remedy.place.key().unit);
+        Some(format!(
+            "the remedy by {name} counts machines without an answer as vibrating: {} % of them at {}, the first because {reason}",
+            sentence::digits(100.0 * answers.unanswered()),
+            format!("{} {unit}", sentence::digits(*value)).trim_end()
+        ))
     }
 
     /// Returns the friction coefficient of the machine with all values at their centres.
@@ -148,13 +173,28 @@ impl Changed<'_> {
             match before {
                 _ if here < 0.0 => before = Some([*value, here]),
                 None => return Ok(Some((*value, Interval { low: *value, high: *value }))),
-                Some(other) if self.evaluate.is_some() => {
-                    return self.root_of_fluctuating(other, [*value, here], probability).map(Some);
+                Some(other) => {
+                    let [a, b] = self.narrowed([other, [*value, here]], probability)?;
+                    return match self.evaluate {
+                        Some(_) => self.root_of_fluctuating(a, b, probability).map(Some),
+                        None => self.root([a[0], b[0]], probability).map(Some),
+                    };
                 }
-                Some([other, _]) => return self.root([other, *value], probability).map(Some),
             }
         }
         Ok(None)
+    }
+
+    /// Returns two values, with their excess, between two of opposite excess and equal sign whose ratio is larger than ten, such that it is
+    /// not.
+    fn narrowed(&self, [mut a, mut b]: [[f64; 2]; 2], probability: f64) -> Result<[[f64; 2]; 2], Cancelled> {
+        let is_wide = |a: f64, b: f64| a != 0.0 && b != 0.0 && a.signum() == b.signum() && (a / b).log10().abs() > 1.0;
+        while is_wide(a[0], b[0]) {
+            let middle = a[0].signum() * a[0].abs().sqrt() * b[0].abs().sqrt();
+            let excess = self.answers(middle, self.points.len())?.excess(probability);
+            *if excess < 0.0 { &mut a } else { &mut b } = [middle, excess];
+        }
+        Ok([a, b])
     }
 
     /// Returns the value between two values at which the fraction `probability` of the machines vibrates, with its interval.
@@ -163,12 +203,13 @@ impl Changed<'_> {
         let excess = |value: f64, count: usize| Ok::<f64, Cancelled>(self.answers(value, count)?.excess(probability));
         let solve = |[a, b]: [f64; 2], count: usize| {
             let ends = [[a, excess(a, count)?], [b, excess(b, count)?]];
-            try_root_between(|value| excess(value, count), ends[0], ends[1], self.tolerance())
+            try_root_between(|value| excess(value, count), ends[0], ends[1], self.tolerance(a, b))
         };
         // The root of one replicate, a cheap one, brackets the root of all.
-        let near = solve([a, b], one)?.map(|root| [-NEAR, NEAR].map(|step| root + step * (b - a)));
-        let found = match near {
-            Some(near) => solve(near, all)?,
+        let near = |value: f64| NEAR * if value == 0.0 { b - a } else { (b - a).clamp(-value.abs(), value.abs()) };
+        let bracket = solve([a, b], one)?.map(|root| [-1.0, 1.0].map(|side| root + side * near(root)));
+        let found = match bracket {
+            Some(bracket) => solve(bracket, all)?,
             None => None,
         };
         let value = match found {
@@ -176,7 +217,7 @@ impl Changed<'_> {
             None => solve([a, b], all)?.unwrap_or(b),
         };
         let answers = self.answers(value, all)?;
-        let end = value + NEAR * (b - a);
+        let end = value + near(value);
         let slope = (excess(end, all)? - excess(value, all)?) / (end - value);
         Ok((value, answers.interval(value, slope, probability)))
     }
@@ -194,7 +235,7 @@ impl Changed<'_> {
             last = Some((value, answers));
             Ok(if is_close { 0.0 } else { excess })
         };
-        let value = try_root_between(excess, a, b, self.tolerance())?.unwrap_or(b[0]);
+        let value = try_root_between(excess, a, b, self.tolerance(a[0], b[0]))?.unwrap_or(b[0]);
         let answers = match last {
             Some((at, answers)) if at == value => answers,
             _ => self.answers(value, self.points.len())?,
@@ -203,9 +244,10 @@ impl Changed<'_> {
         Ok((value, answers.interval(value, slope, probability)))
     }
 
-    /// Returns the tolerance of a value.
-    fn tolerance(&self) -> f64 {
-        TOLERANCE * (self.remedy.high - self.remedy.low)
+    /// Returns the tolerance of a value between two values.
+    fn tolerance(&self, a: f64, b: f64) -> f64 {
+        let value = if a * b.signum() > 0.0 && b != 0.0 { a.abs().min(b.abs()) } else { a.abs().max(b.abs()) };
+        TOLERANCE * (self.remedy.high - self.remedy.low).min(value)
     }
 }
 
@@ -226,7 +268,6 @@ mod tests {
     use crate::study::Study;
     use crate::study::verdict::machines::Machine;
     use crate::study::verdict::machines::tests::stated_window;
-    use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     fn the_slope_is_that_between_the_nearest_values_whose_excess_exceeds_its_error() {
@@ -274,7 +315,7 @@ mod tests {
             let mut verdict = verdict.clone();
             // A machine of another weakening needs another evaluation, which takes longer.
             verdict.remedies.truncate(if seed == 1 { 2 } else { 1 });
-            let found = remedies(&machines, &verdict, &evaluate, true, seed, &crate::monitor::Silent).unwrap();
+            let (found, _) = remedies(&machines, &verdict, &evaluate, true, seed, &crate::monitor::Silent).unwrap();
             for (remedy, slope) in found.iter().zip([1.0_f64, -2.0]) {
                 for (target, score) in [1.644_853_6, 2.326_347_9].into_iter().enumerate() {
                     let reach = &remedy.reach[target];
@@ -312,7 +353,8 @@ mod tests {
         let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
         let machines = Machines::new(verdict, &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        let found = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
+        let (found, warnings) = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
+        assert!(warnings.is_empty(), "{warnings:?}");
         assert_eq!([0, 1, 2].map(|remedy: usize| found[remedy].reach.len()), [2; 3]);
         for (remedy, (now, slope)) in found.iter().zip([(0.055, 1.0), (0.1, 2.0)]) {
             assert!((remedy.now - now).abs() < 1e-12 && remedy.friction_coefficient_now == Some(0.3), "{remedy:?}");
@@ -332,6 +374,89 @@ mod tests {
         );
     }
 
+    /// Returns a study of a machine with M = ζ − b/2, b of 0.2 ± 0.02 and ζ of 0.1 ± 0.01, which vibrates with P = ½.
+    fn study_text(lists: &[&str]) -> String {
+        let lists: Vec<String> = lists.iter().map(|list| format!("{{ input = \"vibration.{list} }}")).collect();
+        format!(
+            "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+             nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+             velocity_law = \"linear\"\nlinear_weakening = \"0.2 ± 0.02\"\ndamping_ratio = \"0.1 ± 0.01\"\n\
+             [verdict]\nremedies = [{}]\n",
+            lists.join(", ")
+        )
+    }
+
+    /// Returns the remedies of that machine, and warnings.
+    fn found(lists: &[&str]) -> (Vec<Remedy>, Vec<String>) {
+        let text = study_text(lists);
+        let study = Study::parse(&text, "study.toml").unwrap();
+        let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+        let machines = Machines::new(verdict, &window, None, 1);
+        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+        remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap()
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn machines_without_an_answer_are_no_remedy() {
+        // More weakening makes vibration more probable; the velocity, and a frequency with the damper, do not change P. Some or all machines
+        // of the ranges have no answer: their friction would be negative, or its fluctuation lacks a distribution.
+        let (found, warnings) = found(&[
+            "linear_weakening\", range = [0.2, 5.0]",
+            "dimensionless_belt_velocity\", range = [0.1, 5.0]",
+            "natural_frequency\", range = [\"1 rad/s\", \"1000 rad/s\"], hold = \"damper\"",
+            "friction_std\", range = [0.1, 0.2]",
+        ]);
+        for remedy in &found {
+            assert!(remedy.reach.iter().all(|reach| reach.value.is_none()), "{remedy:?}");
+        }
+        assert_eq!(warnings.len(), 4, "{warnings:?}");
+        for (warning, remedy) in warnings.iter().zip(&found) {
+            assert!(warning.contains(&remedy.input) && warning.contains("without an answer"), "{warning}");
+        }
+        assert!(warnings[3].contains("100 %") && warnings[3].contains("the first because"), "{}", warnings[3]);
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn values_do_not_depend_on_the_width_of_the_range() {
+        // At 5 and 1 % ζ is .1 + 1.6449 and 2.3263 times .0141421.
+        let wide = |input: &str, ends: [&str; 4]| ends.map(|end| format!("{input}\", range = [{end}]"));
+        let damping = wide("damping_ratio", ["0.01, 1", "0.01, 1e4", "0.0, 1e12", "1e-9, 1e300"]);
+        let (found, _) = found(&damping.each_ref().map(String::as_str));
+        for remedy in &found {
+            for (reach, wanted) in remedy.reach.iter().zip([0.123_262, 0.132_900]) {
+                let ([low, high], value) = (reach.value_interval.unwrap(), reach.value.unwrap());
+                // 4,096 independent machines have half widths of 1.1e-3 and 1.9e-3.
+                assert!((value - wanted).abs() < 1e-3 && low < value && value < high && high - low < 3e-3, "{reach:?}");
+                assert!((value - found[0].reach[usize::from(wanted > 0.13)].value.unwrap()).abs() < 2e-5, "{reach:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_wide_bracket_is_narrowed_to_a_decade() {
+        // P is a half at ζ = b/2, b of .2: M = ζ − .1 for the machine with all values at their centres.
+        let text = study_text(&["damping_ratio\", range = [0.0, 1e300]"]);
+        let study = Study::parse(&text, "study.toml").unwrap();
+        let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+        let machines = Machines::new(verdict, &window, None, 1);
+        let points = vec![vec![0.0; machines.variables()]];
+        let monitor = &crate::monitor::Silent;
+        let limits = Limits::new(&Ok(machines.clone()), &points, monitor).unwrap();
+        let limits = Some(&limits);
+        let remedy = &verdict.remedies[0];
+        let changed =
+            Changed { machines: &machines, remedy, points: &points, limits, evaluate: None, draws: &[], monitor };
+        for (ends, within) in [([1e-9, 1e300], [0.01, 1.0]), ([0.05, 0.2], [0.05, 0.2]), ([0.0, 1e300], [0.0, 1e300])] {
+            let [a, b] = changed.narrowed(ends.map(|end| [end, end - 0.1]), 0.5).unwrap();
+            assert!(within[0] <= a[0] && a[0] < 0.1 && 0.1 < b[0] && b[0] <= within[1], "{a:?} {b:?}");
+            assert!(a[1] < 0.0 && b[1] > 0.0);
+        }
+        assert_eq!(changed.narrowed([[0.0, -0.1], [0.2, 0.1]], 0.5).unwrap()[0][0], 0.0);
+        assert_eq!(changed.narrowed([[0.2, -0.1], [0.0, 0.1]], 0.5).unwrap()[1][0], 0.0);
+    }
+
     #[test]
     #[ignore = "slow"]
     fn the_nearest_of_two_values_is_stated() {
@@ -349,7 +474,7 @@ mod tests {
             let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
             let machines = Machines::new(verdict, &window, None, 1);
             let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let found = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
+            let (found, _) = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
             let reach = &found[0].reach[0];
             let (value, error) = (reach.value.unwrap(), 0.000_99 / slope);
             assert!((value - wanted).abs() < 3.0 * error, "{now}: {reach:?} instead of {wanted}");
