@@ -1,6 +1,6 @@
 //! Probability that machines vibrate at one central value, with its error.
 
-use super::replicates::{REPLICATES, fraction_below_zero};
+use super::replicates::{REPLICATES, fraction_below_zero, fraction_unanswered};
 use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
 
 /// Answers of the machines of all replicates, or of one, at one central value.
@@ -40,9 +40,9 @@ impl Answers {
         if excess == 0.0 || excess.is_nan() { probability - self.probability } else { excess }
     }
 
-    /// Returns the fraction of machines without an answer, whose margin is −∞.
+    /// Returns the fraction of machines without an answer.
     pub(super) fn unanswered(&self) -> f64 {
-        self.sorted.partition_point(|margin| *margin == f64::NEG_INFINITY) as f64 / self.sorted.len() as f64
+        fraction_unanswered(&self.sorted)
     }
 
     fn quantile(&self, probability: f64) -> f64 {

@@ -5,7 +5,7 @@ use asperity_base::sentence;
 
 use super::machines::{Change, Machines};
 use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
-use super::replicates::{fraction_below_zero, points};
+use super::replicates::{fraction_below_zero, fraction_unanswered, points};
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::check::{RemedyStudy, VerdictStudy};
@@ -139,8 +139,7 @@ impl Grid<'_> {
             margins.sort_by(f64::total_cmp);
             Ok(Node {
                 probability: fraction_below_zero(&margins),
-                unanswered: margins.partition_point(|margin| *margin == f64::NEG_INFINITY) as f64
-                    / margins.len() as f64,
+                unanswered: fraction_unanswered(&margins),
                 quantiles: levels.iter().map(|level| quantile_sorted(&margins, *level)).collect(),
             })
         };

@@ -432,6 +432,16 @@ mod tests {
                 assert!((value - found[0].reach[usize::from(wanted > 0.13)].value.unwrap()).abs() < 2e-5, "{reach:?}");
             }
         }
+        // A mass of m kg divides b: .1 − .1/m is 1.6449·.01·√(1 + 1/m²) at m = 1.2651, where M changes with m by .068.
+        let mass = wide(
+            "mass",
+            ["\"0.1 kg\", \"10 kg\"", "\"0.1 kg\", \"1e4 kg\"", "\"0.1 kg\", \"1e6 kg\"", "\"1 kg\", \"5 kg\""],
+        );
+        let (found, _) = self::found(&mass.each_ref().map(String::as_str));
+        for remedy in &found {
+            let (value, first) = (remedy.reach[0].value.unwrap(), found[0].reach[0].value.unwrap());
+            assert!((value - 1.2651).abs() < 1.1e-3 / 0.068 && (value - first).abs() < 2e-5, "{remedy:?}");
+        }
     }
 
     #[test]

@@ -21,6 +21,11 @@ pub(super) fn points(variables: usize, count: usize, seed: u64) -> Result<Vec<Ve
     Ok(points)
 }
 
+/// Returns the fraction of machines without an answer, whose margin is −∞.
+pub(super) fn fraction_unanswered(margins: &[f64]) -> f64 {
+    margins.iter().filter(|margin| **margin == f64::NEG_INFINITY).count() as f64 / margins.len() as f64
+}
+
 /// Returns the fraction of negative margins.
 pub(super) fn fraction_below_zero(margins: &[f64]) -> f64 {
     margins.iter().filter(|margin| **margin < 0.0).count() as f64 / margins.len() as f64
