@@ -34,7 +34,7 @@ impl Headline {
                 Self { before: part("The machine "), answer: part("vibrates"), after }
             } else {
                 let limit = verdict.nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
-                let after = format!(": its damping ratio is above the limit of {limit}.");
+                let after = format!(": its damping ratio is not below the limit of {limit}.");
                 Self { before: part("The machine "), answer: part("does not vibrate"), after }
             };
         }

@@ -18,15 +18,13 @@ pub enum InputError {
     },
     /// Too much of a distribution lies beyond the bounds of the input.
     #[error(
-        "`{name}`: {:.3} % of the {distribution} distribution lies outside [{low}, {high}]; choose a distribution \
+        "`{name}`: {:.3} % of its distribution lies outside [{low}, {high}]; choose a distribution \
          within these bounds, for instance lognormal or triangular",
         100.0 * .mass
     )]
     Mass {
         /// Name of the input.
         name: String,
-        /// Name of the distribution.
-        distribution: &'static str,
         /// Probability outside the bounds.
         mass: f64,
         /// Lower bound.

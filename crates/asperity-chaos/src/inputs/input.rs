@@ -107,8 +107,7 @@ impl UncertainInput {
         let above = if high == f64::INFINITY { 0.0 } else { marginal.survival(high) };
         let mass = below + above;
         if mass > largest {
-            let (name, distribution) = (self.name().into(), marginal.name());
-            return Err(InputError::Mass { name, distribution, mass, low, high });
+            return Err(InputError::Mass { name: self.name().into(), mass, low, high });
         }
         self.bounds = Bounds { low, high, below, above };
         Ok(self)
@@ -235,7 +234,7 @@ mod tests {
         let error = input("normal:0.1,0.05").truncated(0.0, f64::INFINITY).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`input`: 2.275 % of the normal distribution lies outside [0, inf]; choose a distribution within these \
+            "`input`: 2.275 % of its distribution lies outside [0, inf]; choose a distribution within these \
              bounds, for instance lognormal or triangular"
         );
         assert!(input("normal:0.1,0.0324").truncated(0.0, 1.0).is_err(), "0.101 %");

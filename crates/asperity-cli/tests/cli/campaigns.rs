@@ -241,7 +241,7 @@ fn a_killed_campaign_goes_on_with_the_same_bytes() {
 
 #[test]
 fn errors_of_a_campaign_name_its_line() {
-    let cases: [(&str, u32, &[&str]); 16] = [
+    let cases: [(&str, u32, &[&str]); 17] = [
         ("[values]\nvibration.damping_rati = [0.1]\n", 3, &["vibration.damping_rati", "did you mean `damping_ratio`?"]),
         ("[values]\n\"vibration.mass\" = [\"1 kg\", \"2 m\"]\n", 3, &["`m` is not a unit of mass"]),
         ("[values]\nvibration.damping_ratio = 0.1\n", 3, &["a list of values"]),
@@ -253,6 +253,11 @@ fn errors_of_a_campaign_name_its_line() {
         ("[sample]\ncount = 2\nvibration.damping_ratio = \"0.01 ± 0.02\"\n", 4, &["lies outside"]),
         ("[sample]\ncount = 0\nvibration.damping_ratio = \"0.1 .. 0.2\"\n", 3, &["a whole number from 1 to 100000"]),
         ("[sample]\ncount = 100000000000\nvibration.damping_ratio = \"0.1 .. 0.2\"\n", 3, &["to 100000"]),
+        (
+            "[values]\nseed = [1, 2, 3]\n[sample]\ncount = 50000\nvibration.damping_ratio = \"0.1 .. 0.2\"\n",
+            1,
+            &["150000 members, more than 100000"],
+        ),
         ("[value]\nvibration.damping_ratio = [0.1]\n", 2, &["did you mean `values`?"]),
         ("", 1, &["nothing differs"]),
         ("scans = [\"a\"]\n", 2, &["found [\"a\"], expected one pattern"]),

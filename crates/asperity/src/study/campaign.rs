@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use asperity_base::blocks::{self, Task};
 use toml::{Table, Value};
 
-use self::factors::{Column, Factor, Key, Reader, SCAN, set};
+use self::factors::{Column, Factor, Key, MOST, Reader, SCAN, set};
 pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
@@ -79,8 +79,10 @@ impl Campaign {
         let other_seed = seed.or(written.seed);
         let seed = other_seed.unwrap_or(own_seed);
         let factors = reader.factors(&written, &folder, &table, &study_file, seed)?;
-        let count = factors.iter().try_fold(1_usize, |count, factor| count.checked_mul(factor.len()));
-        count.ok_or_else(|| reader.error(1, "the campaign has too many members"))?;
+        let count = factors.iter().fold(1_usize, |count, factor| count.saturating_mul(factor.len()));
+        if count > MOST {
+            return Err(reader.error(1, format!("the campaign has {count} members, more than {MOST}; shorten a list")));
+        }
         let mut campaign = Self {
             text: text.into(),
             folder,

@@ -3,6 +3,8 @@
 mod answers;
 pub(super) mod area;
 pub(super) mod axis;
+#[cfg(test)]
+mod closed_forms;
 pub(super) mod decided;
 mod drivers;
 mod dynamics;

@@ -15,6 +15,8 @@ use crate::study::{StudyFileError, sentence};
 
 /// Stream of the samples.
 const STREAM: &str = "study/campaign";
+/// Largest number of members.
+pub(super) const MOST: usize = 100_000;
 /// Key whose value the scans replace.
 pub(super) const SCAN: &str = "surface.file";
 
@@ -301,14 +303,13 @@ impl Reader<'_> {
         seed: u64,
     ) -> Result<Option<Factor>, StudyFileError> {
         const COUNT: &str = "count";
-        const MOST: i64 = 100_000;
         let entries = self.entries("sample", &file.sample);
         if entries.is_empty() {
             return Ok(None);
         }
         let (count, entries): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(key, _)| key.name == COUNT);
         let count = match count.as_slice() {
-            [(_, Value::Integer(count))] if (1..=MOST).contains(count) => *count as usize,
+            [(_, Value::Integer(count))] if (1..=MOST as i64).contains(count) => *count as usize,
             [(key, found)] => {
                 let message = format!("[sample] count: found {found}, expected a whole number from 1 to {MOST}");
                 return Err(self.error(key.line, message));

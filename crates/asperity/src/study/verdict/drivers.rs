@@ -19,12 +19,18 @@ const MOST_DEGREE: usize = 6;
 /// Values of one input, and machines at each of them, from which the range of the margin is computed.
 const KNOWN_VALUES: usize = 64;
 const MACHINES: usize = 512;
+/// Least number of machines that vibrate, and of those that do not, from which the effect of the fluctuation of friction is estimated.
+const LEAST_OF_EACH: f64 = 40.0;
+/// Standard errors beyond which an estimated effect is more than chance.
+const STANDARD_ERRORS: f64 = 3.0;
 /// Stream of their standard normal variables.
 const STREAM: &str = "study/verdict/known";
 
 /// The margin of the sampled machines as an expansion in the standard normal variables.
 pub(super) struct MarginModel {
     expansion: Expansion,
+    /// Effect of the fluctuation of friction: change of the margin per standard normal variable.
+    effect: Vec<f64>,
     /// Fraction of the variance that the expansion does not explain.
     pub(super) unexplained: f64,
     /// Margin below which machines vibrate: 0, or with fluctuating friction the margin that as many machines are below as vibrate.
@@ -32,7 +38,7 @@ pub(super) struct MarginModel {
 }
 
 impl MarginModel {
-    /// Fits the margin; `None` if no value is uncertain, or no expansion predicts the margin better than its mean.
+    /// Fits the margin, with the [effect](effect_of_fluctuation) of the fluctuation of friction if there is one; `None` if no value is uncertain, or no expansion predicts the margin better than its mean.
     pub(super) fn new(
         machines: &Machines<'_>,
         sampled: &Sampled,
@@ -44,9 +50,10 @@ impl MarginModel {
         }
         let valid = (0..sampled.machines.len().min(MOST_SAMPLES)).filter_map(|index| {
             let machine = sampled.machines[index].as_ref().ok()?;
-            Some((machines.variables_of(index), machine.margins.from_stick))
+            Some((machines.variables_of(index), (machine.margins.from_stick, machine.vibrates)))
         });
-        let (points, margins): (Vec<Vec<f64>>, Vec<f64>) = valid.unzip();
+        let (points, answers): (Vec<Vec<f64>>, Vec<(f64, bool)>) = valid.unzip();
+        let (mut margins, vibrates): (Vec<f64>, Vec<bool>) = answers.into_iter().unzip();
         let mut best: Option<(Expansion, f64)> = None;
         for degree in 1..=MOST_DEGREE {
             let Ok(basis) = Basis::hermite(variables, degree) else { break };
@@ -60,14 +67,18 @@ impl MarginModel {
             }
         }
         let Some((expansion, unexplained)) = best.filter(|(_, error)| *error < 1.0) else { return Ok(None) };
-        let mut sorted = margins;
-        sorted.sort_by(f64::total_cmp);
-        let threshold = if fluctuates { quantile_sorted(&sorted, sampled.probability().0) } else { 0.0 };
-        Ok(Some(Self { expansion, unexplained, threshold }))
+        let mut model = Self { expansion, effect: vec![0.0; variables], unexplained, threshold: 0.0 };
+        if fluctuates {
+            model.effect = effect_of_fluctuation(&points, &margins, &vibrates);
+            margins.iter_mut().zip(&points).for_each(|(margin, point)| *margin += dot(&model.effect, point));
+            margins.sort_by(f64::total_cmp);
+            model.threshold = quantile_sorted(&margins, sampled.probability().0);
+        }
+        Ok(Some(model))
     }
 
     fn margin(&self, variables: &[f64]) -> f64 {
-        self.expansion.evaluate(variables) - self.threshold
+        self.expansion.evaluate(variables) + dot(&self.effect, variables) - self.threshold
     }
 
     /// Returns the sensitivity of the margin.
@@ -151,11 +162,56 @@ impl MarginModel {
     }
 }
 
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Returns the change of the margin M per standard normal variable ξ such that the machines that vibrate under fluctuating friction are
+/// those with the smallest margins; zero if M alone explains them.
+///
+/// If a machine vibrates (B = 1) below a limit of a linear function of ξ, cov(B, ξ) has the direction of its gradient (Stein). So has the
+/// covariance of 1(M < c) with that of M, where as many machines are below c as vibrate. The change turns the gradient of M from the
+/// second direction to the first, so values on which M does not depend, such as the standard deviation of friction, count as much as
+/// they decide.
+///
+/// # References
+/// Stein, *Ann. Stat.* **9** (1981) 1135, <https://doi.org/10.1214/aos/1176345632>.
+fn effect_of_fluctuation(points: &[Vec<f64>], margins: &[f64], vibrates: &[bool]) -> Vec<f64> {
+    let (all, variables) = (points.len() as f64, points.first().map_or(0, Vec::len));
+    let covariance = |values: &[f64]| -> Vec<f64> {
+        let mean = values.iter().sum::<f64>() / all;
+        let product = |k: usize| points.iter().zip(values).map(|(point, value)| point[k] * (value - mean)).sum::<f64>();
+        (0..variables).map(|k| product(k) / all).collect()
+    };
+    let number = |is_true: bool| f64::from(u8::from(is_true));
+    let events: Vec<f64> = vibrates.iter().copied().map(number).collect();
+    let count = events.iter().sum::<f64>();
+    let mut sorted = margins.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let limit = quantile_sorted(&sorted, count / all);
+    let below: Vec<f64> = margins.iter().map(|margin| number(*margin < limit)).collect();
+    let [of_margin, of_event, of_below] = [margins, &events, &below].map(covariance);
+    let [margin_length, event_length, below_length] =
+        [&of_margin, &of_event, &of_below].map(|vector| dot(vector, vector).sqrt());
+    let scale = if margin_length > 0.0 { margin_length } else { 1.0 };
+    let change = of_event.iter().zip(&of_below).map(|(event, below)| {
+        let from = if below_length > 0.0 { below / below_length } else { 0.0 };
+        scale * (from - event / event_length)
+    });
+    let different = events.iter().zip(&below).filter(|(event, below)| event != below).count() as f64;
+    let error = different.sqrt() / all;
+    let is_chance = of_event.iter().zip(&of_below).all(|(a, b)| (a - b).abs() <= STANDARD_ERRORS * error);
+    if count.min(all - count) < LEAST_OF_EACH || is_chance { vec![0.0; variables] } else { change.collect() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Silent;
     use crate::study::Study;
+    use crate::study::verdict::machines::Machine;
     use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     fn variance_beyond_the_expansion_widens_the_intervals_of_the_drivers() {
@@ -169,7 +225,7 @@ mod tests {
         let points: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i / 3) - 1.0, f64::from(i % 3) - 1.0]).collect();
         let margins: Vec<f64> = points.iter().map(|[x, y]| 0.2 + 0.6 * x + 0.8 * y).collect();
         let (expansion, _) = Expansion::fit(Basis::hermite(2, 1).unwrap(), &points, &margins).unwrap();
-        let model = MarginModel { expansion, unexplained: 0.1, threshold: 0.3 };
+        let model = MarginModel { expansion, effect: vec![0.0; 2], unexplained: 0.1, threshold: 0.3 };
         assert!((model.margin(&[1.0, 1.0]) - 1.3).abs() < 1e-12);
         let drivers = model.margin_drivers(&machines, 1).unwrap();
         assert_eq!(drivers.len(), 2);
@@ -178,5 +234,47 @@ mod tests {
                 assert!((low - (index - 0.1)).abs() < 0.02 && (high - (index + 0.1)).abs() < 0.02, "{driver:?}");
             }
         }
+    }
+
+    #[test]
+    fn values_that_act_through_the_fluctuation_of_friction_are_drivers() {
+        // M = ζ − b/2 has the standard deviation .005 √5 and no part from the static friction, whose variable x changes the limit of
+        // vibration by .02: M + .02 x has the variance (.25 + 1 + 4) 1e-4.
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\n\
+                    static_friction = { normal = [0.3, 0.01], unknown = true }\n\
+                    linear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
+        let study = Study::parse(text, "study.toml").unwrap();
+        let window = stated_window(&study);
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        let place =
+            |name: &str| machines.inputs().inputs().iter().position(|input| input.name().ends_with(name)).unwrap();
+        let [friction, damping, weakening] = ["static_friction", "damping_ratio", "linear_weakening"].map(place);
+        let model = |effect: f64, limit: f64| {
+            let evaluate = |machine: &Machine, index: usize| {
+                let mut evaluated = Evaluated::constant_friction(machine)?;
+                let x = machines.variables_of(index)[friction];
+                evaluated.vibrates = evaluated.margins.from_stick + effect * x < limit;
+                Ok(evaluated)
+            };
+            let sampled = Sampled::until(&machines, &evaluate, 1e-9, 4096, &Silent).unwrap();
+            MarginModel::new(&machines, &sampled, true).unwrap().unwrap()
+        };
+        let changed = model(0.02, 0.0);
+        let drivers = changed.margin_drivers(&machines, 1).unwrap();
+        for (input, wanted) in [(friction, 4.0), (damping, 0.25), (weakening, 1.0)] {
+            assert!((drivers[input].first_order - wanted / 5.25).abs() < 0.03, "{drivers:?}");
+        }
+        let events = changed.event_drivers(&machines, 1).unwrap();
+        assert!(events[friction].total > 0.7 && events[damping].total < 0.3, "{events:?}");
+        // At the quantile z of the unknown friction P = Φ(−(.005 + .02 z)/(.005 √5)).
+        let (quantiles, guesses) = changed.over_unknowns(&machines, 1).unwrap().unwrap();
+        let wanted = |z: f64| crate::distribution::standard_normal_cdf(-(0.005 + 0.02 * z) / (0.005 * 5.0_f64.sqrt()));
+        for (found, z) in [(quantiles.q95, -1.6449), (quantiles.q50, 0.0), (guesses[0].probability_at_q95, 1.6449)] {
+            assert!((found - wanted(z)).abs() < 0.05, "{found} instead of {}", wanted(z));
+        }
+        // Without an effect, and with few machines that vibrate, the margin alone counts.
+        assert_eq!(model(0.0, 0.004).effect, [0.0; 3]);
+        assert_eq!(model(0.02, -0.07).effect, [0.0; 3]);
     }
 }
