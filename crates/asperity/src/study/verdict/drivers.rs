@@ -177,31 +177,34 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// # References
 /// Stein, *Ann. Stat.* **9** (1981) 1135, <https://doi.org/10.1214/aos/1176345632>.
 fn effect_of_fluctuation(points: &[Vec<f64>], margins: &[f64], vibrates: &[bool]) -> Vec<f64> {
-    let (all, variables) = (points.len() as f64, points.first().map_or(0, Vec::len));
+    let (all, variables) = (points.len() as f64, points[0].len());
+    let number = |is_true: bool| f64::from(u8::from(is_true));
+    let events: Vec<f64> = vibrates.iter().copied().map(number).collect();
+    let count = events.iter().sum::<f64>();
+    if count.min(all - count) < LEAST_OF_EACH {
+        return vec![0.0; variables];
+    }
+    let mut sorted = margins.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let limit = quantile_sorted(&sorted, count / all);
+    let below: Vec<f64> = margins.iter().map(|margin| number(*margin < limit)).collect();
     let covariance = |values: &[f64]| -> Vec<f64> {
         let mean = values.iter().sum::<f64>() / all;
         let product = |k: usize| points.iter().zip(values).map(|(point, value)| point[k] * (value - mean)).sum::<f64>();
         (0..variables).map(|k| product(k) / all).collect()
     };
-    let number = |is_true: bool| f64::from(u8::from(is_true));
-    let events: Vec<f64> = vibrates.iter().copied().map(number).collect();
-    let count = events.iter().sum::<f64>();
-    let mut sorted = margins.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let limit = quantile_sorted(&sorted, count / all);
-    let below: Vec<f64> = margins.iter().map(|margin| number(*margin < limit)).collect();
     let [of_margin, of_event, of_below] = [margins, &events, &below].map(covariance);
-    let [margin_length, event_length, below_length] =
-        [&of_margin, &of_event, &of_below].map(|vector| dot(vector, vector).sqrt());
-    let scale = if margin_length > 0.0 { margin_length } else { 1.0 };
-    let change = of_event.iter().zip(&of_below).map(|(event, below)| {
-        let from = if below_length > 0.0 { below / below_length } else { 0.0 };
-        scale * (from - event / event_length)
-    });
     let different = events.iter().zip(&below).filter(|(event, below)| event != below).count() as f64;
-    let error = different.sqrt() / all;
-    let is_chance = of_event.iter().zip(&of_below).all(|(a, b)| (a - b).abs() <= STANDARD_ERRORS * error);
-    if count.min(all - count) < LEAST_OF_EACH || is_chance { vec![0.0; variables] } else { change.collect() }
+    let chance = STANDARD_ERRORS * different.sqrt() / all;
+    // Chance shortens a covariance; only what is perpendicular to the other turns it.
+    let along = dot(&of_event, &of_below) / dot(&of_below, &of_below);
+    if of_event.iter().zip(&of_below).all(|(event, below)| (event - along * below).abs() <= chance) {
+        return vec![0.0; variables];
+    }
+    let length = |vector: &[f64]| dot(vector, vector).sqrt();
+    let (scale, event_length, below_length) = (length(&of_margin), length(&of_event), length(&of_below));
+    let change = |(event, below): (&f64, &f64)| scale * (below / below_length - event / event_length);
+    of_event.iter().zip(&of_below).map(change).collect()
 }
 
 #[cfg(test)]
@@ -233,6 +236,36 @@ mod tests {
             for [low, high] in [driver.first_order_interval, driver.total_interval] {
                 assert!((low - (index - 0.1)).abs() < 0.02 && (high - (index + 0.1)).abs() < 0.02, "{driver:?}");
             }
+        }
+    }
+
+    #[test]
+    fn the_margin_turns_to_the_direction_of_the_machines_that_vibrate() {
+        let points: Vec<Vec<f64>> =
+            (0..4096).map(|index| random::standard_normal(&mut random::stream(1, "turn", index), 3)).collect();
+        let margins: Vec<f64> = points.iter().map(|x| 5.0 + 2.0 * (0.6 * x[0] + 0.8 * x[1])).collect();
+        let vibrates = |along: [f64; 3], limit: f64| -> Vec<bool> {
+            points.iter().map(|point| dot(&along, point) < limit).collect()
+        };
+        // From (.6, .8, 0) to (.36, .48, .8), both of length 2, and to the opposite of the third variable.
+        for (along, wanted) in [([0.36, 0.48, 0.8], [-0.48, -0.64, 1.6]), ([0.0, 0.0, -1.0], [-1.2, -1.6, -2.0])] {
+            for limit in [-0.9, 0.4] {
+                let found = effect_of_fluctuation(&points, &margins, &vibrates(along, limit));
+                let is_near = |(a, b): (&f64, f64)| (a - b).abs() < 0.15;
+                assert!(found.iter().zip(wanted).all(is_near), "{found:?} instead of {wanted:?}");
+            }
+        }
+        // Some decisions of ensembles are wrong by chance.
+        let mut by_margin = vibrates([0.6, 0.8, 0.0], -0.5);
+        by_margin.iter_mut().step_by(40).for_each(|vibrates| *vibrates = !*vibrates);
+        assert_eq!(effect_of_fluctuation(&points, &margins, &by_margin), [0.0; 3]);
+        // 40 machines that vibrate, or that do not, are enough.
+        let rare = vibrates([0.0, 0.0, -1.0], -2.0);
+        let end = (1..4096).find(|end| rare[..*end].iter().filter(|vibrates| **vibrates).count() == 40).unwrap();
+        let others: Vec<bool> = rare.iter().map(|vibrates| !vibrates).collect();
+        for machines in [rare, others] {
+            let effect = |end: usize| effect_of_fluctuation(&points[..end], &margins[..end], &machines[..end]);
+            assert!(effect(end) != [0.0; 3] && effect(end - 1) == [0.0; 3], "{end}");
         }
     }
 
