@@ -2,6 +2,7 @@
 //! distribution.
 
 mod chi_square;
+mod condensed;
 mod empirical;
 mod error;
 pub mod fit;
@@ -16,6 +17,7 @@ mod triangular;
 
 #[doc(hidden)]
 pub use chi_square::chi_square_quantile;
+use condensed::condensed;
 pub use error::DistributionError;
 pub use johnson::{Johnson, JohnsonSystem};
 pub use marginal::Marginal;

@@ -33,7 +33,11 @@ pub use uncertainty::ParameterEstimate;
 /// [`DistributionError::Sample`]: fewer than 10 values, all equal, values outside the support, or no maximum of the
 /// likelihood.
 pub fn fit(family: Family, values: &[f64]) -> Result<Fit, DistributionError> {
-    let sorted = sorted_present(values.iter().copied());
+    fit_sorted(family, &sorted_present(values.iter().copied()))
+}
+
+/// Fits as [`fit`] does to sorted values.
+fn fit_sorted(family: Family, sorted: &[f64]) -> Result<Fit, DistributionError> {
     let error = |reason| DistributionError::Sample { distribution: family.name(), n: sorted.len(), reason };
     match (sorted.first(), sorted.last()) {
         (Some(first), Some(last)) if sorted.len() >= 10 => {
@@ -51,19 +55,19 @@ pub fn fit(family: Family, values: &[f64]) -> Result<Fit, DistributionError> {
     }
     match family {
         Family::Normal => {
-            let moments = Moments::new(&sorted);
-            Ok(Fit::unbounded(family, Marginal::normal(moments.mean, moments.std)?, &sorted))
+            let moments = Moments::new(sorted);
+            Ok(Fit::unbounded(family, Marginal::normal(moments.mean, moments.std)?, sorted))
         }
-        Family::Lognormal => Ok(Fit::unbounded(family, lognormal::fit(&sorted, 0.0)?, &sorted)),
-        Family::ShiftedLognormal => maximise::shift(family, &sorted, lognormal::fit),
-        Family::Weibull => Ok(Fit::unbounded(family, weibull::fit(&sorted, 0.0)?, &sorted)),
-        Family::ShiftedWeibull => maximise::shift(family, &sorted, weibull::fit),
-        Family::Gamma => Ok(Fit::unbounded(family, gamma::fit(&sorted, 0.0)?, &sorted)),
-        Family::ShiftedGamma => maximise::shift(family, &sorted, gamma::fit),
-        Family::Beta { low, high } => beta::fit_between(&sorted, low, high),
-        Family::BetaFreeBounds => beta::fit_free(&sorted),
-        Family::Johnson => johnson::fit(&sorted),
-        Family::Empirical { bins } => empirical::fit(bins, &sorted),
+        Family::Lognormal => Ok(Fit::unbounded(family, lognormal::fit(sorted, 0.0)?, sorted)),
+        Family::ShiftedLognormal => maximise::shift(family, sorted, lognormal::fit),
+        Family::Weibull => Ok(Fit::unbounded(family, weibull::fit(sorted, 0.0)?, sorted)),
+        Family::ShiftedWeibull => maximise::shift(family, sorted, weibull::fit),
+        Family::Gamma => Ok(Fit::unbounded(family, gamma::fit(sorted, 0.0)?, sorted)),
+        Family::ShiftedGamma => maximise::shift(family, sorted, gamma::fit),
+        Family::Beta { low, high } => beta::fit_between(sorted, low, high),
+        Family::BetaFreeBounds => beta::fit_free(sorted),
+        Family::Johnson => johnson::fit(sorted),
+        Family::Empirical { bins } => empirical::fit(bins, sorted),
     }
 }
 

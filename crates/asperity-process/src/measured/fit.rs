@@ -7,12 +7,14 @@ use super::smoothing::polynomial;
 use super::{MeasuredError, PreparedRecord};
 use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
+use asperity_base::blocks::Task;
 use asperity_base::correlation::{
     LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
 };
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
 use asperity_base::distribution::goodness::{FitGoodness, ProcessNull};
+use asperity_base::monitor::{Monitor, Silent};
 use asperity_base::stats::{
     Histogram, Moments, NORMAL_95, ProcessEstimate, ProcessMoments, StatsError, quantile_sorted, sorted_present,
 };
@@ -31,6 +33,8 @@ const LEAST_LENGTH: f64 = 0.05;
 const LARGEST_FRICTION: f64 = 2.0;
 /// Number of correlation lengths below which moments use the intervals of the correlation model where these are wider.
 const SHORT: f64 = 100.0;
+/// Number of steps of a fit for the progress: correlation, moments, distributions, and quality of their fits.
+const STEPS: usize = 4;
 /// Number of values of an empirical distribution.
 const EMPIRICAL_VALUES: usize = 1001;
 
@@ -146,10 +150,11 @@ fn correlate(
     pieces: &[&[f64]],
     step_m: f64,
     history: RecordHistory,
+    monitor: &dyn Monitor,
 ) -> Result<(RecordCorrelation, ObservedLengths), MeasuredError> {
     let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
     let found = RecordCorrelation::estimate(pieces, step_m, longest / 2)?;
-    Ok((found, ObservedLengths::fit(pieces, step_m, history)?))
+    Ok((found, ObservedLengths::fit(pieces, step_m, history, monitor)?))
 }
 
 /// Returns the standard deviation of the process over the one of the values, which excludes noise and the effect of
@@ -189,6 +194,21 @@ impl FittedRecord {
         choice: DistributionChoice,
         description: &str,
     ) -> Result<Self, MeasuredError> {
+        Self::monitored(prepared, choice, description, &Silent)
+    }
+
+    /// Fits as [`FittedRecord::new`] does and reports the progress, but cannot be cancelled.
+    ///
+    /// # Errors
+    /// See [`FittedRecord::new`].
+    pub fn monitored(
+        prepared: &PreparedRecord,
+        choice: DistributionChoice,
+        description: &str,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, MeasuredError> {
+        let task = Task::new(monitor, "steps of the fit", STEPS);
+        task.advance(0);
         let record = &prepared.record;
         let values = &record.friction[..];
         let (present, pieces) = (record.present(), record.pieces());
@@ -205,18 +225,22 @@ impl FittedRecord {
             return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
         let (correlation, ObservedLengths { models, chosen: best, observation, narrowed_to_per_m }) =
-            correlate(&pieces, record.step_m, prepared.history)?;
+            correlate(&pieces, record.step_m, prepared.history, monitor)?;
+        task.advance(1);
         // A slow wave has many values but few correlation lengths.
         let effective = 0.5 * present as f64 * record.step_m / best.length_m;
         if effective < LEAST_INDEPENDENT {
             return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
         let moments = moments(&pieces, record.step_m, prepared.history, &best);
+        task.advance(1);
         let effective_size = moments.effective_size.max(LEAST_INDEPENDENT);
         let (mut marginals, marginal) = marginal_of(choice, values, effective_size)?;
+        task.advance(1);
         if let Ok(null) = ProcessNull::new(&pieces, false, DRAWS, SEED) {
             marginals.assess(&null, values);
         }
+        task.advance(1);
         let goodness =
             marginals.fits.iter().position(|fit| fit.marginal == marginal).and_then(|place| marginals.distance(place));
         // With a narrowed band, the fitted noise is not the noise of the values.

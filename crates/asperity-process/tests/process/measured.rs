@@ -1,7 +1,10 @@
 //! Measured friction records: recovers a known process from the files of a tribometer.
+use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::sync::Mutex;
 
 use asperity_base::distribution::Marginal;
+use asperity_base::monitor::Monitor;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::measured::{
     Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
@@ -132,6 +135,32 @@ fn a_known_process_is_recovered_from_time_and_force_and_from_distance_and_mu() {
     within_four_errors("std of the twin", again.std, again.std_interval, std);
     let length = again.correlation.unwrap();
     within_four_errors("length of the twin", length.length_m, length.length_interval_m, correlation.length_m);
+}
+
+/// Monitor that keeps the last report of every task.
+#[derive(Default)]
+struct Reports(Mutex<BTreeMap<String, (usize, usize)>>);
+
+impl Monitor for Reports {
+    fn progress(&self, what: &str, done: usize, total: usize) {
+        self.0.lock().unwrap().insert(what.into(), (done, total));
+    }
+
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn the_progress_of_a_fit_ends_at_its_total_and_changes_nothing() {
+    let mu: Vec<f64> = planted().into_iter().take(1000).collect();
+    let prepared = prepared(&distance_file(&mu), &by_distance());
+    let reports = Reports::default();
+    let fitted = FittedRecord::monitored(&prepared, DistributionChoice::Auto, "rig", &reports).unwrap();
+    assert_eq!(fitted, FittedRecord::new(&prepared, DistributionChoice::Auto, "rig").unwrap());
+    let reports = reports.0.into_inner().unwrap();
+    assert!(reports.values().all(|(done, total)| done == total), "{reports:?}");
+    assert_eq!(reports.keys().collect::<Vec<_>>(), ["correlation fits", "steps of the fit"]);
 }
 
 #[test]

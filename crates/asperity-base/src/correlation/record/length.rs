@@ -107,12 +107,32 @@ pub fn fit_length(
     model: RecordModel,
     settings: LengthSettings,
 ) -> Result<LengthFit, EstimateError> {
+    let likelihood = likelihood(channels, model, settings)?;
+    Ok(fit_likelihood(&likelihood, channels, model, settings))
+}
+
+/// Returns the likelihood of a model of records.
+pub(super) fn likelihood(
+    channels: &[WindowedRecords<'_>],
+    model: RecordModel,
+    settings: LengthSettings,
+) -> Result<Likelihood, EstimateError> {
     check(channels)?;
     let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
     let records = channels.iter().map(|channel| channel.records.len()).max().unwrap_or(0);
     let owners: Vec<usize> = (0..records).collect();
     let too_few = || EstimateError::TooFew { present: 0, wanted: 3 };
-    let likelihood = Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)?;
+    Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)
+}
+
+/// Fits ℓ as [`fit_length`] does with a given likelihood of the records.
+pub(super) fn fit_likelihood(
+    likelihood: &Likelihood,
+    channels: &[WindowedRecords<'_>],
+    model: RecordModel,
+    settings: LengthSettings,
+) -> LengthFit {
+    let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
     let (low_m, high_m) = range_m(channels);
     let noise_at = |length_m: f64| likelihood.profile(length_m, settings.noise);
     let curve = |length_m: f64| noise_at(length_m).1;
@@ -135,7 +155,7 @@ pub fn fit_length(
         low: if curve(0.0) <= bound { 0.0 } else { crossing(&curve, bound, length_m, low_m).unwrap_or(0.0) },
         high: crossing(&curve, bound, length_m.max(low_m), high_m).unwrap_or(high_m),
     };
-    let tangent = Tangent::new(&likelihood, length_m, noise_fraction);
+    let tangent = Tangent::new(likelihood, length_m, noise_fraction);
     // Skewed records, and so their scores, have a larger variance than the theoretical one.
     let lack_of_fit =
         tangent.lack_of_fit(dispersion.max(theory * track_redundancy)).and_then(|(statistic, degrees_of_freedom)| {
@@ -146,7 +166,7 @@ pub fn fit_length(
         let reach = tangent.noise_variance(noise_fraction).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
         Interval { low: (noise_fraction - reach).max(0.0), high: (noise_fraction + reach).min(1.0) }
     });
-    Ok(LengthFit {
+    LengthFit {
         model,
         length_m,
         interval,
@@ -160,19 +180,13 @@ pub fn fit_length(
         dispersion,
         track_redundancy,
         pieces: count,
-    })
+    }
 }
 
-/// Returns the minimum of −ln L of a model without the rest of [`fit_length`]; infinite if the fit fails.
-pub(super) fn least(channel: &WindowedRecords<'_>, model: RecordModel, settings: LengthSettings) -> f64 {
-    let channels = std::slice::from_ref(channel);
-    let shape = WindowedModel::new(model, 0.0).with_cells(channel.cell_m);
-    let owners: Vec<usize> = (0..channel.records.len()).collect();
-    let Some(likelihood) = Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape) else {
-        return f64::INFINITY;
-    };
-    let (low_m, high_m) = range_m(channels);
-    minimum(&|length_m| likelihood.profile(length_m, settings.noise).1, low_m, high_m).1
+/// Returns the minimum of −ln L without the rest of [`fit_length`].
+pub(super) fn least(likelihood: &Likelihood, channel: &WindowedRecords<'_>, noise: bool) -> f64 {
+    let (low_m, high_m) = range_m(std::slice::from_ref(channel));
+    minimum(&|length_m| likelihood.profile(length_m, noise).1, low_m, high_m).1
 }
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {

@@ -1,6 +1,7 @@
 //! Whittle's likelihood of a correlation model of records.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use super::band::RecordBand;
 use super::model::WindowedModel;
@@ -10,6 +11,8 @@ use crate::stats::{Moments, lag_sums};
 
 /// Least number of values of a record with a spectrum.
 const SHORTEST: usize = 8;
+/// Number of values from which the periodograms of records of equal length are summed, also of incomplete records.
+const MANY: usize = 1 << 15;
 /// Range of the noise fraction.
 const NOISE: (f64, f64) = (1e-6, 0.98);
 
@@ -78,10 +81,10 @@ pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Ve
 pub(super) struct Group {
     n: usize,
     step_m: f64,
-    window: WindowedModel,
     ends: RecordEnds,
     plan: RealFft2,
-    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l; `None` for periodic records, where it is 1.
+    /// Σ w_i w_{i+l}/Σ w² of the taper at the lags l, the mean over the records; empty for periodic records, where it
+    /// is 1.
     lag_weights: Vec<f64>,
     /// Weight of each of the wavenumbers 1, 2, ….
     pub(super) fractions: Vec<f64>,
@@ -91,6 +94,10 @@ pub(super) struct Group {
     spread: f64,
     /// Periodograms at the wavenumbers 1, 2, …, with the group index of each record.
     pub(super) powers: Vec<(usize, Vec<f64>)>,
+    /// Sum of the periodograms of many values.
+    total: Option<Vec<f64>>,
+    /// Index of the group of the segments, if this is a whole record with its waves that are longer than two segments.
+    segments: Option<usize>,
 }
 
 impl Group {
@@ -101,11 +108,16 @@ impl Group {
     }
 
     /// Returns the expected periodogram for the length ℓ and a point process of the given variance.
-    fn expected(&self, length_m: f64, variance: impl Fn(&WindowedModel, f64) -> f64) -> Vec<f64> {
+    fn expected(
+        &self,
+        window: &WindowedModel,
+        length_m: f64,
+        variance: impl Fn(&WindowedModel, f64) -> f64,
+    ) -> Vec<f64> {
         let n = self.n;
-        let covariance = |lag: usize| variance(&self.window, lag as f64 * self.step_m);
+        let covariance = |lag: usize| variance(window, lag as f64 * self.step_m);
         // Beyond this every model is negligible.
-        let end = ((40.0 * length_m + self.window.window_m()) / self.step_m).ceil();
+        let end = ((40.0 * length_m + window.window_m()) / self.step_m).ceil();
         let mut folded = vec![0.0; n];
         match self.ends {
             RecordEnds::Free => {
@@ -139,6 +151,16 @@ impl Group {
             .collect()
     }
 
+    /// Returns the expected periodogram below the wavenumbers 1, 2, … of segments, from their expectations.
+    fn extrapolated(&self, segments: &[f64], segment: usize) -> Vec<f64> {
+        let slope = segments.get(1).map_or(0.0, |second| (second - segments[0]) / 3.0);
+        let at = |(place, passed): (usize, &f64)| {
+            let wavenumber = (place + 1) as f64 * segment as f64 / self.n as f64;
+            passed * (segments[0] + slope * (wavenumber * wavenumber - 1.0))
+        };
+        self.passed.iter().enumerate().map(at).collect()
+    }
+
     pub(super) fn frequency_per_m(&self, place: usize) -> f64 {
         (place + 1) as f64 / (self.n as f64 * self.step_m)
     }
@@ -157,8 +179,11 @@ impl Group {
 /// are redundant.
 ///
 /// White noise with the fraction η of the variance of the values adds a floor: E = (1 − η) E_process + η Δ.
+#[derive(Clone)]
 pub(super) struct Likelihood {
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Arc<Vec<Group>>,
+    /// Model of every group under its window.
+    windows: Vec<WindowedModel>,
     narrowest: WindowedModel,
 }
 
@@ -186,14 +211,16 @@ impl Likelihood {
         let highest =
             |channel: &WindowedRecords<'_>| band.high_per_m(Self::BAND / channel.window_m).min(0.5 / channel.step_m);
         let lowest = band.low_per_m() * (1.0 - 1e-9);
-        let mut groups: Vec<Group> = Vec::new();
+        let (mut groups, mut windows) = (Vec::<Group>::new(), Vec::new());
         for channel in channels {
             let window = model.with_window(channel.window_m);
             let stride = if band.highest_per_m.is_some() { 1 } else { channel.stride(ends) };
             let step_m = channel.step_m * stride as f64;
             // Subtract the common mean: the mean of each record would remove power from its lowest wavenumbers.
             let mean = Moments::from_values(channel.records.iter().flat_map(|record| record.iter().copied())).mean;
-            let mut of_length: Vec<(usize, usize)> = Vec::new();
+            let values: usize = channel.records.iter().map(|record| record.len()).sum();
+            let pooled = band.highest_per_m.is_some() && values > MANY;
+            let mut of_length: Vec<(usize, bool, usize)> = Vec::new();
             for (record, owner) in channel.records.iter().zip(owners) {
                 let record: Vec<f64> = record.iter().step_by(stride).copied().collect();
                 let n = record.len();
@@ -206,17 +233,20 @@ impl Likelihood {
                 }
                 let (values, weights) = tapered(&record, &taper(n, ends, Self::TAPER), mean);
                 let squares: f64 = weights.iter().map(|w| w * w).sum();
-                let known = of_length.iter().find(|(length, _)| complete && *length == n).map(|(_, group)| *group);
+                if squares == 0.0 {
+                    continue;
+                }
+                let alike = |(length, whole, _): &&(usize, bool, usize)| {
+                    *length == n && *whole == complete && (complete || pooled)
+                };
+                let known = of_length.iter().find(alike).map(|(_, _, group)| *group);
+                let lag_weights = || lag_sums(&weights, 0.0, n).0.into_iter().map(|sum| sum / squares);
+                let fourth: f64 = weights.iter().map(|w| w.powi(4)).sum();
+                let spread = n as f64 * fourth / (squares * squares);
                 let group = known.unwrap_or_else(|| {
                     let periodic = complete && ends == RecordEnds::Periodic;
-                    let lag_weights = if periodic {
-                        Vec::new()
-                    } else {
-                        lag_sums(&weights, 0.0, n).0.into_iter().map(|sum| sum / squares).collect()
-                    };
                     let used = |k: &usize| *k as f64 * step_per_m >= lowest;
                     let passed = |k: usize| if used(&k) { band.passed(k as f64 * step_per_m) } else { 1.0 };
-                    let fourth: f64 = weights.iter().map(|w| w.powi(4)).sum();
                     let fraction = |k: usize| {
                         let frequency = k as f64 * step_per_m;
                         if !used(&k) {
@@ -228,28 +258,88 @@ impl Likelihood {
                     groups.push(Group {
                         n,
                         step_m,
-                        window: window.clone(),
                         ends: if periodic { RecordEnds::Periodic } else { RecordEnds::Free },
                         plan: RealFft2::new(n, 1),
-                        lag_weights,
+                        lag_weights: if periodic { Vec::new() } else { lag_weights().collect() },
                         fractions: (1..=last).map(fraction).collect(),
                         passed: (1..=last).map(passed).collect(),
-                        spread: n as f64 * fourth / (squares * squares),
+                        spread,
+                        total: pooled.then(|| vec![0.0; last]),
                         powers: Vec::new(),
+                        segments: None,
                     });
+                    windows.push(window.clone());
+                    of_length.push((n, complete, groups.len() - 1));
                     groups.len() - 1
                 });
-                if complete && known.is_none() {
-                    of_length.push((n, group));
+                let group = &mut groups[group];
+                if known.is_some() && !complete {
+                    let part = 1.0 / (group.powers.len() as f64 + 1.0);
+                    group
+                        .lag_weights
+                        .iter_mut()
+                        .zip(lag_weights())
+                        .for_each(|(mean, own)| *mean += part * (own - *mean));
+                    group.spread += part * (spread - group.spread);
                 }
-                if squares > 0.0 {
-                    let power = groups[group].periodogram(&values, squares);
-                    groups[group].powers.push((*owner, power));
+                let power = group.periodogram(&values, squares);
+                if let Some(total) = &mut group.total {
+                    total.iter_mut().zip(&power).for_each(|(total, power)| *total += power);
                 }
+                group.powers.push((*owner, power));
             }
         }
         let used: f64 = groups.iter().map(|g| g.fractions.iter().sum::<f64>() * g.powers.len() as f64).sum();
-        (used >= 3.0).then(|| Self { groups, narrowest: model.with_window(narrowest_m) })
+        let groups = Arc::new(groups);
+        (used >= 3.0).then(|| Self { groups, windows, narrowest: model.with_window(narrowest_m) })
+    }
+
+    /// Adds the waves of whole records that are longer than two segments of them, with the segments as records of the
+    /// likelihood. Their expectation is extrapolated from the lowest wavenumbers of the segments by a parabola, because
+    /// segments are long compared with the correlation.
+    #[must_use]
+    pub(super) fn with_slow_waves(mut self, records: &[&[f64]], segment: usize, step_m: f64, band: RecordBand) -> Self {
+        let segments = self.groups.iter().position(|group| group.n == segment);
+        let long: Vec<&[f64]> = records.iter().copied().filter(|record| record.len() >= 2 * segment).collect();
+        if segments.is_none() || long.is_empty() {
+            return self;
+        }
+        let mut groups = Arc::into_inner(self.groups).unwrap_or_default();
+        let mean = Moments::from_values(records.iter().flat_map(|record| record.iter().copied())).mean;
+        for record in long {
+            let (n, last) = (record.len(), record.len() / (2 * segment));
+            let (values, weights) = tapered(record, &taper(n, RecordEnds::Free, Self::TAPER), mean);
+            let squares: f64 = weights.iter().map(|w| w * w).sum();
+            if squares == 0.0 {
+                continue;
+            }
+            let frequency_per_m = |k: usize| k as f64 / (n as f64 * step_m);
+            let used = |k: usize| frequency_per_m(k) >= band.low_per_m() * (1.0 - 1e-9);
+            let mut group = Group {
+                n,
+                step_m,
+                ends: RecordEnds::Free,
+                plan: RealFft2::new(n, 1),
+                lag_weights: Vec::new(),
+                fractions: (1..=last).map(|k| f64::from(u8::from(used(k)))).collect(),
+                passed: (1..=last).map(|k| if used(k) { band.passed(frequency_per_m(k)) } else { 1.0 }).collect(),
+                spread: n as f64 * weights.iter().map(|w| w.powi(4)).sum::<f64>() / (squares * squares),
+                powers: Vec::new(),
+                total: None,
+                segments,
+            };
+            group.powers.push((0, group.periodogram(&values, squares)));
+            groups.push(group);
+            self.windows.push(self.narrowest.clone());
+        }
+        Self { groups: Arc::new(groups), ..self }
+    }
+
+    /// Returns the likelihood of another model or window for the same values. They have one window, and the band has a
+    /// highest frequency, so that the wavenumbers do not depend on the window.
+    pub(super) fn with_model(&self, model: &WindowedModel) -> Self {
+        let windows = vec![model.clone(); self.groups.len()];
+        Self { groups: Arc::clone(&self.groups), windows, narrowest: model.clone() }
     }
 
     /// Returns the expected periodograms for the length ℓ ≥ 0 in metre.
@@ -266,17 +356,29 @@ impl Likelihood {
                 window.covariance(lag_m, length_m) / unit
             }
         };
-        Spectra(self.groups.iter().map(|group| group.expected(length_m, variance)).collect())
+        let mut spectra: Vec<Vec<f64>> = Vec::with_capacity(self.groups.len());
+        for (group, window) in self.groups.iter().zip(&self.windows) {
+            let expected = match group.segments {
+                Some(index) => group.extrapolated(&spectra[index], self.groups[index].n),
+                None => group.expected(window, length_m, variance),
+            };
+            spectra.push(expected);
+        }
+        Spectra(spectra)
     }
 
     /// Returns the weighted sums of I/E and of 1 over the wavenumbers of all records.
     fn ratio_sums(&self, spectra: &Spectra) -> (f64, f64) {
         let (mut ratios, mut count) = (0.0, 0.0);
         for (group, expected) in self.groups.iter().zip(&spectra.0) {
-            for (_, power) in &group.powers {
+            let sums: Vec<(f64, &Vec<f64>)> = match &group.total {
+                Some(total) => vec![(group.powers.len() as f64, total)],
+                None => group.powers.iter().map(|(_, power)| (1.0, power)).collect(),
+            };
+            for (records, power) in sums {
                 for ((i, e), fraction) in power.iter().zip(expected).zip(&group.fractions) {
                     ratios += fraction * i / e;
-                    count += fraction;
+                    count += records * fraction;
                 }
             }
         }
@@ -372,6 +474,67 @@ mod tests {
             }
         }
         step * sum / squares
+    }
+
+    #[test]
+    fn slow_waves_have_nearly_the_expectation_of_the_whole_record() {
+        let model = WindowedModel::new(RecordModel::Exponential, 0.0);
+        let values: Vec<f64> = (0..8192_u16).map(|i| f64::from(i % 7)).collect();
+        let of = |records: Vec<&[f64]>| {
+            let owners: Vec<usize> = (0..records.len()).collect();
+            let channel = WindowedRecords { window_m: 0.0, step_m: 0.5, cell_m: 0.0, tracks: 1, records };
+            Likelihood::new(&[channel], &owners, (RecordEnds::Free, RecordBand::default()), &model).unwrap()
+        };
+        let whole = of(vec![&values]);
+        let parts = of(values.chunks(512).collect()).with_slow_waves(&[&values], 512, 0.5, RecordBand::default());
+        let ([slow], [all]) = (&parts.groups[1..], &whole.groups[..]) else { panic!() };
+        // 512/(2·8192) of the wavenumbers.
+        assert_eq!(slow.fractions, [1.0; 8]);
+        assert_eq!(slow.frequency_per_m(3), all.frequency_per_m(3));
+        assert!(slow.powers[0].1.iter().zip(&all.powers[0].1).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b)));
+        for length in [0.0, 0.3, 2.0] {
+            let (found, wanted) = (parts.spectra(length), whole.spectra(length));
+            let error = found.0[1].iter().zip(&wanted.0[0]).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            assert!(error < 0.005, "ℓ {length}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_sum_of_many_periodograms_has_the_likelihood_of_all() {
+        let model = WindowedModel::new(RecordModel::Exponential, 0.0);
+        let values: Vec<f64> = (0..MANY + 64).map(|i| ((i * i) % 1009) as f64).collect();
+        let of = |highest_per_m: Option<f64>| {
+            let records: Vec<&[f64]> = values.chunks_exact(64).collect();
+            let owners: Vec<usize> = (0..records.len()).collect();
+            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks: 1, records };
+            let band = RecordBand { highest_per_m, ..RecordBand::default() };
+            Likelihood::new(&[channel], &owners, (RecordEnds::Free, band), &model).unwrap()
+        };
+        let (summed, single) = (of(Some(0.5)), of(None));
+        assert!(summed.groups[0].total.is_some() && single.groups[0].total.is_none());
+        for length in [0.0, 3.0] {
+            let [a, b] = [&summed, &single].map(|likelihood| likelihood.negative_log(&likelihood.spectra(length)));
+            assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn incomplete_records_share_the_mean_of_their_expectations() {
+        let model = WindowedModel::new(RecordModel::Exponential, 0.0);
+        let mut values: Vec<f64> = (0..2 * MANY).map(|i| ((i * i) % 1009) as f64).collect();
+        values[100..130].fill(f64::NAN);
+        values[MANY + 3] = f64::NAN;
+        let of = |records: Vec<&[f64]>, highest_per_m: Option<f64>| {
+            let owners: Vec<usize> = (0..records.len()).collect();
+            let channel = WindowedRecords { window_m: 0.0, step_m: 1.0, cell_m: 0.0, tracks: 1, records };
+            let band = RecordBand { highest_per_m, ..RecordBand::default() };
+            Likelihood::new(&[channel], &owners, (RecordEnds::Free, band), &model).unwrap()
+        };
+        let (shared, own) = (of(values.chunks(MANY).collect(), Some(0.5)), of(values.chunks(MANY).collect(), None));
+        assert_eq!((shared.groups.len(), own.groups.len()), (1, 2));
+        let (shared, own) = (shared.spectra(5.0), own.spectra(5.0));
+        let mean = own.0[0].iter().zip(&own.0[1]).map(|(a, b)| 0.5 * (a + b));
+        assert!(shared.0[0].iter().zip(mean).all(|(found, wanted)| (found / wanted - 1.0).abs() < 1e-9));
     }
 
     #[test]

@@ -1,11 +1,14 @@
 //! Correlation of a record with an unknown observation process.
 
+use super::RecordCorrelation;
 use super::band::RecordBand;
-use super::length::{LengthFit, LengthSettings, fit_length, least};
+use super::length::{LengthFit, LengthSettings, fit_likelihood, least, likelihood};
 use super::likelihood::WindowedRecords;
-use super::model::RecordModel;
+use super::model::{RecordModel, WindowedModel};
 use super::ranking::{RankedLength, ranked};
+use crate::blocks::Task;
 use crate::correlation::estimate::EstimateError;
+use crate::monitor::Monitor;
 
 /// Candidate models of the process.
 const MODELS: [RecordModel; 3] =
@@ -18,6 +21,14 @@ const AVERAGE_COST: f64 = 9.0;
 /// Least number of wavenumbers, and of lengths per wave, of a reduced band.
 const LEAST_WAVENUMBERS: f64 = 40.0;
 const LEAST_WAVE: f64 = 1.0;
+/// Number of values above which records are divided into segments.
+const LONG: usize = 1 << 15;
+/// Least length of a segment: absolute, in correlation lengths, and in cutoffs of a high-pass filter.
+const LEAST_SEGMENT: usize = 1 << 14;
+const LEAST_LENGTHS: f64 = 32.0;
+const LEAST_CUTOFFS: f64 = 8.0;
+/// Lengths ℓ in a segment below which whole records are fitted.
+const SHORTEST_SEGMENT: f64 = 16.0;
 
 /// Observation model: how the values of a record derive from the process.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,12 +93,46 @@ impl ObservedLengths {
     /// with filters of another kind, the upper half of the frequencies is excluded repeatedly, as long as waves of
     /// length ℓ remain. If no reduction helps, the result is the fit to all frequencies with its test.
     ///
+    /// More than 32,768 values are divided into segments of at least 32 correlation lengths. Waves longer than two
+    /// segments are those of the whole records, so all frequencies are used, and the cost of an evaluation of the
+    /// likelihood depends on the segment only.
+    ///
     /// # Errors
-    /// See [`fit_length`].
-    pub fn fit(records: &[&[f64]], step_m: f64, history: RecordHistory) -> Result<Self, EstimateError> {
-        let nyquist_per_m = 0.5 / step_m;
+    /// See [`super::fit_length`].
+    pub fn fit(
+        records: &[&[f64]],
+        step_m: f64,
+        history: RecordHistory,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, EstimateError> {
         let values: usize = records.iter().map(|record| record.len()).sum();
-        let whole = Self::within(records, step_m, history, nyquist_per_m)?;
+        let longest = records.iter().map(|record| record.len()).max().unwrap_or(0);
+        if values <= LONG {
+            let whole = Segments { whole: records, parts: records.to_vec(), length: longest };
+            return Self::of(&whole, step_m, history, monitor);
+        }
+        let lengths = RecordCorrelation::estimate(records, step_m, longest / 2)?.correlation_length_m();
+        let cutoff_m = history.band.high_pass_m.unwrap_or(0.0);
+        let wanted = lengths.map_or(f64::INFINITY, |m| f64::max(LEAST_LENGTHS * m, LEAST_CUTOFFS * cutoff_m) / step_m);
+        let length = (wanted.min(longest as f64) as usize).next_power_of_two().max(LEAST_SEGMENT);
+        if 2 * length <= longest {
+            let found = Self::of(&Segments::new(records, length), step_m, history, monitor)?;
+            if SHORTEST_SEGMENT * found.chosen.length_m < length as f64 * step_m {
+                return Ok(found);
+            }
+        }
+        Self::of(&Segments::new(records, longest), step_m, history, monitor)
+    }
+
+    fn of(
+        records: &Segments<'_>,
+        step_m: f64,
+        history: RecordHistory,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, EstimateError> {
+        let nyquist_per_m = 0.5 / step_m;
+        let values: usize = records.whole.iter().map(|record| record.len()).sum();
+        let whole = Self::within(records, step_m, history, nyquist_per_m, monitor)?;
         let refused = |found: &Self| found.chosen.lack_of_fit.is_some_and(|test| test.significant());
         let mut highest_per_m = nyquist_per_m.min(history.band.low_pass_m.map_or(f64::INFINITY, f64::recip));
         let mut found = whole.clone();
@@ -97,7 +142,7 @@ impl ObservedLengths {
             if highest_per_m < least_per_m {
                 return Ok(whole);
             }
-            found = match Self::within(records, step_m, history, highest_per_m) {
+            found = match Self::within(records, step_m, history, highest_per_m, monitor) {
                 Ok(found) => Self { narrowed_to_per_m: Some(highest_per_m), ..found },
                 Err(_) => return Ok(whole),
             };
@@ -106,10 +151,11 @@ impl ObservedLengths {
     }
 
     fn within(
-        records: &[&[f64]],
+        records: &Segments<'_>,
         step_m: f64,
         history: RecordHistory,
         highest_per_m: f64,
+        monitor: &dyn Monitor,
     ) -> Result<Self, EstimateError> {
         let band = RecordBand { highest_per_m: Some(highest_per_m), ..history.band };
         let settings = |noise: bool| LengthSettings { noise, band, ..LengthSettings::default() };
@@ -121,13 +167,30 @@ impl ObservedLengths {
                 Observation::Means => (step_m, 0.0),
                 Observation::MovingAverage { values } => (values as f64 * step_m, step_m),
             };
-            WindowedRecords { window_m, step_m, cell_m, tracks: 1, records: records.to_vec() }
+            WindowedRecords { window_m, step_m, cell_m, tracks: 1, records: records.parts.clone() }
         };
         let averages: &[usize] =
             if history.decimation == 1 && highest_per_m > 0.499 / step_m { &AVERAGES } else { &[] };
+        let all = likelihood(&[channel(Observation::Points)], MODELS[0], settings(false))?.with_slow_waves(
+            records.whole,
+            records.length,
+            step_m,
+            band,
+        );
+        // Candidates with and without noise, averages without, and the fit of the best.
+        let steps = MODELS.len() * (averages.len() + if averages.is_empty() { 4 } else { 6 } + 1);
+        let task = Task::new(monitor, "correlation fits", steps);
         let (mut fits, mut observations) = (Vec::new(), Vec::new());
         for model in MODELS {
-            let value = |observation, noise| least(&channel(observation), model, settings(noise));
+            let likelihood = |channel: &WindowedRecords<'_>| {
+                all.with_model(&WindowedModel::new(model, channel.window_m).with_cells(channel.cell_m))
+            };
+            let value = |observation, noise| {
+                let channel = channel(observation);
+                let found = least(&likelihood(&channel), &channel, noise);
+                task.advance(1);
+                found
+            };
             let average = averages
                 .iter()
                 .map(|values| Observation::MovingAverage { values: *values })
@@ -142,7 +205,9 @@ impl ObservedLengths {
                 })
                 .min_by(|a, b| a.2.total_cmp(&b.2));
             if let Some((observation, noise, _)) = best {
-                let fit = fit_length(&[channel(observation)], model, settings(noise))?;
+                let channel = channel(observation);
+                let fit = fit_likelihood(&likelihood(&channel), &[channel], model, settings(noise));
+                task.advance(1);
                 fits.push((fit, cost(observation, noise)));
                 observations.push((model, observation, cost(observation, noise)));
             }
@@ -164,6 +229,26 @@ impl ObservedLengths {
     }
 }
 
+/// Records in segments.
+struct Segments<'a> {
+    whole: &'a [&'a [f64]],
+    parts: Vec<&'a [f64]>,
+    /// Length of the longest segment.
+    length: usize,
+}
+
+impl<'a> Segments<'a> {
+    /// Divides records into segments of a length, and shorter ones at their ends. Lengths are rounded down by at most a
+    /// 64th, so that few of them differ.
+    fn new(whole: &'a [&'a [f64]], length: usize) -> Self {
+        let rounded = |part: &'a [f64]| {
+            let grain = 1 << (part.len() / 64).max(1).ilog2();
+            &part[..part.len() - part.len() % grain]
+        };
+        Self { whole, parts: whole.iter().flat_map(|record| record.chunks(length)).map(rounded).collect(), length }
+    }
+}
+
 /// Returns the required gain of an observation model in 2 ln L.
 fn cost(observation: Observation, noise: bool) -> f64 {
     let average = matches!(observation, Observation::MovingAverage { .. });
@@ -172,7 +257,9 @@ fn cost(observation: Observation, noise: bool) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::length::fit_length;
     use super::*;
+    use crate::monitor::Silent;
     use crate::random;
 
     /// Returns a record of the correlation e^{−lag/ℓ}, ℓ = 20.
@@ -186,7 +273,7 @@ mod tests {
     }
 
     fn found(record: &[f64], history: RecordHistory) -> ObservedLengths {
-        ObservedLengths::fit(&[record], history.decimation as f64, history).unwrap()
+        ObservedLengths::fit(&[record], history.decimation as f64, history, &Silent).unwrap()
     }
 
     #[test]
@@ -214,6 +301,40 @@ mod tests {
             }
         }
         assert!(missed <= 3, "{missed} of 15");
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn segments_of_a_long_record_have_the_fit_of_the_whole_record() {
+        let mut record = exponential(40_000, 300);
+        record[7000..7010].fill(f64::NAN);
+        let whole = Segments { whole: &[&record], parts: vec![&record], length: record.len() };
+        let whole = ObservedLengths::of(&whole, 1.0, RecordHistory::default(), &Silent).unwrap();
+        let found = found(&record, RecordHistory::default());
+        let (a, b) = (found.chosen, whole.chosen);
+        assert_eq!((a.model, found.observation, a.noise_fraction), (b.model, whole.observation, b.noise_fraction));
+        let width = |fit: LengthFit| (fit.interval.high / fit.interval.low).ln();
+        // The tapers of the segments weight other values, a tenth of all.
+        assert!((a.length_m / b.length_m).ln().abs() < 0.2 * width(b), "{a:?} {b:?}");
+        assert!((width(a) / width(b)).ln().abs() < 0.4, "{a:?} {b:?}");
+        // A drift has waves longer than two segments.
+        record.iter_mut().enumerate().for_each(|(i, x)| *x += 3e-5 * i as f64);
+        let drifting = ObservedLengths::fit(&[&record], 1.0, RecordHistory::default(), &Silent).unwrap().chosen;
+        assert!(drifting.lack_of_fit.unwrap().significant() || drifting.length_m > 2.0 * a.length_m, "{drifting:?}");
+    }
+
+    #[test]
+    fn segments_contain_all_values_but_a_64th_and_have_few_lengths() {
+        let records: Vec<Vec<f64>> = (0..50).map(|i| vec![0.0; 3000 + i]).chain([vec![0.0; 70_000]]).collect();
+        let views: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
+        let segments = Segments::new(&views, 1 << 14);
+        let kept: usize = segments.parts.iter().map(|part| part.len()).sum();
+        let all: usize = views.iter().map(|record| record.len()).sum();
+        assert!(64 * (all - kept) <= all, "{kept} of {all}");
+        let mut lengths: Vec<usize> = segments.parts.iter().map(|part| part.len()).collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        assert!(lengths.len() < 6 && lengths.last() == Some(&(1 << 14)), "{lengths:?}");
     }
 
     #[test]

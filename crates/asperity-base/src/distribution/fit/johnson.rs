@@ -1,11 +1,11 @@
 //! Maximum-likelihood Johnson distribution, unbounded or bounded.
 //!
 //! For given ξ and λ, f((x − ξ)/λ) is a normal sample with γ and δ from its moments. The search is over ξ and λ, or
-//! over the two ends.
+//! over the two ends; for a large sample it uses the [`condensed`] one.
 
 use super::family::{End, Family, Fit};
 use super::maximise::FARTHEST;
-use crate::distribution::{DistributionError, JohnsonSystem, Marginal};
+use crate::distribution::{DistributionError, JohnsonSystem, Marginal, condensed};
 use crate::numeric::simplex;
 use crate::stats::Moments;
 
@@ -56,13 +56,14 @@ fn fitted(sorted: &[f64], (marginal, mean_log): (Marginal, f64), low_end: End, h
 /// distribution with the moments of the sample.
 fn unbounded(sorted: &[f64]) -> Option<Fit> {
     let moments = Moments::new(sorted);
-    let at = |[centre, log_scale]: [f64; 2]| {
+    let at = |values: &[f64], [centre, log_scale]: [f64; 2]| {
         let scale = log_scale.exp();
         let inside = SCALES.contains(&scale) && centre.abs() <= FARTHEST_CENTRE * scale.max(1.0);
         let (xi, lambda) = (moments.mean + moments.std * centre, moments.std * scale);
-        if inside { profile(sorted, JohnsonSystem::Unbounded, xi, lambda) } else { None }
+        if inside { profile(values, JohnsonSystem::Unbounded, xi, lambda) } else { None }
     };
-    let height = |place: [f64; 2]| at(place).map_or(f64::NEG_INFINITY, |(_, mean_log)| mean_log);
+    let few = condensed(sorted);
+    let height = |place: [f64; 2]| at(&few, place).map_or(f64::NEG_INFINITY, |(_, mean_log)| mean_log);
     let mut starts: Vec<[f64; 2]> = vec![];
     for scale in [0.3_f64, 1.0, 3.0, 10.0, 100.0] {
         starts.extend([-2.0, -0.7, 0.0, 0.7, 2.0].map(|fraction| [fraction * scale.max(0.5), scale.ln()]));
@@ -75,7 +76,7 @@ fn unbounded(sorted: &[f64]) -> Option<Fit> {
     }
     let best = starts.into_iter().max_by(|a, b| height(*a).total_cmp(&height(*b)))?;
     let (place, _) = simplex(height, best, 0.3);
-    Some(fitted(sorted, at(place)?, End::Given, End::Given))
+    Some(fitted(sorted, at(sorted, place)?, End::Given, End::Given))
 }
 
 /// Returns the maximum-likelihood S_B distribution with ends outside the sample.
@@ -83,14 +84,15 @@ fn bounded(sorted: &[f64]) -> Option<Fit> {
     let (first, last) = (sorted[0], sorted[sorted.len() - 1]);
     let range = last - first;
     let searched = NEAREST.ln()..=FARTHEST.ln();
-    let at = |log_gaps: [f64; 2]| {
+    let at = |values: &[f64], log_gaps: [f64; 2]| {
         if log_gaps.iter().any(|gap| !searched.contains(gap)) {
             return None;
         }
         let [low, high] = [first - range * log_gaps[0].exp(), last + range * log_gaps[1].exp()];
-        profile(sorted, JohnsonSystem::Bounded, low, high - low)
+        profile(values, JohnsonSystem::Bounded, low, high - low)
     };
-    let height = |log_gaps: [f64; 2]| at(log_gaps).map_or(f64::NEG_INFINITY, |(_, mean_log)| mean_log);
+    let few = condensed(sorted);
+    let height = |log_gaps: [f64; 2]| at(&few, log_gaps).map_or(f64::NEG_INFINITY, |(_, mean_log)| mean_log);
     // Start from a local maximum of a coarse grid that is not at the smallest gaps, where the likelihood rises towards
     // an extreme value.
     let grid: Vec<f64> = (0..8).map(|i| 1e-3_f64.ln() + f64::from(i) * (1e5_f64.ln() / 7.0)).collect();
@@ -108,7 +110,7 @@ fn bounded(sorted: &[f64]) -> Option<Fit> {
         return None;
     }
     let end = |gap: f64| if gap >= FARTHEST.ln() - 2.5 { End::OutOfSight } else { End::Fitted };
-    Some(fitted(sorted, at(log_gaps)?, end(log_gaps[0]), end(log_gaps[1])))
+    Some(fitted(sorted, at(sorted, log_gaps)?, end(log_gaps[0]), end(log_gaps[1])))
 }
 
 #[cfg(test)]

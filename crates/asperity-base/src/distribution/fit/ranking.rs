@@ -1,8 +1,9 @@
 //! Comparison of families on one sample.
 
-use super::{End, Family, Fit, fit};
+use super::{End, Family, Fit, fit_sorted};
 use crate::distribution::DistributionError;
 use crate::distribution::goodness::{FitGoodness, ProcessNull};
+use crate::stats::sorted_present;
 
 /// Fits of several families, best first, and the families without a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,22 +34,22 @@ pub struct Ranking {
 /// Akaike, *IEEE Trans. Autom. Control* **19** (1974) 716, <https://doi.org/10.1109/TAC.1974.1100705>; Thiébaux &
 /// Zwiers, *J. Climate Appl. Meteor.* **23** (1984) 800, for the effective size.
 pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f64>) -> Ranking {
+    let sorted = sorted_present(values.iter().copied());
     let (mut fits, mut failed) = (vec![], vec![]);
     for family in families {
-        match fit(*family, values) {
+        match fit_sorted(*family, &sorted) {
             Ok(fit) => fits.push(fit),
             Err(error) => failed.push((*family, error)),
         }
     }
-    let present = values.iter().filter(|x| !x.is_nan()).count() as f64;
-    let effective_size = effective_size.unwrap_or(present);
+    let effective_size = effective_size.unwrap_or(sorted.len() as f64);
     fits.sort_by(|a, b| a.aic_correlated(effective_size).total_cmp(&b.aic_correlated(effective_size)));
     let mut empirical = 0;
     fits.retain(|fit: &Fit| {
         empirical += usize::from(matches!(fit.family, Family::Empirical { .. }));
         empirical < 2 || !matches!(fit.family, Family::Empirical { .. })
     });
-    let goodness = fits.iter().filter_map(|fit| FitGoodness::new(&fit.marginal, values, effective_size)).collect();
+    let goodness = fits.iter().filter_map(|fit| FitGoodness::new(&fit.marginal, &sorted, effective_size)).collect();
     Ranking { fits, goodness, effective_size, failed }
 }
 
@@ -71,11 +72,11 @@ impl Ranking {
         if matches!(fit.family, Family::Empirical { .. }) { None } else { self.goodness.get(place).copied() }
     }
 
-    /// Replaces the p-values by those of a simulated null distribution, if it has all of them.
+    /// Replaces the p-values by those of a simulated null distribution; `values` are those of the fits.
     pub fn assess(&mut self, null: &ProcessNull, values: &[f64]) {
-        let known: Option<Vec<FitGoodness>> = self.fits.iter().map(|fit| null.goodness(fit, values).ok()).collect();
-        if let Some(known) = known {
-            self.goodness = known;
+        let sorted = sorted_present(values.iter().copied());
+        for (fit, goodness) in self.fits.iter().zip(&mut self.goodness) {
+            *goodness = null.assess(fit, &sorted, *goodness);
         }
     }
 }

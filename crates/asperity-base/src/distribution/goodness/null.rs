@@ -1,6 +1,6 @@
 //! Null distribution of the goodness of fit of distributions fitted to correlated records.
 
-use super::{FitGoodness, Goodness, anderson_darling, kolmogorov_smirnov};
+use super::{FitGoodness, Goodness};
 use crate::blocks;
 use crate::distribution::fit::Fit;
 use crate::distribution::{DistributionError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
@@ -13,6 +13,9 @@ use crate::stats::{Layout, sorted_present};
 const CELL: f64 = 0.02;
 const REACH: f64 = 5.0;
 const CELLS: usize = 500;
+/// Least number of values of a simulation that stands for longer free records, absolute and in correlation times.
+const LEAST_SIMULATED: usize = 1 << 15;
+const LEAST_TIMES: f64 = 500.0;
 /// Highest order of the autoregression, absolute and as a fraction of the longest record.
 const MOST_ORDER: usize = 64;
 const LONGEST_FRACTION: usize = 8;
@@ -25,6 +28,9 @@ const LONGEST_FRACTION: usize = 8;
 /// *fitted to it* is computed to first order in the errors of the parameters: F_n − F − ∂F/∂θ I⁻¹ s̄ with the scores s
 /// and Fisher's information I. Scores and distances depend on g only, so one set of simulations serves all
 /// distributions.
+///
+/// Simulations of long free records are shorter, and their distances are scaled: differences of distribution functions
+/// are of order n^{−1/2}, with a distribution that hardly depends on n from some hundred correlation times.
 ///
 /// Ends of the support on which the likelihood does not depend smoothly ([`Fit::estimates`]) are not refitted. Periodic
 /// strips are simulated as periodic, with the covariance of the autoregression summed over all periods; this matters
@@ -39,7 +45,8 @@ const LONGEST_FRACTION: usize = 8;
 pub struct ProcessNull {
     /// Fraction of the values in each cell, for every simulation.
     draws: Vec<Vec<f64>>,
-    present: usize,
+    /// Number of values of a simulation over the number of values of the sample.
+    fraction: f64,
     order: usize,
 }
 
@@ -84,6 +91,9 @@ impl ProcessNull {
         let longest = scores.iter().map(Vec::len).max().unwrap_or(0);
         let process = Autoregression::fit(&scores, MOST_ORDER.min(longest / LONGEST_FRACTION));
         let mixture = track_mixture(&scores, layout);
+        let most = LEAST_SIMULATED.max((LEAST_TIMES * process.correlation_time()) as usize);
+        let scores = if layout.periodic || layout.tracks > 1 { scores } else { shortened(scores, most) };
+        let simulated = scores.iter().flatten().filter(|score| !score.is_nan()).count() as f64;
         let mut circles: Vec<Circle> = Vec::new();
         for n in scores.iter().map(Vec::len).filter(|n| layout.periodic && *n > 0) {
             if !circles.iter().any(|circle| circle.fft.nx() == n) {
@@ -102,13 +112,13 @@ impl ProcessNull {
                     None => process.path(xi),
                 };
                 for (g, _) in path.iter().zip(record).filter(|(_, score)| !score.is_nan()) {
-                    counts[cell(*g)] += 1.0 / n;
+                    counts[cell(*g)] += 1.0 / simulated;
                 }
             }
             counts
         };
         let draws = blocks::map(0..draws, draw);
-        Ok(Self { draws, present: sorted.len(), order: process.order() })
+        Ok(Self { draws, fraction: simulated / n, order: process.order() })
     }
 
     /// Returns the order of the autoregression of the normal scores.
@@ -122,26 +132,44 @@ impl ProcessNull {
     /// # Errors
     /// An empty sample.
     pub fn goodness(&self, fit: &Fit, values: &[f64]) -> Result<FitGoodness, DistributionError> {
+        let sorted = sorted_present(values.iter().copied());
+        let reason = "no value is present";
+        let empty = || DistributionError::Sample { distribution: fit.marginal.name(), n: 0, reason };
+        let asymptotic = FitGoodness::new(&fit.marginal, &sorted, f64::INFINITY).ok_or_else(empty)?;
+        Ok(self.assess(fit, &sorted, asymptotic))
+    }
+
+    /// Returns the distances with p-values as [`ProcessNull::goodness`] does, from those of the sorted values.
+    pub(in crate::distribution) fn assess(&self, fit: &Fit, sorted: &[f64], known: FitGoodness) -> FitGoodness {
         let projection = Projection::new(fit);
-        let mut counts = vec![0.0; CELLS];
-        for x in values.iter().filter(|x| !x.is_nan()) {
-            counts[cell(normal_score(fit, *x))] += 1.0 / self.present as f64;
-        }
-        let own = distances(&counts, None);
+        let own = distances(&cell_fractions(fit, sorted), None);
         let farther: Vec<[bool; 2]> = blocks::map(0..self.draws.len(), |draw| {
             let drawn = distances(&self.draws[draw], Some(&projection));
-            [drawn[0] >= own[0], drawn[1] >= own[1]]
+            [self.fraction.sqrt() * drawn[0] >= own[0], self.fraction * drawn[1] >= own[1]]
         });
         let p_value = |which: usize| {
             let count = farther.iter().filter(|far| far[which]).count();
             (1 + count) as f64 / (1 + self.draws.len()) as f64
         };
-        let with = |goodness: Goodness, which: usize| Goodness { p_value: p_value(which), ..goodness };
-        Ok(FitGoodness {
-            kolmogorov_smirnov: with(kolmogorov_smirnov(values, &fit.marginal, None)?, 0),
-            anderson_darling: anderson_darling(values, &fit.marginal, None).ok().map(|goodness| with(goodness, 1)),
-        })
+        let with = |goodness: Goodness, which: usize| {
+            let effective_size = sorted.len() as f64;
+            Goodness { statistic: goodness.statistic, effective_size, p_value: p_value(which) }
+        };
+        FitGoodness {
+            kolmogorov_smirnov: with(known.kolmogorov_smirnov, 0),
+            anderson_darling: known.anderson_darling.map(|goodness| with(goodness, 1)),
+        }
     }
+}
+
+/// Returns the first values of the records, up to `most` in total.
+fn shortened(mut records: Vec<Vec<f64>>, most: usize) -> Vec<Vec<f64>> {
+    let mut left = most;
+    for record in &mut records {
+        record.truncate(left);
+        left -= record.len();
+    }
+    records
 }
 
 fn cell(g: f64) -> usize {
@@ -153,6 +181,20 @@ fn cell(g: f64) -> usize {
 fn normal_score(fit: &Fit, x: f64) -> f64 {
     let lower = fit.marginal.cdf(x);
     if lower < 0.5 { standard_normal_quantile(lower) } else { -standard_normal_quantile(fit.marginal.survival(x)) }
+}
+
+/// Returns the fraction of the sorted values in each cell of the normal score.
+fn cell_fractions(fit: &Fit, sorted: &[f64]) -> Vec<f64> {
+    let of = |x: f64| cell(normal_score(fit, x));
+    let mut fractions = vec![0.0; CELLS];
+    let mut rest = sorted;
+    while let Some(first) = rest.first() {
+        let own = of(*first);
+        let count = rest.partition_point(|x| of(*x) <= own).max(1);
+        fractions[own] += count as f64 / sorted.len() as f64;
+        rest = &rest[count..];
+    }
+    fractions
 }
 
 /// Effect of the fitted parameters on a difference of distribution functions.
@@ -266,6 +308,12 @@ impl Autoregression {
 
     fn order(&self) -> usize {
         self.orders.len() - 1
+    }
+
+    /// Returns the sum of the correlations over all lags.
+    fn correlation_time(&self) -> f64 {
+        let (coefficients, std) = &self.orders[self.order()];
+        (std / (1.0 - coefficients.iter().sum::<f64>())).powi(2)
     }
 
     /// Returns the path generated by a standard normal ξ, stationary from its first value.
@@ -494,6 +542,38 @@ mod tests {
         // 10 % of 120 with a standard error of 3.3.
         assert!(refused[..2].iter().all(|count| *count <= 12 + 11), "{refused:?} of {runs}");
         assert!(refused[2] > 30, "{refused:?} of {runs}");
+    }
+
+    #[test]
+    fn cell_fractions_count_the_values_one_by_one() {
+        let values = sorted_present(random::standard_normal(&mut random::stream(5, "cells", 0), 3000));
+        for family in [Family::Normal, Family::BetaFreeBounds, Family::Empirical { bins: 8 }] {
+            let fit = fit(family, &values).unwrap();
+            let mut wanted = vec![0.0; CELLS];
+            values.iter().for_each(|x| wanted[cell(normal_score(&fit, *x))] += 1.0 / 3000.0);
+            let found = cell_fractions(&fit, &values);
+            assert!(found.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{family:?}");
+        }
+    }
+
+    #[test]
+    fn a_shorter_simulation_of_a_long_record_has_its_scaled_distances() {
+        // τ = 2.4 steps, and about 430 and 3,400 correlation times.
+        let values = autoregression().path(random::standard_normal(&mut random::stream(5, "long", 0), 8192));
+        let normal = fit(Family::Normal, &values).unwrap();
+        let projection = Projection::new(&normal);
+        let mean = |values: &[f64], scale: f64| {
+            let null = ProcessNull::new(&[values], false, 199, 3).unwrap();
+            assert_eq!(null.fraction, 1.0);
+            let distance = |draw: &Vec<f64>| distances(draw, Some(&projection))[0];
+            scale.sqrt() * null.draws.iter().map(distance).sum::<f64>() / 199.0
+        };
+        // The distances of 199 simulations scatter by about 30 %.
+        let ratio = mean(&values[..1024], 0.125) / mean(&values, 1.0);
+        assert!((ratio - 1.0).abs() < 4.0 * 0.3 * (2.0_f64 / 199.0).sqrt(), "{ratio}");
+        let long = autoregression().path(random::standard_normal(&mut random::stream(5, "long", 1), 50_000));
+        let null = ProcessNull::new(&[&long[..20_000], &long[20_000..]], false, 3, 3).unwrap();
+        assert_eq!(null.fraction, LEAST_SIMULATED as f64 / 50_000.0);
     }
 
     #[test]

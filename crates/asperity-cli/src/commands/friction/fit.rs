@@ -189,7 +189,7 @@ impl FitRecord {
             .killable(|| {
                 let record = MeasuredRecord::new(&ColumnTable::read(&bytes)?, &columns)?;
                 let prepared = preparation.apply(&record)?;
-                let fitted = FittedRecord::new(&prepared, self.law, &description)?;
+                let fitted = FittedRecord::monitored(&prepared, self.law, &description, monitor)?;
                 Ok((prepared, fitted))
             })?
             .or_else(|e| Err(self.failure(&e).print(Answer::default().with("reason", e.to_string()), self.json)?))?;
