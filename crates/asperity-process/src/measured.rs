@@ -54,6 +54,22 @@ pub enum MeasuredError {
         /// Text found.
         text: String,
     },
+    /// A comma may separate thousands or be a decimal sign.
+    #[error(
+        "line {line}, column {column}{}: the comma of `{text}` may separate thousands or be a decimal sign; write numbers without \
+         thousands separators and with decimal points",
+        named(name)
+    )]
+    Comma {
+        /// Line, counted from 1.
+        line: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// Name of the column, if there is one.
+        name: String,
+        /// Text found.
+        text: String,
+    },
     /// There is no column of that name.
     #[error("no column `{wanted}`; the file has {known}")]
     NoColumn {

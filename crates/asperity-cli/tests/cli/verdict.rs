@@ -467,6 +467,8 @@ fn samples_with_decimal_commas_wrong_units_or_no_file_are_unusable_data() {
         (Some("damping;part\n0,19;1\n0,18;2\n"), "m.csv:2: `0,19` may have a decimal comma"),
         (Some("z\n0.1;5\n0,15\n"), "m.csv:3: `0,15` may have a decimal comma"),
         (Some("0.10 mm\n0.12\n"), "m.csv:1: "),
+        // A mark of the byte order is no name of a column.
+        (Some("\u{feff}0.10 mm\n0.12\n"), "m.csv:1: "),
         (Some("damping\n0.10\nnothing\n"), "m.csv:3: "),
         (None, "m.csv: no such file"),
     ] {

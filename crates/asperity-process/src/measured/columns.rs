@@ -33,6 +33,8 @@ struct Column {
     values: Vec<f64>,
     /// First cell that is not a number: line and text.
     wrong: Option<(usize, String)>,
+    /// First cell with a comma, if the comma may separate thousands: line and text.
+    comma: Option<(usize, String)>,
 }
 
 /// Selected column.
@@ -151,12 +153,16 @@ impl ColumnTable {
             .or(similar)
             .or(by_number().map(|number| number - 1))
             .ok_or_else(|| MeasuredError::NoColumn { wanted: wanted.into(), known: self.known() })?;
-        let Column { name, unit, values, wrong } = &self.columns[index];
-        match wrong {
-            Some((line, text)) => {
-                Err(MeasuredError::Cell { line: *line, column: index + 1, name: name.clone(), text: text.clone() })
+        let Column { name, unit, values, wrong, comma } = &self.columns[index];
+        let (column, own) = (index + 1, || name.clone());
+        match (wrong, comma) {
+            (Some((line, text)), _) => {
+                Err(MeasuredError::Cell { line: *line, column, name: own(), text: text.clone() })
             }
-            None => Ok(Chosen {
+            (None, Some((line, text))) => {
+                Err(MeasuredError::Comma { line: *line, column, name: own(), text: text.clone() })
+            }
+            (None, None) => Ok(Chosen {
                 name: if name.is_empty() { wanted_name(index) } else { name },
                 unit: unit.as_deref(),
                 values,
@@ -237,6 +243,7 @@ impl Layout {
             (column.name, column.unit) = (name, unit);
         }
         let mut numbers = Vec::new();
+        let (mut points, mut commas) = (false, vec![Commas::default(); columns.len()]);
         for line in lines[self.first..].iter().filter(|line| !line.comment) {
             let mut fields = self.separator.fields(line.text);
             if fields.len() == self.columns + 1 && fields.last().is_some_and(|field| field.is_empty()) {
@@ -246,18 +253,53 @@ impl Layout {
                 return Err(MeasuredError::Ragged { line: line.number, found: fields.len(), wanted: self.columns });
             }
             numbers.push(line.number);
-            for (column, field) in columns.iter_mut().zip(fields) {
+            for ((column, commas), field) in columns.iter_mut().zip(&mut commas).zip(fields) {
                 let value = number(field);
-                if value.is_none() && column.wrong.is_none() {
-                    column.wrong = Some((line.number, field.chars().take(40).collect()));
+                let cell = || (line.number, field.chars().take(40).collect());
+                match value {
+                    None => column.wrong = column.wrong.take().or_else(|| Some(cell())),
+                    Some(_) if field.contains(',') => {
+                        column.comma = column.comma.take().or_else(|| Some(cell()));
+                        commas.decimal |= !is_grouped(field.trim());
+                    }
+                    Some(value) => {
+                        points |= field.contains('.');
+                        commas.large |= value.abs() >= 100.0;
+                    }
                 }
                 column.values.push(value.unwrap_or(f64::NAN));
+            }
+        }
+        for (column, commas) in columns.iter_mut().zip(commas) {
+            if commas.decimal || !(points || commas.large) {
+                column.comma = None;
             }
         }
         // A separator at the end of every line creates an empty column.
         columns.pop_if(|last| last.name.is_empty() && last.wrong.is_none() && last.values.iter().all(|v| v.is_nan()));
         Ok(ColumnTable { columns, lines: numbers })
     }
+}
+
+/// Commas of a column.
+#[derive(Debug, Clone, Copy, Default)]
+struct Commas {
+    /// A comma must be a decimal sign.
+    decimal: bool,
+    /// A number above 100 has none.
+    large: bool,
+}
+
+/// Returns whether a comma may separate thousands: one to three digits before it and three behind.
+fn is_grouped(number: &str) -> bool {
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    number.trim_start_matches(['+', '-']).split_once(',').is_some_and(|(thousands, rest)| {
+        digits(thousands)
+            && digits(rest)
+            && (1..=3).contains(&thousands.len())
+            && rest.len() == 3
+            && !thousands.starts_with('0')
+    })
 }
 
 /// Returns names and units from the last lines before the first row, if they have as many fields. Rows that are `open`
@@ -408,6 +450,20 @@ mod tests {
         let table = read("mu\n0,21\n0,22\n");
         assert_eq!(table.column("mu").unwrap().values, [0.21, 0.22]);
         assert_eq!(read("0.21\n0.22\n").column("1").unwrap().values, [0.21, 0.22]);
+    }
+
+    #[test]
+    fn commas_that_may_separate_thousands_are_refused() {
+        for text in ["t;F\n0.000;2,193\n0.001;2,251\n", "t\tF\n0.000\t999\n0.001\t1,002\n", "t;F\n0;998\n1;-1,002\n"] {
+            let error = read(text).column("F").unwrap_err();
+            assert!(error.to_string().contains("may separate thousands or be a decimal sign"), "{text}: {error}");
+            assert!(read(text).column("t").is_ok());
+        }
+        for text in
+            ["t;F\n0;2,193\n1;2,251\n", "t;F\n0.5;2,19\n1;2,251\n", "t;F\n0.5;0,219\n1;0,221\n", "t;F\n0;2,193\n1;7\n"]
+        {
+            assert!(read(text).column("F").unwrap().values[0] < 3.0, "{text}");
+        }
     }
 
     #[test]

@@ -220,6 +220,7 @@ fn samples(key: &UncertainKey, file: &PathBuf) -> Result<Vec<f64>, String> {
         ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
         _ => format!("{}: {error}", file.display()),
     })?;
+    let text = text.trim_start_matches('\u{feff}');
     // Where another separator is used, a comma separates no columns.
     let is_separated = text.lines().any(|line| !line.trim_start().starts_with('#') && line.contains([';', '\t']));
     let separators: &[char] = if is_separated { &[';', '\t'] } else { &[','] };
