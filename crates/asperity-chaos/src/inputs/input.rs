@@ -99,6 +99,11 @@ impl UncertainInput {
         self.clone().bounded(low, high, LARGEST_MASS)
     }
 
+    /// Returns the probability of the distribution beyond the bounds, which truncate it.
+    pub fn truncated_mass(&self) -> f64 {
+        self.bounds.below + self.bounds.above
+    }
+
     fn bounded(mut self, low: f64, high: f64, largest: f64) -> Result<Self, InputError> {
         assert!(low < high, "bounds [{low}, {high}] contain no value");
         let marginal = self.marginal();
@@ -138,7 +143,7 @@ impl UncertainInput {
     /// truncated one has at `g`.
     fn untruncated(&self, g: f64) -> f64 {
         let Bounds { below, above, .. } = self.bounds;
-        if below + above < NEGLIGIBLE_MASS {
+        if self.truncated_mass() < NEGLIGIBLE_MASS {
             return g;
         }
         let kept = 1.0 - below - above;

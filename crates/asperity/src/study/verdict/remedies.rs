@@ -27,6 +27,8 @@ pub(in crate::study) const STEPS: usize = 8;
 /// wider, to the value.
 const TOLERANCE: f64 = 1e-5;
 const NEAR: f64 = 0.01;
+/// Fraction of a moved distribution beyond the physical bounds above which there is a warning.
+const LARGEST_TRUNCATED_MASS: f64 = 1e-3;
 /// Half widths of the interval within which the search for a value ends where friction fluctuates, and beyond which its slope is taken.
 const CLOSE: f64 = 0.2;
 const FAR: f64 = 3.0;
@@ -93,6 +95,7 @@ impl Changed<'_> {
                 friction_coefficient: nearest.and_then(|(value, _)| self.friction(value)),
             });
         }
+        warnings.extend(reach.iter().find_map(|reach| self.truncated(reach.value?)));
         warnings.extend(self.unanswered(sides.iter().flatten(), study.valid_fraction));
         let friction_coefficient_now = self.friction(now);
         Ok(Remedy { input: place.name(), unit: place.key().unit.into(), now, friction_coefficient_now, reach })
@@ -122,6 +125,24 @@ impl Changed<'_> {
             sentence::digits(100.0 * answers.unanswered()),
             format!("{} {unit}", sentence::digits(*value)).trim_end()
         ))
+    }
+
+    /// Returns a warning if the physical bounds truncate the distribution that a remedy moved to a value.
+    fn truncated(&self, value: f64) -> Option<String> {
+        let place = self.remedy.place;
+        let input = self.machines.places().iter().position(|uncertain| *uncertain == place)?;
+        let moved = self.machines.inputs().with_moved(input, value).ok()?;
+        let mass = moved.inputs()[input].truncated_mass();
+        let at = format!("{} {}", sentence::digits(value), place.key().unit);
+        (mass > LARGEST_TRUNCATED_MASS).then(|| {
+            format!(
+                "the remedy by {} moves its distribution: at {}, {} % of it lie beyond the physical bounds and are left out; state a \
+                 lognormal distribution, which keeps its relative width",
+                place.name(),
+                at.trim_end(),
+                sentence::digits(100.0 * mass)
+            )
+        })
     }
 
     /// Returns the friction coefficient of the machine with all values at their centres.
@@ -354,7 +375,8 @@ mod tests {
         let machines = Machines::new(verdict, &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
         let (found, warnings) = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
-        assert!(warnings.is_empty(), "{warnings:?}");
+        // At 1 % the centre of b is 2.9 standard deviations above 0.
+        assert!(warnings.len() == 1 && warnings[0].contains("0.1879 % of it lie beyond"), "{warnings:?}");
         assert_eq!([0, 1, 2].map(|remedy: usize| found[remedy].reach.len()), [2; 3]);
         for (remedy, (now, slope)) in found.iter().zip([(0.055, 1.0), (0.1, 2.0)]) {
             assert!((remedy.now - now).abs() < 1e-12 && remedy.friction_coefficient_now == Some(0.3), "{remedy:?}");
@@ -415,6 +437,26 @@ mod tests {
             assert!(warning.contains(&remedy.input) && warning.contains("without an answer"), "{warning}");
         }
         assert!(warnings[3].contains("100 %") && warnings[3].contains("the first because"), "{}", warnings[3]);
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn a_distribution_that_its_bounds_truncate_at_a_remedy_is_a_warning() {
+        let text = study_text(&["linear_weakening\", range = [0.01, 0.3]"]).replace("0.2 ± 0.02", "0.2 ± 0.05");
+        let warnings = |damping: &str| {
+            let study = Study::parse(&text.replace("\"0.1 ± 0.01\"", damping), "study.toml").unwrap();
+            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+            let machines = Machines::new(verdict, &window, None, 1);
+            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+            remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap().1
+        };
+        // For ζ = .06 the centre of b is near .12 − 1.645·.05 = .038 at P = 5 %, and Φ(−.76) of b negative. ζ = .18 needs no change.
+        let found = warnings("0.06");
+        assert!(
+            found.len() == 1 && found[0].contains("vibration.linear_weakening moves its distribution"),
+            "{found:?}"
+        );
+        assert!(warnings("0.18").is_empty());
     }
 
     #[test]
