@@ -488,6 +488,36 @@ fn samples_with_decimal_commas_wrong_units_or_no_file_are_unusable_data() {
 }
 
 #[test]
+fn the_stribeck_coefficient_of_a_friction_process_contradicts_another_uncertain_one() {
+    let folder = TempDir::new().unwrap();
+    let process = r#"{"format": "asperity friction process", "version": 1, "mean": 0.2, "mean_interval": null, "std": 0,
+        "std_interval": null, "marginal": null, "correlation": null, "stribeck_s_per_m": 0.5, "averaged_over_m": null,
+        "mean_pressure_pa": null, "origin": {"kind": "record", "description": "rig"}}"#;
+    fs::write(folder.path().join("process.json"), process).unwrap();
+    let lines = MACHINE.replace("static_friction = 0.3\n", "").replace("friction_std = 0\n", "");
+    let check = |more: &str| {
+        let text = format!("{lines}belt_velocity = \"0.4 m/s\"\nfriction_process = \"process.json\"\n{more}");
+        fs::write(folder.path().join("study.toml"), text).unwrap();
+        run_in(folder.path(), "check study.toml")
+    };
+    let remedy = "[verdict]\nremedies = [{ input = \"vibration.stribeck\", range = [\"0.1 s/m\", \"2 s/m\"] }]\n";
+    for more in [
+        "damping_ratio = 0.25\nstribeck = { uniform = [\"0.1 s/m\", \"2 s/m\"], unknown = true }\n".to_owned(),
+        format!("damping_ratio = \"0.25 ± 0.01\"\nstribeck = \"0.1 s/m\"\n{remedy}"),
+    ] {
+        check(&more).refuses(3, &["friction_process: process.json", "the Stribeck coefficient, 0.5 s/m"]);
+    }
+    for more in [
+        "damping_ratio = 0.25\nstribeck = \"0.5 ± 0.1 s/m\"\n".to_owned(),
+        format!("damping_ratio = \"0.25 ± 0.01\"\nstribeck = \"0.5 s/m\"\n{remedy}"),
+        "damping_ratio = \"0.25 ± 0.01\"\nstribeck = \"0.1 s/m\"\n".to_owned(),
+    ] {
+        let ended = check(&more);
+        assert_eq!(ended.code, 0, "{more}: {}", ended.stderr);
+    }
+}
+
+#[test]
 fn wrong_uncertain_values_name_their_line() {
     let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n";
     for (more, line, expected) in [

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use asperity_base::sentence;
+
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
@@ -64,6 +66,14 @@ impl Study {
         self.verdict.is_some() && (file.verdict.is_some() || !file.uncertain.is_empty())
     }
 
+    /// Returns whether a value is uncertain or the input of a remedy.
+    fn varies(&self, name: &str) -> bool {
+        self.verdict.as_ref().is_some_and(|verdict| {
+            let of_remedies = verdict.remedies.iter().map(|remedy| &remedy.place);
+            verdict.places.iter().chain(of_remedies).any(|place| place.name() == name)
+        })
+    }
+
     /// Returns the friction that the study states or reads; `None` if its friction stage computes it.
     fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
         let Some(vibration) = &self.vibration else { return Ok(None) };
@@ -74,6 +84,14 @@ impl Study {
                 let (process, name) = (friction_process::read(&folder.join(file), file)?, file.display().to_string());
                 let unit_m_per_s = vibration.scales.velocity_m_per_s();
                 let mut found = WindowFriction::from_process(&process, &name, nominal, stribeck, unit_m_per_s);
+                if found.stribeck != stribeck && self.varies("vibration.stribeck") {
+                    let stated = sentence::digits(found.stribeck.unwrap_or_default() / unit_m_per_s);
+                    let reason = format!(
+                        "the file states the Stribeck coefficient, {stated} s/m; a `stribeck` that is uncertain or the input of a remedy \
+                         must have this central value"
+                    );
+                    return Err(StudyError::FrictionProcess { file: name, reason });
+                }
                 found.warnings.extend(implausible_friction(process.mean).map(|warning| format!("{name}: {warning}")));
                 Some(found)
             }
