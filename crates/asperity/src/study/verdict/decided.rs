@@ -17,7 +17,7 @@
 
 use asperity_base::blocks::Task;
 
-use crate::monitor::{Cancelled, Monitor, Quiet};
+use crate::monitor::{Cancelled, Monitor};
 
 /// Number of machines over the distance in ranks from c up to which every machine is decided.
 const WHOLE: usize = 256;
@@ -48,8 +48,7 @@ pub(super) fn terms(
     let below = low.midpoint(high);
     let decided: Vec<usize> =
         (0..order.len()).filter(|&rank| draws[order[rank]] < chance(whole, rank, below)).collect();
-    let quiet = Quiet(monitor);
-    let task = Task::new(&quiet, "verdict: decided machines", decided.len());
+    let task = Task::new(monitor, "verdict: decided machines", decided.len());
     let answers = task.map(decided.len(), |place| vibrates(order[decided[place]]))?;
     let mut terms = vec![0.0; order.len()];
     order[..below].iter().for_each(|machine| terms[*machine] = 1.0);

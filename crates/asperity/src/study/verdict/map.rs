@@ -6,7 +6,7 @@ use asperity_base::sentence;
 use super::machines::{Change, Machines};
 use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
 use super::replicates::{fraction_below_zero, fraction_unanswered, points};
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::stats::quantile_sorted;
 use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::file::Hold;
@@ -113,14 +113,14 @@ impl Grid<'_> {
     /// Evaluates the machines at all nodes, row by row.
     fn nodes(&self, levels: &[f64], monitor: &dyn Monitor) -> Result<Vec<Node>, Cancelled> {
         let [x, y] = self.axes.map(values);
+        let quiet = &Quiet(monitor);
         let damping = self.axes.iter().position(|axis| is_damping(axis.place, self.machines.model()));
         let limits = match damping {
             Some(axis) => {
                 let (other, values) = (self.axes[1 - axis].place, if axis == 0 { &y } else { &x });
                 let task = Task::new(monitor, "verdict: map", values.len());
                 let at = |value| moved(self.machines, &[Change { place: other, value, hold: Hold::DampingRatio }]);
-                let limits =
-                    values.iter().map(|&value| task.step(|| Limits::new(&at(value), &self.points, monitor))?);
+                let limits = values.iter().map(|&value| task.step(|| Limits::new(&at(value), &self.points, quiet))?);
                 limits.collect::<Result<Vec<_>, _>>()?
             }
             None => Vec::new(),
@@ -134,7 +134,7 @@ impl Grid<'_> {
                     let limits = &limits[if axis == 0 { row } else { column }];
                     limits.margins(&machines, self.axes[axis].place, &self.points)
                 }
-                None => margins(&machines, &self.points, monitor)?,
+                None => margins(&machines, &self.points, quiet)?,
             };
             margins.sort_by(f64::total_cmp);
             Ok(Node {

@@ -4,7 +4,7 @@ use asperity_base::blocks::Task;
 
 use super::machines::{Change, Machines};
 use super::sampled::Evaluated;
-use crate::monitor::{Cancelled, Monitor, Quiet};
+use crate::monitor::{Cancelled, Monitor};
 use crate::study::file::Hold;
 use crate::study::result::ModelResult;
 use crate::study::uncertain::Place;
@@ -46,8 +46,7 @@ fn answers(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monitor) -> Resu
         answer.unwrap_or([0.0, f64::NEG_INFINITY])
     };
     let chunks: Vec<&[Vec<f64>]> = points.chunks(BLOCK).collect();
-    let quiet = Quiet(monitor);
-    let task = Task::new(&quiet, "verdict: margins", chunks.len());
+    let task = Task::new(monitor, "verdict: margins", chunks.len());
     let block = |index: usize| Ok::<Vec<_>, Cancelled>(chunks[index].iter().map(answer).collect());
     Ok(task.map(chunks.len(), block)?.concat())
 }

@@ -53,11 +53,16 @@ pub(super) fn remedies(
     let damping = study.remedies.iter().any(|remedy| is_damping(remedy.place, machines.model()));
     let limits = damping.then(|| Limits::new(&Ok(machines.clone()), &points, monitor)).transpose()?;
     let mut warnings = Vec::new();
+    // Both sides of the present value, and the search for each target.
+    let task = Task::new(monitor, "verdict: remedies", study.remedies.len() * (2 + study.targets.len()));
     let remedies = study.remedies.iter().map(|remedy| {
         let limits = limits.as_ref().filter(|_| is_damping(remedy.place, machines.model()));
         let evaluate = fluctuates.then_some(evaluate);
-        Changed { machines, remedy, points: &points, limits, evaluate, draws: &draws, monitor }
-            .remedy(study, &mut warnings)
+        Changed { machines, remedy, points: &points, limits, evaluate, draws: &draws, monitor }.remedy(
+            study,
+            &task,
+            &mut warnings,
+        )
     });
     Ok((remedies.collect::<Result<_, _>>()?, warnings))
 }
@@ -78,14 +83,16 @@ struct Changed<'a> {
 }
 
 impl Changed<'_> {
-    fn remedy(&self, study: &VerdictStudy, warnings: &mut Vec<String>) -> Result<Remedy, StudyError> {
+    fn remedy(&self, study: &VerdictStudy, task: &Task<'_>, warnings: &mut Vec<String>) -> Result<Remedy, StudyError> {
         let RemedyStudy { place, low, high, .. } = *self.remedy;
         // Results state NaN for a value on which no machine depends.
         let now = self.machines.central_value(place).unwrap_or(f64::NAN);
-        let sides = [self.side(now.clamp(low, high), low)?, self.side(now.clamp(low, high), high)?];
+        let side = |to: f64| task.step(|| self.side(now.clamp(low, high), to))?;
+        let sides = [side(low)?, side(high)?];
         let mut reach = Vec::with_capacity(study.targets.len());
         for &probability in &study.targets {
-            let found = sides.iter().map(|side| self.nearest(side, probability)).collect::<Result<Vec<_>, _>>()?;
+            let search = || sides.iter().map(|side| self.nearest(side, probability)).collect::<Result<Vec<_>, _>>();
+            let found = task.step(search)??;
             let distance = |found: &(f64, Interval)| (found.0 - now).abs();
             let nearest = found.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)));
             reach.push(Reach {
@@ -173,11 +180,10 @@ impl Changed<'_> {
     fn side(&self, from: f64, to: f64) -> Result<Vec<(f64, Answers)>, Cancelled> {
         let count = self.points.len().div_ceil(REPLICATES);
         let steps = if from == to { 0 } else { STEPS };
-        let task = Task::new(self.monitor, "verdict: remedies", steps + 1);
         (0..=steps)
             .map(|step| {
                 let value = from + (to - from) * step as f64 / steps.max(1) as f64;
-                Ok((value, task.step(|| self.answers(value, count))??))
+                Ok((value, self.answers(value, count)?))
             })
             .collect()
     }
