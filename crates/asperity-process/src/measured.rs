@@ -70,6 +70,20 @@ pub enum MeasuredError {
         /// Text found.
         text: String,
     },
+    /// Several columns have that name.
+    #[error("there are several columns `{wanted}`; the file has {known}; give a number")]
+    TwoColumns {
+        /// Requested name.
+        wanted: String,
+        /// Columns of the file.
+        known: String,
+    },
+    /// No normal force is above zero.
+    #[error("no value of the normal force, column `{column}`, is above zero; write compression as positive")]
+    NoCompression {
+        /// The column.
+        column: String,
+    },
     /// There is no column of that name.
     #[error("no column `{wanted}`; the file has {known}")]
     NoColumn {

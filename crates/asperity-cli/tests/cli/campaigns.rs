@@ -240,6 +240,28 @@ fn a_killed_campaign_goes_on_with_the_same_bytes() {
 }
 
 #[test]
+fn a_law_per_unit_of_dimensionless_velocity_under_another_load_is_a_warning() {
+    let exact = MACHINE.replace("\"0.3 ± 0.01\"", "0.3").replace("\"0.1 ± 0.02\"", "0.1");
+    let in_si = exact
+        .replace("dimensionless_belt_velocity = 0.1", "belt_velocity = \"0.4 m/s\"\nstribeck = \"0.5 s/m\"")
+        .replace("velocity_law = \"linear\"\nlinear_weakening = 0.1\n", "");
+    let forces = "[values]\nvibration.normal_force = [\"2 kN\", \"3 kN\"]\n";
+    let both = ["`linear_weakening` and `dimensionless_belt_velocity` are per unit", "vibration.normal_force changes"];
+    for (study, campaign, words) in [
+        (&exact, forces, &both[..]),
+        (&exact, "[values]\nvibration.damping_ratio = [0.1, 0.2]\n", &[]),
+        (&in_si, forces, &[]),
+        (&in_si.replace("\"0.5 s/m\"", "4.2"), forces, &["`stribeck` is per unit"]),
+    ] {
+        let folder = bench(study, campaign);
+        let found = run_in(folder.path(), "campaign sweep.toml --json").json(0);
+        let warnings = found["warnings"].as_array().unwrap();
+        assert_eq!(warnings.len(), usize::from(!words.is_empty()), "{campaign}: {warnings:?}");
+        assert!(words.iter().all(|word| warnings[0].as_str().unwrap().contains(word)), "{warnings:?}");
+    }
+}
+
+#[test]
 fn errors_of_a_campaign_name_its_line() {
     let cases: [(&str, u32, &[&str]); 17] = [
         ("[values]\nvibration.damping_rati = [0.1]\n", 3, &["vibration.damping_rati", "did you mean `damping_ratio`?"]),

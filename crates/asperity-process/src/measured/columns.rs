@@ -143,7 +143,11 @@ impl ColumnTable {
                     && header(plain).1.is_none_or(|unit| own.unit.as_deref() == Some(unit))
         };
         let by_number = || plain.parse::<usize>().ok().filter(|number| (1..=self.columns.len()).contains(number));
-        let exact = self.columns.iter().position(|own| !own.name.is_empty() && own.name == plain);
+        let mut equal = self.columns.iter().enumerate().filter(|(_, own)| !own.name.is_empty() && own.name == plain);
+        let exact = equal.next().map(|(index, _)| index);
+        if equal.next().is_some() {
+            return Err(MeasuredError::TwoColumns { wanted: wanted.into(), known: self.known() });
+        }
         let mut found = self.columns.iter().enumerate().filter(|(_, own)| !own.name.is_empty() && alike(own));
         let similar = match (found.next(), found.next()) {
             (Some((index, _)), None) => Some(index),
@@ -476,6 +480,14 @@ mod tests {
         let table = read("t;F\n0;1\n1;2\n2;1.5.1\n");
         assert!(table.column("t").is_ok());
         assert_eq!(table.column("F").unwrap_err().to_string(), "line 4, column 2 (`F`): `1.5.1` is not a number");
+    }
+
+    #[test]
+    fn two_columns_of_one_name_are_selected_by_number() {
+        let table = read("t;mu;mu\n0;1;2\n1;2;3\n");
+        let error = table.column("mu").unwrap_err();
+        assert!(error.to_string().contains("several columns `mu`") && error.to_string().contains("3 `mu`"), "{error}");
+        assert_eq!(table.column("3").unwrap().values, [2.0, 3.0]);
     }
 
     #[test]

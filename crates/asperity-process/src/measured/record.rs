@@ -254,6 +254,9 @@ fn coefficient(
         Some(NormalForce::Column { column, unit }) => {
             let pressing = table.column(column)?;
             let normal_newton = factor(&pressing, unit.as_deref(), force_factor, "force", "N or mN")?;
+            if !pressing.values.iter().any(|normal| *normal > 0.0) {
+                return Err(MeasuredError::NoCompression { column: pressing.name.into() });
+            }
             let idle = pressing.values.iter().filter(|normal| **normal <= 0.0).count();
             if idle > 0 {
                 warnings.push(format!("in {idle} rows the normal force is not above zero; these rows are gaps"));

@@ -264,6 +264,20 @@ fn forces_are_divided_row_by_row_and_the_other_direction_is_reversed() {
 }
 
 #[test]
+fn normal_forces_without_compression_are_an_error() {
+    let table = ColumnTable::read(b"t [s],F [N],N [kN]\n0,1,-0.01\n1,2,-0.02\n2,3,0\n").unwrap();
+    let columns = RecordColumns {
+        column: "F".into(),
+        unit: None,
+        abscissa: Abscissa::Time { column: "t".into(), unit: None },
+        velocity_m_per_s: Some(0.5),
+        normal_force: Some(NormalForce::Column { column: "N".into(), unit: None }),
+    };
+    let error = MeasuredRecord::new(&table, &columns).unwrap_err().to_string();
+    assert!(error.contains("column `N`, is above zero"), "{error}");
+}
+
+#[test]
 fn too_short_or_constant_records_are_errors() {
     let record = |friction: Vec<f64>| {
         let record = MeasuredRecord {

@@ -16,6 +16,7 @@ use self::factors::{Column, Factor, Key, MOST, Reader, SCAN, set};
 pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
+use crate::study::check::FrictionSource;
 use crate::study::result::{CampaignResults, KindResult, MemberAnswers, MemberResult, MemberWarning, Results};
 use crate::study::run::{SharedFriction, Stages};
 use crate::study::{
@@ -27,6 +28,8 @@ type Answered = (MemberAnswers, Vec<String>);
 
 /// Name of the stage that the blocks of a campaign belong to.
 const STAGE: &str = "campaign";
+/// Keys that change the unit of dimensionless velocity, N/(mω₀).
+const SCALES: [&str; 3] = ["vibration.normal_force", "vibration.mass", "vibration.natural_frequency"];
 
 /// One study over many values and scans.
 #[derive(Debug, Clone)]
@@ -381,10 +384,30 @@ impl Campaign {
             seed: self.seed,
             keys: columns.into_iter().flatten().map(|column| column.key).collect(),
             members,
-            warnings: warning.into_iter().collect(),
+            warnings: self.changed_law().into_iter().chain(warning).collect(),
             member_warnings,
             ..CampaignResults::default()
         }
+    }
+
+    /// Returns a warning if members whose unit of dimensionless velocity differs have a law or belt velocity per this unit.
+    fn changed_law(&self) -> Option<String> {
+        let names: Vec<&str> = self.factors.iter().flat_map(Factor::keys).map(|key| &key.name[..]).collect();
+        let varied = SCALES.iter().find(|key| names.contains(key))?;
+        let study = (0..self.members()).find_map(|member| self.member(member).ok())?;
+        let vibration = study.vibration.as_ref().filter(|vibration| vibration.coupled.is_none())?;
+        let law = vibration.dimensionless_law().filter(|_| !matches!(vibration.friction, FrictionSource::File(_)));
+        let velocity = study.file().vibration.as_ref().and_then(|file| file.dimensionless_belt_velocity.as_ref());
+        let keys = law.map(|(key, _)| key).into_iter().chain(velocity.map(|_| "dimensionless_belt_velocity"));
+        let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();
+        (!keys.is_empty()).then(|| {
+            format!(
+                "{} {} per unit of dimensionless velocity, which {varied} changes: members differ in law or belt velocity in SI, too; \
+                 state them in SI to keep them",
+                keys.join(" and "),
+                if keys.len() == 1 { "is" } else { "are" }
+            )
+        })
     }
 
     /// Returns the text of the campaign file with absolute paths and the seed, which is valid in every folder.

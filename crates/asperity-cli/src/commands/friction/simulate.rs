@@ -18,7 +18,7 @@ use crate::output::{Answer, check_target, replace_file, write_verb};
 
 /// Draws a record of the friction coefficient from a fitted process.
 ///
-/// CSV contains position, coefficient, and its fluctuation about the mean. NPY contains the fluctuation alone, in the
+/// CSV contains position, fluctuation about the mean, and coefficient. NPY contains the fluctuation alone, in the
 /// form that `asperity vibration trajectory --friction-file` reads.
 #[derive(Debug, Args)]
 pub(crate) struct Simulate {

@@ -137,18 +137,23 @@ impl VibrationStudy {
         }))
     }
 
+    /// Returns the key and the coefficient of a law per unit of dimensionless velocity.
+    pub(in crate::study) fn dimensionless_law(&self) -> Option<(&'static str, f64)> {
+        match (self.stribeck, &self.velocity_law) {
+            (Some(Stribeck::Dimensionless(value)), _) => Some(("stribeck", value)),
+            (None, VelocityLaw::Linear { slope, .. }) => Some(("linear_weakening", *slope)),
+            (Some(Stribeck::Physical(_)), _)
+            | (None, VelocityLaw::Stribeck { .. } | VelocityLaw::Coulomb { .. })
+            | (None, VelocityLaw::Exponential { .. } | VelocityLaw::Tabulated(_)) => None,
+        }
+    }
+
     /// Returns a warning about a dimensionless law in a study that varies the load.
     pub(in crate::study) fn load_warning(&self) -> Option<String> {
         if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
             return None;
         }
-        let (key, value) = match (self.stribeck, &self.velocity_law) {
-            (Some(Stribeck::Dimensionless(value)), _) => ("stribeck", value),
-            (None, VelocityLaw::Linear { slope, .. }) => ("linear_weakening", *slope),
-            (Some(Stribeck::Physical(_)), _)
-            | (None, VelocityLaw::Stribeck { .. } | VelocityLaw::Coulomb { .. })
-            | (None, VelocityLaw::Exponential { .. } | VelocityLaw::Tabulated(_)) => return None,
-        };
+        let (key, value) = self.dimensionless_law()?;
         let si = sentence::digits(value / self.scales.velocity_m_per_s());
         let instead = match key {
             "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
