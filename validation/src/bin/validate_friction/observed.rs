@@ -7,6 +7,7 @@ use asperity::correlation::{
     Observation, ObservedLengths, RecordBand, RecordHistory, RecordModel, WindowedRecords, fit_length,
 };
 use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, RecordPreparation};
+use asperity::monitor::Silent;
 use asperity::random;
 use asperity::stats::wilson_interval;
 use asperity_testing::autoregressive;
@@ -125,7 +126,7 @@ fn lengths(runs: usize) -> Result<String> {
             let channel =
                 WindowedRecords { window_m: 0.0, step_m, cell_m: 0.0, tracks: 1, records: vec![values.as_slice()] };
             let naive = fit_length(&[channel], RecordModel::Exponential, Default::default())?;
-            Ok((ObservedLengths::fit(&[&values], step_m, history)?, naive.length_m))
+            Ok((ObservedLengths::fit(&[&values], step_m, history, &Silent)?, naive.length_m))
         })?;
         let mean = |value: &dyn Fn(&ObservedLengths) -> f64| {
             found.iter().map(|(found, _)| value(found)).sum::<f64>() / runs as f64
