@@ -24,6 +24,7 @@ mod surface;
 mod twin;
 mod usage;
 mod verdict;
+mod verdict_inputs;
 mod verdict_scan;
 mod vibration;
 mod vibration_curves;

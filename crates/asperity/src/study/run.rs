@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use asperity_base::sentence;
-
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
@@ -20,7 +18,7 @@ use crate::study::surface_stage::SurfaceStage;
 use crate::study::write_run::with_paths;
 use crate::study::{
     FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
-    friction_stage, implausible_friction, pressure_stage, surface_stage, verdict, vibration_stage,
+    friction_stage, implausible_friction, pressure_stage, sentence, surface_stage, verdict, vibration_stage,
 };
 
 impl Study {

@@ -78,6 +78,7 @@ pub(super) fn tapered(record: &[f64], taper: &[f64], mean: f64) -> (Vec<f64>, Ve
 }
 
 /// Records of equal length and step under one window.
+#[derive(Clone)]
 pub(super) struct Group {
     n: usize,
     step_m: f64,
@@ -304,7 +305,7 @@ impl Likelihood {
         if segments.is_none() || long.is_empty() {
             return self;
         }
-        let mut groups = Arc::into_inner(self.groups).unwrap_or_default();
+        let groups = Arc::make_mut(&mut self.groups);
         let mean = Moments::from_values(records.iter().flat_map(|record| record.iter().copied())).mean;
         for record in long {
             let (n, last) = (record.len(), record.len() / (2 * segment));
@@ -332,7 +333,7 @@ impl Likelihood {
             groups.push(group);
             self.windows.push(self.narrowest.clone());
         }
-        Self { groups: Arc::new(groups), ..self }
+        self
     }
 
     /// Returns the likelihood of another model or window for the same values. They have one window, and the band has a

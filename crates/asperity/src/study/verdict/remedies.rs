@@ -143,7 +143,7 @@ impl Changed<'_> {
         let at = format!("{} {}", sentence::digits(value), place.key().unit);
         (mass > LARGEST_TRUNCATED_MASS).then(|| {
             format!(
-                "the remedy by {} moves its distribution: at {}, {} % of it lie beyond the physical bounds and are left out; state a \
+                "the remedy by {} moves its distribution: at {}, {} % of it lies beyond the physical bounds and is left out; state a \
                  lognormal distribution, which keeps its relative width",
                 place.name(),
                 at.trim_end(),
@@ -382,7 +382,7 @@ mod tests {
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
         let (found, warnings) = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
         // At 1 % the centre of b is 2.9 standard deviations above 0.
-        assert!(warnings.len() == 1 && warnings[0].contains("0.1879 % of it lie beyond"), "{warnings:?}");
+        assert!(warnings.len() == 1 && warnings[0].contains("0.1879 % of it lies beyond"), "{warnings:?}");
         assert_eq!([0, 1, 2].map(|remedy: usize| found[remedy].reach.len()), [2; 3]);
         for (remedy, (now, slope)) in found.iter().zip([(0.055, 1.0), (0.1, 2.0)]) {
             assert!((remedy.now - now).abs() < 1e-12 && remedy.friction_coefficient_now == Some(0.3), "{remedy:?}");
