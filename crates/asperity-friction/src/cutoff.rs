@@ -223,6 +223,9 @@ fn ratio(changed: &[f64], unchanged: &[f64]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use asperity_base::random::{self, standard_normal};
+    use asperity_base::stats::NORMAL_95;
+    use asperity_testing::covered;
 
     #[test]
     fn common_factors_have_a_ratio_without_an_interval_and_others_students() {
@@ -231,6 +234,29 @@ mod tests {
         // Residuals ∓1 about the ratio 1: s² = 2/(2·1), over the mean 10, times t = 12.706 of one degree of freedom.
         let [value, half] = ratio(&[9.0, 11.0], &[10.0, 10.0]);
         assert!((value - 1.0).abs() < 1e-12 && (half - 12.706_205 * 0.1).abs() < 1e-6, "{half}");
+    }
+
+    #[test]
+    fn intervals_of_changed_strips_cover_the_change_and_the_mean() {
+        // Strips of the mean 0.3, of which the changed ones have three quarters, and a known mean of the level with normal errors.
+        let (repeats, ratio, mean, std) = (1000, 0.75, 0.3, 0.004);
+        let mut held = [0; 2];
+        for repeat in 0..repeats {
+            let z = standard_normal(&mut random::stream(5, "changed strips", repeat as u64), 3 * STRIPS + 1);
+            let strips = |factor: f64, own: usize| {
+                let strip = |i: usize| mean * factor * (1.0 + 0.1 * z[i] + 0.03 * z[own * STRIPS + i]);
+                let means = (0..STRIPS).map(strip).collect();
+                CutoffBlock { means, plastic_fraction: 0.0, rms_slope: 0.1 }
+            };
+            let (unchanged, changed) = (strips(1.0, 1), strips(ratio, 2));
+            let level = OperatingMean { mean: mean + std * z[3 * STRIPS], half: Some(NORMAL_95 * std) };
+            held[0] += usize::from(level.of(&changed, &unchanged).1.unwrap().contains(ratio * mean));
+            held[1] += usize::from(level.change(&changed, &unchanged).1.contains((ratio - 1.0) * mean));
+        }
+        for (kind, held) in ["friction without short waves", "change of friction by half the pitch"].iter().zip(held) {
+            let fraction = covered(kind, "four strips", held, repeats);
+            assert!(fraction >= 0.93, "{kind}: {fraction}");
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@ use super::trajectory::{NoObserver, follow};
 use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::blocks::{self, Loop};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::NORMAL_95;
+use asperity_base::stats::student_quantile;
 use asperity_process::{Cancellable, FrictionProcess, Steady};
 
 /// Number of trajectories per block.
@@ -111,7 +111,7 @@ pub struct Ensemble {
     pub cycles_deterministic: u64,
     /// M_diff = M_det − E\[M\], the difference of the numbers of cycles without and with fluctuation.
     pub difference_mean: f64,
-    /// 95 % interval of M_diff.
+    /// 95 % interval of M_diff (Student).
     pub difference_interval: [f64; 2],
     /// Displacements X at which cycles stick again.
     pub reattachments: SampleDistribution,
@@ -253,7 +253,7 @@ impl Reduction {
         self.passages.finish();
         let (cycles, cycles_deterministic) = (Count::from_moments(&self.cycles), plan.cycles_deterministic);
         let difference_mean = cycles_deterministic as f64 - cycles.mean;
-        let half_width = NORMAL_95 * cycles.se;
+        let half_width = student_quantile(0.975, valid as f64 - 1.0) * cycles.se;
         Ok(Ensemble {
             trajectories: total,
             cycles,
@@ -318,7 +318,7 @@ mod tests {
     use crate::{Forcing, FrictionTable, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
-    use asperity_testing::AlwaysCancelled;
+    use asperity_testing::{AlwaysCancelled, covered, repetitions};
 
     fn paper_process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -410,6 +410,36 @@ mod tests {
                     // A strong force carries the mass through the belt velocity without stick, so no slip ends.
                     assert!(found.cycles.mean > 3.0 || amplitude > 0.1, "{parameters:?}: {:?}", found.cycles);
                 }
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn intervals_of_an_ensemble_cover_the_means_of_many_trajectories() {
+        let process = paper_process(0.002);
+        let simulate = |trajectories, seed| {
+            let settings = EnsembleSettings::new(trajectories, 150.0, seed);
+            Ensemble::simulate(&oscillator(0.19), &process, &settings, &Silent).unwrap()
+        };
+        let truth = simulate(20_000, 1);
+        let rate = truth.passages.exit_rate.unwrap().value;
+        let holds = |[low, high]: [f64; 2], value: f64| usize::from(low <= value && value <= high);
+        for trajectories in [8, 20, 100] {
+            let repeats = repetitions(200);
+            let mut held = [0; 4];
+            for seed in 0..repeats {
+                let found = simulate(trajectories, seed as u64 + 2);
+                held[0] += holds(found.difference_interval, truth.difference_mean);
+                held[1] += holds(found.passages.left.interval, truth.passages.left.value);
+                held[2] += holds(found.passages.sustained.interval, truth.passages.sustained.value);
+                held[3] += holds(found.passages.exit_rate.unwrap().interval, rate);
+            }
+            let kinds =
+                ["cycles lost", "fraction that left vibration", "fraction in vibration at the end", "rate of exits"];
+            for (kind, held) in kinds.into_iter().zip(held) {
+                let fraction = covered(kind, &format!("{trajectories} trajectories"), held, repeats);
+                assert!(fraction >= 0.91, "{kind}, {trajectories}: {fraction}");
             }
         }
     }

@@ -11,7 +11,7 @@ use super::{
 use asperity_base::blocks::Task;
 use asperity_base::correlation::{RecordEnds, record_spectrum};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::{Moments, NORMAL_95};
+use asperity_base::stats::{Moments, student_quantile};
 use asperity_process::{Cancellable, FrictionProcess};
 
 /// Number of points of the limit cycle for its mean square velocity.
@@ -40,7 +40,7 @@ pub struct Sound {
     pub kind: MotionKind,
     /// Root mean square of the deviation of the velocity from its mean.
     pub velocity_rms: f64,
-    /// 95 % interval of the root mean square, over trajectories.
+    /// 95 % interval of the root mean square, from its spread over trajectories (Student).
     pub velocity_rms_interval: [f64; 2],
     /// Root mean square velocity of the limit cycle without fluctuation, if there is one.
     pub cycle_velocity_rms: Option<f64>,
@@ -92,7 +92,7 @@ impl Sound {
         })?;
         let squares: Vec<f64> = records.iter().map(|record| Moments::new(record).std.powi(2)).collect();
         let moments = Moments::new(&squares);
-        let half_width = NORMAL_95 * moments.standard_error();
+        let half_width = student_quantile(0.975, moments.n as f64 - 1.0) * moments.standard_error();
         let root = |square: f64| square.max(0.0).sqrt();
         let velocity_rms = root(moments.mean);
         let velocity_rms_interval = [root(moments.mean - half_width), root(moments.mean + half_width)];
@@ -133,6 +133,7 @@ mod tests {
     use crate::{Drive, Integrator, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
+    use asperity_testing::{covered, repetitions};
 
     fn process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -191,6 +192,27 @@ mod tests {
             assert!(found.level_db.unwrap().abs() < 0.05, "{:?}", found.level_db);
             let peak = (0..found.density.len()).max_by(|a, b| found.density[*a].total_cmp(&found.density[*b])).unwrap();
             assert!((found.frequency[peak] * period / TAU).log2().abs() < 0.5 / 6.0);
+        }
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn intervals_of_the_level_cover_that_of_many_trajectories() {
+        let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.19, 0.003).unwrap();
+        let record = |trajectories, seed| {
+            let settings = SoundSettings { trajectories, points_per_period: 16, seed, ..settings(150.0) };
+            Sound::record(&oscillator, &process(0.001), &settings, &Silent).unwrap()
+        };
+        let truth = record(20_000, 1).level_db.unwrap();
+        for trajectories in [4, 8, 32] {
+            let repeats = repetitions(200);
+            let holds = |seed: &usize| {
+                let [low, high] = record(trajectories, *seed as u64).level_db_interval.unwrap();
+                low <= truth && truth <= high
+            };
+            let held = (2..repeats + 2).filter(holds).count();
+            let fraction = covered("level of the sound", &format!("{trajectories} trajectories"), held, repeats);
+            assert!(fraction >= 0.91, "{trajectories}: {fraction}");
         }
     }
 

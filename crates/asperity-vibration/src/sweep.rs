@@ -180,7 +180,7 @@ impl Search<'_> {
         let jumps = low.share.se == 0.0 && high.share.se == 0.0;
         let fraction = if jumps { 0.5 } else { (low.share.mean - level) / (low.share.mean - high.share.mean) };
         let damping_ratio = low.damping + fraction * (high.damping - low.damping);
-        let half_width = NORMAL_95 * 0.5 * (low.share.se + high.share.se);
+        let half_width = NORMAL_95 * low.share.se.max(high.share.se);
         let first = match self.fall_within(level + half_width)? {
             Fall::Between(low, _) => low.damping,
             Fall::Above => self.top,
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn intervals_of_crossings_cover_quantiles_of_normal_thresholds() {
         let replicates = 1000;
-        for (paths, least) in [(400, 0.93), (100, 0.90)] {
+        for paths in [400, 100, 16] {
             let mut held = [0; 3];
             for replicate in 0..replicates {
                 let share = thresholds(paths, replicate);
@@ -330,7 +330,7 @@ mod tests {
             for (level, held) in LEVELS.into_iter().zip(held) {
                 let case = format!("normal thresholds of {paths} trajectories, {:.0} %", 100.0 * level);
                 let fraction = covered("damping ratio at a share of vibration", &case, held, replicates as usize);
-                assert!(fraction >= least, "{case}: {fraction}");
+                assert!(fraction >= 0.93, "{case}: {fraction}");
             }
         }
     }

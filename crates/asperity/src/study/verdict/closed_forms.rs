@@ -3,7 +3,7 @@
 //! A machine with a linear friction law vibrates if ζ < r b/2. The law keeps its values in SI, so b is divided by mass and natural
 //! frequency, and multiplied by the load, each relative to the central value in the study file: r is their product.
 
-use asperity_testing::Choices;
+use asperity_testing::{Choices, covered, repetitions};
 
 use super::machines::tests::stated_window;
 use super::machines::{Machine, Machines};
@@ -195,7 +195,7 @@ fn between(a: f64, b: f64, count: usize) -> Vec<f64> {
 
 /// Compares the remedies of random machines with the closed form.
 fn compare_remedies(noisy: bool, machines: u64) {
-    let (mut found, mut covered, mut none) = (0, 0, 0);
+    let (mut found, mut held, mut none) = (0, 0, 0);
     for index in 0..machines {
         let mut choices = Choices::new(1, "closed forms", index);
         let drawn = Drawn::draw(noisy, &mut choices);
@@ -236,7 +236,7 @@ fn compare_remedies(noisy: bool, machines: u64) {
                     continue;
                 }
                 found += 1;
-                covered += usize::from((probability(from) - target) * (probability(to) - target) <= 0.0);
+                held += usize::from((probability(from) - target) * (probability(to) - target) <= 0.0);
                 between(now, value, 10)
             }
             None => {
@@ -248,23 +248,22 @@ fn compare_remedies(noisy: bool, machines: u64) {
             assert!(probability(value) > target - error, "{} at {value}, {}", probability(value), case());
         }
     }
+    let case = if noisy { "random machines under fluctuating friction" } else { "random machines" };
+    let fraction = covered("value of a remedy", case, held, found);
     // Of so few intervals of 95 %, one beyond a tenth may miss by chance.
-    assert!(
-        5 * none < 4 * found && covered as f64 >= 0.9 * f64::from(found) - 1.0,
-        "{covered} of {found}, {none} without"
-    );
+    assert!(5 * none < 4 * found && fraction >= 0.9 - 1.0 / found as f64, "{held} of {found}, {none} without");
 }
 
 #[test]
 #[ignore = "slow"]
-fn remedies_of_random_machines_are_those_of_the_closed_form() {
-    compare_remedies(false, 24);
+fn remedies_of_random_machines_cover_the_closed_form() {
+    compare_remedies(false, repetitions(24) as u64);
 }
 
 #[test]
 #[ignore = "slow"]
-fn remedies_of_random_machines_whose_friction_fluctuates_are_those_of_the_closed_form() {
-    compare_remedies(true, 8);
+fn remedies_under_fluctuating_friction_cover_the_closed_form() {
+    compare_remedies(true, repetitions(8) as u64);
 }
 
 #[test]

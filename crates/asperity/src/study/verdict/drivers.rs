@@ -240,6 +240,25 @@ mod tests {
     }
 
     #[test]
+    fn the_range_narrows_on_average_over_the_known_values() {
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
+        let study = Study::parse(text, "study.toml").unwrap();
+        let window = stated_window(&study);
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        // A margin of y (1 + x/2), whose range is proportional to |1 + x/2| once x is known, and to |y/2| once y is.
+        let points: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i / 3) - 1.0, f64::from(i % 3) - 1.0]).collect();
+        let margins: Vec<f64> = points.iter().map(|[x, y]| y * (1.0 + 0.5 * x)).collect();
+        let (expansion, _) = Expansion::fit(Basis::hermite(2, 2).unwrap(), &points, &margins).unwrap();
+        let model = MarginModel { expansion, effect: vec![0.0; 2], unexplained: 0.0, threshold: 0.0 };
+        let reductions = model.range_reductions(&machines, 1);
+        // ⟨|1 + x/2|⟩ = 1.0085 and ⟨|y/2|⟩ = 0.3989.
+        let ratio = (1.0 - reductions[0]) / (1.0 - reductions[1]);
+        assert!((ratio / (1.0085 / 0.3989) - 1.0).abs() < 0.04, "{reductions:?}");
+    }
+
+    #[test]
     fn the_margin_turns_to_the_direction_of_the_machines_that_vibrate() {
         let points: Vec<Vec<f64>> =
             (0..4096).map(|index| random::standard_normal(&mut random::stream(1, "turn", index), 3)).collect();

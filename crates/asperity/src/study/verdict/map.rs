@@ -89,8 +89,8 @@ pub(super) fn map(
 
 /// Returns the central values of an axis.
 fn values(remedy: &RemedyStudy) -> Vec<f64> {
-    let step = (remedy.high - remedy.low) / (VALUES - 1) as f64;
-    (0..VALUES).map(|index| if index + 1 == VALUES { remedy.high } else { remedy.low + step * index as f64 }).collect()
+    let fractions = (0..VALUES).map(|index| index as f64 / (VALUES - 1) as f64);
+    fractions.map(|fraction| (1.0 - fraction) * remedy.low + fraction * remedy.high).collect()
 }
 
 /// Machines at one pair of central values.

@@ -162,6 +162,15 @@ mod tests {
         velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
 
     #[test]
+    fn an_interval_is_narrow_if_each_of_its_probabilities_has_the_half_width() {
+        // 1.96² p (1 − p)/n is 0.05² at 384.1 machines for p = 1/2, and at 245.9 for p = 0.8.
+        for (low, high, enough) in [(0.4, 0.6, 385), (0.8, 0.9, 246), (0.1, 0.2, 246)] {
+            let narrow = |all| is_narrow(Interval { low, high }, all, 0.05);
+            assert!(narrow(enough) && !narrow(enough - 1), "{low} {high}");
+        }
+    }
+
+    #[test]
     fn the_change_by_another_machine_is_that_of_its_margins() {
         let study = Study::parse(LINEAR, "study.toml").unwrap();
         let window = stated_window(&study);
