@@ -253,9 +253,9 @@ mod tests {
         let (expansion, _) = Expansion::fit(Basis::hermite(2, 2).unwrap(), &points, &margins).unwrap();
         let model = MarginModel { expansion, effect: vec![0.0; 2], unexplained: 0.0, threshold: 0.0 };
         let reductions = model.range_reductions(&machines, 1);
-        // ⟨|1 + x/2|⟩ = 1.0085 and ⟨|y/2|⟩ = 0.3989.
+        // ⟨|1 + x/2|⟩ = 1.0085 and ⟨|y/2|⟩ = 0.3989; ranges of 512 machines have errors of some 5 %.
         let ratio = (1.0 - reductions[0]) / (1.0 - reductions[1]);
-        assert!((ratio / (1.0085 / 0.3989) - 1.0).abs() < 0.04, "{reductions:?}");
+        assert!((ratio / (1.0085 / 0.3989) - 1.0).abs() < 0.1, "{reductions:?}");
     }
 
     #[test]
