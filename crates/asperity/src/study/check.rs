@@ -13,11 +13,10 @@ mod vibration_study;
 
 use self::invalid_value::within;
 use crate::study::file::StudyFile;
-use crate::surface::model::SurfaceRequest;
-pub(super) use counterface::CounterfaceStudy;
 pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub use invalid_value::InvalidValue;
 pub(super) use pressure::PressureStudy;
+pub(super) use surface::SurfaceStudy;
 pub(super) use verdict::{RemedyStudy, VerdictStudy};
 pub(super) use vibration_study::{FrictionSource, VibrationStudy};
 
@@ -25,8 +24,9 @@ pub(super) use vibration_study::{FrictionSource, VibrationStudy};
 #[derive(Debug, Clone)]
 pub struct Study {
     file: StudyFile,
-    pub(super) surface: Option<SurfaceRequest>,
-    pub(super) counterface: Option<CounterfaceStudy>,
+    pub(super) surface: Option<SurfaceStudy>,
+    /// Surface of a rough counterface.
+    pub(super) counterface: Option<SurfaceStudy>,
     pub(super) pressure: Option<PressureStudy>,
     pub(super) friction: Option<FrictionStudy>,
     pub(super) vibration: Option<VibrationStudy>,
@@ -57,7 +57,7 @@ impl StudyFile {
     ///
     /// # Errors
     /// A value is out of range, a required value is missing, or two values exclude each other.
-    pub fn check(mut self) -> Result<Study, InvalidValue> {
+    pub fn check(self) -> Result<Study, InvalidValue> {
         within(
             "",
             "valid_share",
@@ -69,17 +69,24 @@ impl StudyFile {
         let counterface = self.check_counterface()?;
         let material = self.check_material()?;
         let pressure = self.check_pressure(material.as_ref())?;
-        // The study of a run folder also states the default values.
-        if let Some(friction) = self.friction.as_mut().filter(|f| !f.percentiles().is_empty()) {
-            friction.percentiles = Some(friction.percentiles().to_vec());
-        }
-        let mut friction = self.check_friction(material.as_ref())?;
+        let friction = self.check_friction(material.as_ref())?;
         let vibration = self.check_vibration()?;
         let body = self.check_body(vibration.as_ref())?;
-        if let (Some(surface), Some(study)) = (&mut self.surface, &mut friction) {
-            (surface.body, study.body) = (Some(body), body);
+        let friction = friction.map(|friction| FrictionStudy { body, ..friction });
+        let file = self.with_defaults(friction.as_ref(), vibration.as_ref());
+        let verdict = file.check_verdict()?;
+        Ok(Study { file, surface, counterface, pressure, friction, vibration, verdict })
+    }
+
+    /// Returns the file with the default values that other keys determine; the study of a run folder states them.
+    fn with_defaults(mut self, friction: Option<&FrictionStudy>, vibration: Option<&VibrationStudy>) -> Self {
+        if let Some(section) = self.friction.as_mut().filter(|section| !section.percentiles().is_empty()) {
+            section.percentiles = Some(section.percentiles().to_vec());
         }
-        if let (Some(section), Some(study)) = (&mut self.vibration, &vibration) {
+        if let (Some(section), Some(study)) = (&mut self.surface, friction) {
+            section.body = Some(study.body);
+        }
+        if let (Some(section), Some(study)) = (&mut self.vibration, vibration) {
             section.stribeck = study.stribeck;
             if let Some(coupled) = study.coupled {
                 section.spring_angles = Some(coupled.angles_deg);
@@ -87,7 +94,6 @@ impl StudyFile {
                 section.contact_spring = Some(coupled.contact_spring);
             }
         }
-        let verdict = self.check_verdict()?;
-        Ok(Study { file: self, surface, counterface, pressure, friction, vibration, verdict })
+        self
     }
 }

@@ -4,33 +4,35 @@ use std::fmt::Display;
 use std::path::Path;
 
 use crate::contact::contact_modulus_pa;
-use crate::study::check::CounterfaceStudy;
+use crate::study::check::SurfaceStudy;
 use crate::study::file::StudyFile;
 use crate::study::result::SurfaceResult;
 use crate::study::surface_stage::{self, SurfaceStage};
 use crate::study::{StudyError, sentence};
 
-impl CounterfaceStudy {
-    /// Checks that the scans can be filtered and returns warnings about them.
-    pub(super) fn check_scans(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
-        let warnings = surface_stage::check_scans(&self.section, &self.request, folder);
-        Ok(warnings.map_err(StudyError::of_counterface)?.into_iter().map(named).collect())
-    }
+/// Checks that the scans can be filtered and returns warnings about them.
+pub(super) fn check_scans(study: &SurfaceStudy, folder: &Path) -> Result<Vec<String>, StudyError> {
+    let warnings = surface_stage::check_scans(study, folder);
+    Ok(warnings.map_err(StudyError::of_counterface)?.into_iter().map(named).collect())
+}
 
-    /// Measures the scans, adds the random counterface to the model of `stage`, and returns its entry of `results.json`. Sentences
-    /// join those of `stage`; tables and fields show the surface alone.
-    pub(super) fn add_to(&self, stage: &mut SurfaceStage, folder: &Path) -> Result<SurfaceResult, StudyError> {
-        let own = surface_stage::without_tables(&self.section, &self.request, folder);
-        let own = own.map_err(StudyError::of_counterface)?;
-        let result = own.result(None);
-        // Waves beyond the band of either scan are those of a model alone.
-        stage.band_end_m = stage.band_end_m.into_iter().chain(own.band_end_m).reduce(f64::max);
-        stage.model.counterface = Some(own.model.surface);
-        stage.measured_counterface = own.measured;
-        stage.output.assumptions.extend(own.output.assumptions.into_iter().map(|own| format!("Counterface: {own}")));
-        stage.output.warnings.extend(own.output.warnings.into_iter().map(named));
-        Ok(result)
-    }
+/// Measures the scans, adds the random counterface to the model of `stage`, and returns its entry of `results.json`. Sentences
+/// join those of `stage`; tables and fields show the surface alone.
+pub(super) fn add_to(
+    stage: &mut SurfaceStage,
+    study: &SurfaceStudy,
+    folder: &Path,
+) -> Result<SurfaceResult, StudyError> {
+    let own = surface_stage::without_tables(study, folder);
+    let own = own.map_err(StudyError::of_counterface)?;
+    let result = own.result(None);
+    // Waves beyond the band of either scan are those of a model alone.
+    stage.band_end_m = stage.band_end_m.into_iter().chain(own.band_end_m).reduce(f64::max);
+    stage.model.counterface = Some(own.model.surface);
+    stage.measured_counterface = own.measured;
+    stage.output.assumptions.extend(own.output.assumptions.into_iter().map(|own| format!("Counterface: {own}")));
+    stage.output.warnings.extend(own.output.warnings.into_iter().map(named));
+    Ok(result)
 }
 
 /// Returns a warning of the surface stage as one about the counterface.

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
 use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
-use crate::study::check::{FrictionSource, VibrationStudy};
-use crate::study::file::{CounterfaceSection, SurfaceSection};
+use crate::study::check::{FrictionSource, SurfaceStudy, VibrationStudy};
 use crate::study::output::Gathered;
 use crate::study::result::{Outcome, Results};
 use crate::study::store::file_hash;
@@ -24,9 +23,8 @@ use crate::study::{
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.
     pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
-        let own = self.file().surface.iter().flat_map(SurfaceSection::files);
-        let others = self.file().counterface.iter().flat_map(CounterfaceSection::files);
-        own.chain(others).map(|file| folder.join(file)).collect()
+        let bodies = self.surface.iter().chain(&self.counterface);
+        bodies.flat_map(|body| &body.files).map(|file| folder.join(file)).collect()
     }
 
     /// Returns the file of the friction process that the study reads, `folder` being the folder of the study file.
@@ -117,10 +115,10 @@ impl Study {
     /// # Errors
     /// A scan cannot be read or filtered, or has no fractal dimension although the random surfaces need one.
     pub fn check_scans(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
-        let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(Vec::new()) };
-        let mut warnings = surface_stage::check_scans(section, request, folder)?;
-        if let Some(counterface) = &self.counterface {
-            warnings.extend(counterface.check_scans(folder)?);
+        let Some(surface) = &self.surface else { return Ok(Vec::new()) };
+        let mut warnings = surface_stage::check_scans(surface, folder)?;
+        if let Some(body) = &self.counterface {
+            warnings.extend(counterface::check_scans(body, folder)?);
         }
         Ok(warnings)
     }
@@ -130,11 +128,11 @@ impl Study {
     /// # Errors
     /// A scan cannot be read.
     pub fn scan_points(&self, folder: &Path) -> Result<usize, StudyError> {
-        let points = |section: &SurfaceSection| -> Result<usize, StudyError> {
-            Ok(section.read_scans(folder)?.iter().map(|(_, scan)| scan.heights_m.len()).sum())
+        let points = |body: &SurfaceStudy| -> Result<usize, StudyError> {
+            Ok(body.read_scans(folder)?.iter().map(|(_, scan)| scan.heights_m.len()).sum())
         };
-        let own = self.file().surface.as_ref().map_or(Ok(0), points)?;
-        let counterface = self.counterface.as_ref().map_or(Ok(0), |counterface| points(&counterface.section));
+        let own = self.surface.as_ref().map_or(Ok(0), points)?;
+        let counterface = self.counterface.as_ref().map_or(Ok(0), points);
         Ok(own + counterface.map_err(StudyError::of_counterface)?)
     }
 
@@ -231,11 +229,11 @@ impl Study {
         folder: &Path,
         gathered: &mut Gathered,
     ) -> Result<Option<SurfaceStage>, StudyError> {
-        let (Some(section), Some(request)) = (&self.file().surface, &self.surface) else { return Ok(None) };
+        let Some(surface) = &self.surface else { return Ok(None) };
         let run = if tables { surface_stage::run } else { surface_stage::without_tables };
-        let mut stage = run(section, request, folder)?;
-        if let Some(counterface) = &self.counterface {
-            gathered.results.counterface = Some(counterface.add_to(&mut stage, folder)?);
+        let mut stage = run(surface, folder)?;
+        if let Some(body) = &self.counterface {
+            gathered.results.counterface = Some(counterface::add_to(&mut stage, body, folder)?);
         }
         Ok(Some(stage))
     }

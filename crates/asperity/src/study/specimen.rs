@@ -7,11 +7,11 @@ use serde::Deserialize;
 use crate::map::{BoundaryKind, Grid, HeightMap};
 use crate::quantity::Length;
 use crate::random;
+use crate::study::check::SurfaceStudy;
 use crate::study::file::{SurfaceSection, fixed_list};
 use crate::study::parse::line_of_key;
 use crate::study::{StudyError, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
-use crate::surface::model::SurfaceRequest;
 
 /// Stream name of the random numbers of drawn maps.
 const STAGE: &str = "specimen";
@@ -24,8 +24,9 @@ pub struct Specimen {
     pub seed: u64,
     grid: Grid,
     boundary: BoundaryKind,
-    section: SurfaceSection,
-    request: SurfaceRequest,
+    surface: SurfaceStudy,
+    /// Sentences on keys without effect.
+    warnings: Vec<String>,
 }
 
 /// File of a specification.
@@ -63,8 +64,10 @@ impl Specimen {
             message: format!("size and points: {error}"),
             in_data: false,
         })?;
-        let request = section.check().map_err(|value| StudyFileError::invalid(&value, text, file))?;
-        Ok(Self { seed, grid, boundary, section, request })
+        let surface = section.check().map_err(|value| StudyFileError::invalid(&value, text, file))?;
+        let mut warnings = section.keys_without_effect("surface");
+        warnings.extend(section.body.map(|_| "[surface] body has no effect on drawn maps".to_owned()));
+        Ok(Self { seed, grid, boundary, surface, warnings })
     }
 
     /// Returns the grid of a map.
@@ -74,7 +77,7 @@ impl Specimen {
 
     /// Returns the scan files, `folder` being the folder of the specification.
     pub fn scan_paths(&self, folder: &Path) -> Vec<PathBuf> {
-        self.section.files().iter().map(|file| folder.join(file)).collect()
+        self.surface.files.iter().map(|file| folder.join(file)).collect()
     }
 
     /// Estimates the memory in byte of the generator and a map.
@@ -89,11 +92,9 @@ impl Specimen {
     /// # Errors
     /// The scan cannot be read or has no texture, or the model is invalid.
     pub fn sampler(&self, folder: &Path) -> Result<Sampler, StudyError> {
-        let stage = surface_stage::run(&self.section, &self.request, folder)?;
+        let stage = surface_stage::run(&self.surface, folder)?;
         let generated = stage.model.patch(self.grid, self.boundary == BoundaryKind::Periodic)?;
-        let body = self.section.body.map(|_| "[surface] body has no effect on drawn maps".to_owned());
-        let keys = self.section.keys_without_effect("surface").into_iter().chain(body);
-        let warnings = keys.chain(stage.output.warnings).chain(generated.warnings).collect();
+        let warnings = self.warnings.iter().cloned().chain(stage.output.warnings).chain(generated.warnings).collect();
         Ok(Sampler { seed: self.seed, surface: generated.surface, warnings })
     }
 }

@@ -1,26 +1,27 @@
 //! Model of the random surfaces of a section, and its description.
 
 use crate::correlation::{CorrelationModel, StationaryCovariance};
-use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::{StudyError, sentence};
-use crate::surface::CovarianceSource;
 use crate::surface::model::{
-    GAMMA, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceRequest, Texture,
+    CovarianceRequest, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceRequest,
+    Texture,
 };
 use crate::surface::scanned::ScannedSurface;
 use crate::translation::TranslationKind;
 
-/// Makes the model of the random surfaces that a section requests and, if it has a covariance, reports its selection.
+/// Makes the model of the random surfaces and, if it has a covariance, reports its selection. `stated_marginal` is the text of
+/// a stated marginal distribution.
 pub(super) fn model_of(
-    section: &SurfaceSection,
-    request: SurfaceRequest,
+    request: &SurfaceRequest,
+    stated_marginal: Option<&str>,
     measured: Option<&ScannedSurface>,
     output: &mut StageOutput,
 ) -> Result<(SurfaceModel, Option<SelectedCovariance>), StudyError> {
-    let (model, selected) = SurfaceModel::new(request, measured)?;
+    let (model, selected) = SurfaceModel::new(request.clone(), measured)?;
     let part = measured.and_then(|m| m.part.as_ref());
-    output.assumptions.push(model_sentence(section, &model, if part.is_some() { "the scans" } else { "the scan" }));
+    let scans = if part.is_some() { "the scans" } else { "the scan" };
+    output.assumptions.push(model_sentence(request, stated_marginal, &model, scans));
     if let Some(selected) = &selected {
         output.assumptions.extend(selected.reason.clone());
         output.warnings.extend(selected.warnings.iter().cloned());
@@ -28,25 +29,32 @@ pub(super) fn model_of(
     Ok((model, selected))
 }
 
-fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -> String {
+fn model_sentence(
+    request: &SurfaceRequest,
+    stated_marginal: Option<&str>,
+    model: &SurfaceModel,
+    scans: &str,
+) -> String {
     match &model.texture {
         Texture::WeierstrassMandelbrot { dimension } => format!(
             "Random surfaces are Weierstrass–Mandelbrot functions of fractal dimension {} ({}), wavenumber ratio {GAMMA} and \
              {RIDGES} ridges, from the longer side of a grid down to its pixels, scaled to the rms height {}. Their heights \
              are taken as normal; covariance and marginal distribution of the study have no effect.",
             sentence::digits(*dimension),
-            if section.fractal_dimension.is_some() { "stated".into() } else { format!("measured on {scans}") },
+            match request {
+                SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Stated(_), .. } => "stated".into(),
+                _ => format!("measured on {scans}"),
+            },
             sentence::si(model.marginal.std(), "m"),
         ),
         Texture::Translated { covariance, translation, .. } => format!(
             "Random surfaces have {} of rms height {}. {} imposed by {} translation.",
-            covariance_words(section, covariance, scans),
+            covariance_words(request, covariance, scans),
             sentence::si(covariance.std_m(), "m"),
-            if section.marginal == "measured" {
-                "The distribution of the measured heights is".to_owned()
-            } else {
-                format!("The marginal distribution `{}` is", section.marginal)
-            },
+            stated_marginal.map_or_else(
+                || "The distribution of the measured heights is".to_owned(),
+                |text| format!("The marginal distribution `{text}` is"),
+            ),
             match translation {
                 TranslationKind::Plain => "plain",
                 TranslationKind::Corrected => "corrected",
@@ -56,7 +64,7 @@ fn model_sentence(section: &SurfaceSection, model: &SurfaceModel, scans: &str) -
 }
 
 /// Returns a description of a covariance.
-fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, scans: &str) -> String {
+fn covariance_words(request: &SurfaceRequest, covariance: &SurfaceCovariance, scans: &str) -> String {
     let along = |x_m, y_m| format!("{} along x and {} along y", sentence::si(x_m, "m"), sentence::si(y_m, "m"));
     match covariance {
         SurfaceCovariance::Model(model) => {
@@ -67,8 +75,10 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, sc
                 CorrelationModel::SquaredExponential => ("squared exponential", "lengths"),
             };
             let along = along(model.length_x_m(), model.length_y_m());
-            match section.covariance {
-                CovarianceSource::Measured => format!("a {name} covariance (fitted to {scans}, {lengths} {along})"),
+            match request {
+                SurfaceRequest::Translated { covariance: CovarianceRequest::Measured, .. } => {
+                    format!("a {name} covariance (fitted to {scans}, {lengths} {along})")
+                }
                 _ => format!("a {name} covariance (stated, {lengths} {along})"),
             }
         }
@@ -88,13 +98,16 @@ fn covariance_words(section: &SurfaceSection, covariance: &SurfaceCovariance, sc
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correlation::Covariance;
+    use crate::correlation::{CorrelationFamily, Covariance};
+    use crate::study::file::SurfaceSection;
 
     #[test]
     fn the_lengths_of_a_model_are_named() {
+        let section = SurfaceSection { file: Some("scan.x3p".into()), ..SurfaceSection::default() };
+        let request = section.request(CorrelationFamily::ALL).unwrap();
         let words = |model| {
             let covariance = SurfaceCovariance::Model(Covariance::new(model, 1e-6, 2e-5, 3e-5).unwrap());
-            covariance_words(&SurfaceSection::default(), &covariance, "the scan")
+            covariance_words(&request, &covariance, "the scan")
         };
         for (model, said) in [
             (CorrelationModel::Exponential, "lengths 20 µm along x"),

@@ -3,7 +3,6 @@
 use asperity_formats::Scan;
 
 use crate::map::HeightMap;
-use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::{QuantityMap, StudyError, sentence};
 use crate::surface::level::Level;
@@ -21,18 +20,18 @@ pub(super) fn of_one(file: &str, error: StudyError) -> StudyError {
 
 /// Prepares and measures all scans; maps and series show the first.
 pub(super) fn measure_all(
-    section: &SurfaceSection,
+    preparation: &Preparation,
     scans: Vec<(String, Scan)>,
     output: &mut StageOutput,
 ) -> Result<Option<ScannedSurface>, StudyError> {
     if scans.len() < 2 {
         let one = scans.into_iter().next();
-        return one.map(|(file, scan)| measure(section, &file, scan, output)).transpose();
+        return one.map(|(file, scan)| measure(preparation, &file, scan, output)).transpose();
     }
     let mut measured = Vec::with_capacity(scans.len());
     for (file, scan) in scans {
         let mut own = StageOutput::default();
-        let scan = measure(section, &file, scan, &mut own).map_err(|error| of_one(&file, error))?;
+        let scan = measure(preparation, &file, scan, &mut own).map_err(|error| of_one(&file, error))?;
         if measured.is_empty() {
             output.fields = own.fields;
         }
@@ -57,14 +56,13 @@ pub(super) fn measure_all(
 
 /// Prepares a scan and computes its statistics.
 pub(super) fn measure(
-    section: &SurfaceSection,
+    preparation: &Preparation,
     file: &str,
     mut scan: Scan,
     output: &mut StageOutput,
 ) -> Result<ScannedSurface, StudyError> {
     output.warnings.append(&mut scan.warnings);
     let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
-    let preparation = section.preparation();
     let prepared = preparation.apply(&raw).map_err(SurfaceModelError::from)?;
     let map = &prepared.map;
     output.fields.push(("height_raw", QuantityMap { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
@@ -75,7 +73,7 @@ pub(super) fn measure(
     output.assumptions.push(format!(
         "The scan {file} {}. Its statistics hold for pixels of {} on a field of {}. {} of {} points are missing and stay \
          missing.",
-        in_words(&preparation, &prepared),
+        in_words(preparation, &prepared),
         sentence::size(grid.dx_m(), grid.dy_m()),
         sentence::size(grid.width_m(), grid.height_m()),
         map.missing_points(),

@@ -5,15 +5,17 @@ use std::path::Path;
 
 use crate::map::HeightMap;
 use crate::study::StudyError;
+use crate::study::check::SurfaceStudy;
 use crate::study::contact_check::contact_warning;
-use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, law_result};
 use crate::study::scan_tables::scan_tables;
 use crate::study::surface_model::model_of;
 use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
 use crate::study::surface_scans::{measure_all, of_one};
-use crate::surface::model::{CapturedModes, CompositeModel, Measurable, SurfaceModelError, SurfaceRequest};
+use crate::surface::model::{
+    CapturedModes, CompositeModel, CovarianceRequest, Measurable, SurfaceModelError, SurfaceRequest,
+};
 use crate::surface::scanned::ScannedSurface;
 
 /// Model of the random surfaces, and the scans on which it is measured.
@@ -46,13 +48,9 @@ impl SurfaceStage {
 
 /// Checks that the scans can be filtered and returns warnings about them; `folder` is the folder of the study file. Computes the
 /// statistics of the scans only if the random surfaces need their fractal dimension.
-pub(super) fn check_scans(
-    section: &SurfaceSection,
-    request: &SurfaceRequest,
-    folder: &Path,
-) -> Result<Vec<String>, StudyError> {
-    let scans = section.read_scans(folder)?;
-    let (preparation, several) = (section.preparation(), scans.len() > 1);
+pub(super) fn check_scans(study: &SurfaceStudy, folder: &Path) -> Result<Vec<String>, StudyError> {
+    let scans = study.read_scans(folder)?;
+    let several = scans.len() > 1;
     let mut warnings = Vec::new();
     for (file, mut scan) in scans {
         let mut own = mem::take(&mut scan.warnings);
@@ -61,23 +59,19 @@ pub(super) fn check_scans(
         if missing > 0 {
             own.push(format!("{missing} of {points} heights are missing"));
         }
-        let checked = preparation.check(map.grid()).map_err(|error| SurfaceModelError::from(error).into());
+        let checked = study.preparation.check(map.grid()).map_err(|error| SurfaceModelError::from(error).into());
         checked.map_err(|error| if several { of_one(&file, error) } else { error })?;
         warnings.extend(own.into_iter().map(|own| if several { format!("{file}: {own}") } else { own }));
     }
-    if matches!(request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
-        run(section, request, folder)?;
+    if matches!(study.request, SurfaceRequest::WeierstrassMandelbrot { dimension: Measurable::Measured, .. }) {
+        run(study, folder)?;
     }
     Ok(warnings)
 }
 
 /// Runs the stage; `folder` is the folder of the study file.
-pub(super) fn run(
-    section: &SurfaceSection,
-    request: &SurfaceRequest,
-    folder: &Path,
-) -> Result<SurfaceStage, StudyError> {
-    let mut stage = without_tables(section, request, folder)?;
+pub(super) fn run(study: &SurfaceStudy, folder: &Path) -> Result<SurfaceStage, StudyError> {
+    let mut stage = without_tables(study, folder)?;
     if let Some(measured) = &stage.measured {
         let model = &stage.model.surface;
         stage.output.tables.extend(scan_tables(measured, model.covariance(), &model.marginal)?);
@@ -86,18 +80,22 @@ pub(super) fn run(
 }
 
 /// Runs the stage without the tables of the scan, which take most of its time.
-pub(super) fn without_tables(
-    section: &SurfaceSection,
-    request: &SurfaceRequest,
-    folder: &Path,
-) -> Result<SurfaceStage, StudyError> {
+pub(super) fn without_tables(study: &SurfaceStudy, folder: &Path) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
-    let measured = measure_all(section, section.read_scans(folder)?, &mut output)?;
-    let (model, selected) = model_of(section, request.clone(), measured.as_ref(), &mut output)?;
+    let measured = measure_all(&study.preparation, study.read_scans(folder)?, &mut output)?;
+    let stated_marginal = study.stated_marginal.as_deref();
+    let (model, selected) = model_of(&study.request, stated_marginal, measured.as_ref(), &mut output)?;
     let covariance = selected.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
-        let is_like_the_scan =
-            section.covariance.is_of_the_scan() && section.marginal == "measured" && section.rms_height.is_none();
+        let is_like_the_scan = matches!(
+            study.request,
+            SurfaceRequest::Translated {
+                rms_height_m: Measurable::Measured,
+                covariance: CovarianceRequest::Measured | CovarianceRequest::Empirical,
+                marginal: Measurable::Measured,
+                ..
+            }
+        );
         if let Some(trial) = selected.and_then(|selected| selected.trial).filter(|_| is_like_the_scan) {
             output.warnings.extend(contact_warning(&measured.map, &trial.maps));
         }

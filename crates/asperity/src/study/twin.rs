@@ -90,14 +90,16 @@ impl Twins {
         let mut section = SurfaceSection { file: Some(file.into()), ..options.surface.clone() };
         let mut output = StageOutput::default();
         // Warnings of the file come first.
-        let measured = measure(&section, file, scan, &mut output)?;
+        let measured = measure(&section.preparation(), file, scan, &mut output)?;
         output.warnings.extend(section.keys_without_effect("surface"));
-        let model = model_of(&section, section.request(&options.families)?, Some(&measured), &mut output);
+        let request = section.request(&options.families)?;
+        let model = model_of(&request, section.stated_marginal(), Some(&measured), &mut output);
         let (model, chosen) = match model {
             Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
-                model_of(&section, section.request(&options.families)?, Some(&measured), &mut output)?
+                let request = section.request(&options.families)?;
+                model_of(&request, section.stated_marginal(), Some(&measured), &mut output)?
             }
             model => model?,
         };
@@ -226,7 +228,7 @@ impl Twins {
                 sentence::size(self.scan.grid().width_m(), self.scan.grid().height_m()),
             ));
         }
-        if section.marginal == "measured" && section.generator != SurfaceGenerator::WeierstrassMandelbrot {
+        if section.stated_marginal().is_none() && section.generator != SurfaceGenerator::WeierstrassMandelbrot {
             self.assumptions.push(
                 "The measured marginal distribution ends at the extremes of the scan and contains a sharp peak or pit as a few \
                  heights only: Sp, Sv and Sz of the twins tend to be smaller."

@@ -1,24 +1,17 @@
 //! Checks of `[counterface]`, and which bodies of the contact are rough.
 
 use super::invalid_value::{InvalidValue, POSITIVE, invalid, positive, within};
+use super::surface::SurfaceStudy;
 use super::vibration_study::{FrictionSource, VibrationStudy};
 use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
-use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection, WindowLawKind};
-use crate::surface::model::SurfaceRequest;
+use crate::study::file::{CounterfaceSection, StudyFile, WindowLawKind};
 
 const SECTION: &str = "counterface";
 
-/// Rough counterface: its section in the form of `[surface]`, and the request for its random maps.
-#[derive(Debug, Clone)]
-pub(in crate::study) struct CounterfaceStudy {
-    pub(in crate::study) section: SurfaceSection,
-    pub(in crate::study) request: SurfaceRequest,
-}
-
 impl StudyFile {
     /// Checks the section; returns the roughness of the counterface, `None` if it is smooth.
-    pub(super) fn check_counterface(&self) -> Result<Option<CounterfaceStudy>, InvalidValue> {
+    pub(super) fn check_counterface(&self) -> Result<Option<SurfaceStudy>, InvalidValue> {
         let Some(counterface) = &self.counterface else { return Ok(None) };
         counterface.check_material()?;
         let Some(surface) = &self.surface else {
@@ -33,8 +26,7 @@ impl StudyFile {
             let message = "`rescale` in [surface] requires marginal = \"normal\" of both bodies";
             return Err(invalid(SECTION, "marginal", message));
         }
-        let request = section.check().map_err(|error| InvalidValue { section: SECTION, ..error })?;
-        Ok(Some(CounterfaceStudy { section, request }))
+        section.check().map(Some).map_err(|error| InvalidValue { section: SECTION, ..error })
     }
 
     /// Returns which bodies are rough.

@@ -233,7 +233,7 @@ fn check_uncertainty(
     let measured = [
         ("rms_height", u.rms_height == Some(LengthStd::Measured), surface.rms_height.is_none()),
         ("correlation_length", u.correlation_length == Some(LengthStd::Measured), surface.covariance.is_of_the_scan()),
-        ("skewness", u.skewness == Some(NumberStd::Measured), surface.marginal == "measured"),
+        ("skewness", u.skewness == Some(NumberStd::Measured), surface.stated_marginal().is_none()),
     ];
     for (key, asked, of_the_scan) in measured {
         if asked && !(of_the_scan && surface.file.is_some()) {

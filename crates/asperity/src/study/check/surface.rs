@@ -1,6 +1,8 @@
 //! Checks of `[surface]`.
 
-use asperity_formats::LengthUnit;
+use std::path::{Path, PathBuf};
+
+use asperity_formats::{Channel, FormatError, LengthUnit, ReadOptions, Scan};
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::correlation::{CorrelationFamily, CorrelationModel};
@@ -8,12 +10,39 @@ use crate::distribution::DistributionError;
 use crate::map::{BoundaryKind, PITCH_RANGE_M};
 use crate::study::file::{StudyFile, SurfaceSection};
 use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest, TruncatedExpansion};
+use crate::surface::preparation::Preparation;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 const SECTION: &str = "surface";
 
+/// Surface of a body: its scans, and the request for its random maps.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::study) struct SurfaceStudy {
+    /// Scan files, relative to the study file.
+    pub(in crate::study) files: Vec<PathBuf>,
+    options: ReadOptions,
+    /// Preparation of the scans before their statistics are computed.
+    pub(in crate::study) preparation: Preparation,
+    pub(in crate::study) request: SurfaceRequest,
+    /// Marginal distribution as stated; `None` if it is measured.
+    pub(in crate::study) stated_marginal: Option<String>,
+}
+
+impl SurfaceStudy {
+    /// Reads the scans; returns them with the names of their files, none for a surface without scans. `folder` is the
+    /// folder of the study file.
+    ///
+    /// # Errors
+    /// A file cannot be read or lacks the channel.
+    pub(in crate::study) fn read_scans(&self, folder: &Path) -> Result<Vec<(String, Scan)>, FormatError> {
+        let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let read = |file| Ok((name(file), asperity_formats::read_with(&folder.join(file), &self.options)?));
+        self.files.iter().map(read).collect()
+    }
+}
+
 impl StudyFile {
-    pub(super) fn check_surface(&self) -> Result<Option<SurfaceRequest>, InvalidValue> {
+    pub(super) fn check_surface(&self) -> Result<Option<SurfaceStudy>, InvalidValue> {
         let Some(s) = &self.surface else {
             return match (self.pressure.is_some() || self.friction.is_some(), self.vibration.is_some()) {
                 (true, _) => Err(invalid(SECTION, "file", "[pressure] and [friction] need a [surface] section")),
@@ -31,11 +60,11 @@ impl StudyFile {
 }
 
 impl SurfaceSection {
-    /// Checks the values and returns the request for a random surface.
+    /// Checks the values and returns the surface.
     ///
     /// # Errors
     /// A value is out of range, or a quantity is neither stated nor measured on a scan.
-    pub(in crate::study) fn check(&self) -> Result<SurfaceRequest, InvalidValue> {
+    pub(in crate::study) fn check(&self) -> Result<SurfaceStudy, InvalidValue> {
         if let Some(pixel) = self.pixel_size {
             for side in pixel {
                 let (low, high) = (PITCH_RANGE_M.start(), PITCH_RANGE_M.end());
@@ -43,9 +72,8 @@ impl SurfaceSection {
                 within(SECTION, "pixel_size", side, |side| PITCH_RANGE_M.contains(&side), &expected)?;
             }
         }
-        if let Some(Err(error)) = self.height_unit.as_deref().map(str::parse::<LengthUnit>) {
-            return Err(invalid(SECTION, "height_unit", error.to_string()));
-        }
+        let height_unit = self.height_unit.as_deref().map(str::parse::<LengthUnit>).transpose();
+        let height_unit = height_unit.map_err(|error| invalid(SECTION, "height_unit", error.to_string()))?;
         if let Some(outliers) = self.outliers {
             within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
         }
@@ -93,7 +121,26 @@ impl SurfaceSection {
         if self.file.is_some() && self.files().is_empty() {
             return Err(invalid(SECTION, "file", "the list of scans is empty; name at least one, or remove `file`"));
         }
-        self.request(CorrelationFamily::ALL)
+        let channel = self.channel.as_deref().map(Channel::from);
+        let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
+        Ok(SurfaceStudy {
+            files: self.files().to_vec(),
+            options: ReadOptions { channel, height_unit, pitch_m },
+            preparation: self.preparation(),
+            request: self.request(CorrelationFamily::ALL)?,
+            stated_marginal: self.stated_marginal().map(str::to_owned),
+        })
+    }
+
+    /// Returns the preparation of the scans before their statistics are computed.
+    pub(in crate::study) fn preparation(&self) -> Preparation {
+        Preparation {
+            level: self.level,
+            outliers: self.outliers,
+            s_filter_m: self.s_filter.map(|cutoff| cutoff.0),
+            l_filter_m: self.l_filter.map(|cutoff| cutoff.0),
+            robust: self.robust_filter,
+        }
     }
 
     /// Returns the request for a random surface; a measured covariance is the best of `families`.
@@ -115,19 +162,14 @@ impl SurfaceSection {
                 return Ok(SurfaceRequest::WeierstrassMandelbrot { rms_height_m, dimension });
             }
         };
-        let stated = match self.covariance {
-            CovarianceSource::Measured | CovarianceSource::Empirical => None,
-            source => Some(self.stated_covariance(source)?),
-        };
+        let stated = self.stated_covariance()?;
         let covariance = match self.stated_or_measured("covariance", "the covariance", stated)? {
             Measurable::Stated((model, lengths_m)) => CovarianceRequest::Stated { model, lengths_m },
             Measurable::Measured if self.covariance == CovarianceSource::Empirical => CovarianceRequest::Empirical,
             Measurable::Measured => CovarianceRequest::Measured,
         };
-        let marginal = match self.marginal.as_str() {
-            "measured" => None,
-            text => Some(text.parse().map_err(|e: DistributionError| invalid(SECTION, "marginal", e.to_string()))?),
-        };
+        let marginal = self.stated_marginal().map(str::parse).transpose();
+        let marginal = marginal.map_err(|e: DistributionError| invalid(SECTION, "marginal", e.to_string()))?;
         let marginal = self.stated_or_measured("marginal", "the marginal distribution", marginal)?;
         let rms_height_m = self.stated_or_measured("rms_height", "the rms height", rms_height)?;
         let (families, translation) = (families.to_vec(), self.translation);
@@ -149,26 +191,25 @@ impl SurfaceSection {
         }
     }
 
-    /// Returns the stated correlation model and its lengths along x and y in metre.
-    fn stated_covariance(&self, source: CovarianceSource) -> Result<(CorrelationModel, [f64; 2]), InvalidValue> {
+    /// Returns the stated correlation model and its lengths along x and y in metre; `None` for the covariance of a scan.
+    fn stated_covariance(&self) -> Result<Option<(CorrelationModel, [f64; 2])>, InvalidValue> {
         let needed = |key, message: &str| invalid(SECTION, key, message);
+        let model = match self.covariance {
+            CovarianceSource::Measured | CovarianceSource::Empirical => return Ok(None),
+            CovarianceSource::SquaredExponential => Ok(CorrelationModel::SquaredExponential),
+            CovarianceSource::Exponential => Ok(CorrelationModel::Exponential),
+            CovarianceSource::Matern => {
+                let model = self.smoothness.map(|nu| CorrelationModel::Matern { nu });
+                model.ok_or_else(|| needed("smoothness", "a Matérn covariance requires its smoothness ν"))
+            }
+            CovarianceSource::SelfAffine => {
+                let model = self.hurst.map(|hurst| CorrelationModel::SelfAffine { hurst });
+                model.ok_or_else(|| needed("hurst", "a self-affine covariance requires its Hurst exponent"))
+            }
+        };
         let lengths = self
             .correlation_length
             .ok_or_else(|| needed("correlation_length", "a stated covariance needs its lengths along x and y"))?;
-        let model = match source {
-            CovarianceSource::Matern => CorrelationModel::Matern {
-                nu: self
-                    .smoothness
-                    .ok_or_else(|| needed("smoothness", "a Matérn covariance requires its smoothness ν"))?,
-            },
-            CovarianceSource::SelfAffine => CorrelationModel::SelfAffine {
-                hurst: self
-                    .hurst
-                    .ok_or_else(|| needed("hurst", "a self-affine covariance requires its Hurst exponent"))?,
-            },
-            CovarianceSource::Exponential => CorrelationModel::Exponential,
-            _ => CorrelationModel::SquaredExponential,
-        };
-        Ok((model, lengths.map(|length| length.0)))
+        Ok(Some((model?, lengths.map(|length| length.0))))
     }
 }

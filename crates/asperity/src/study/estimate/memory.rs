@@ -61,7 +61,7 @@ pub(super) fn kept_bytes(scan_points: usize) -> f64 {
 impl Study {
     /// Returns the model of a surface that no scan measures.
     fn stated_surface(&self) -> Option<SurfaceModel> {
-        Some(SurfaceModel::new(self.surface.clone()?, None).ok()?.0)
+        Some(SurfaceModel::new(self.surface.as_ref()?.request.clone(), None).ok()?.0)
     }
 
     /// Returns the memory of the pressure stage.

@@ -3,7 +3,6 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use asperity_formats::{Channel, FormatError, ReadOptions, Scan};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -12,9 +11,11 @@ use super::fixed_list::all_values;
 use crate::friction::RoughBody;
 use crate::quantity::Length;
 use crate::surface::level::Level;
-use crate::surface::preparation::Preparation;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
+
+/// Value of `marginal` that takes the distribution of the scans.
+const MEASURED: &str = "measured";
 
 /// One scan, or several scans of one part: `"a.x3p"` or `["a.x3p", "b.x3p"]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -202,35 +203,14 @@ impl SurfaceSection {
         self.file.as_ref().map_or(&[], ScanFiles::paths)
     }
 
-    /// Reads the scans; returns them with the names of their files, none for a surface without scans. `folder` is the
-    /// folder of the study file.
-    ///
-    /// # Errors
-    /// A file cannot be read or lacks the channel, or the height unit is no unit of length.
-    pub fn read_scans(&self, folder: &Path) -> Result<Vec<(String, Scan)>, FormatError> {
-        let channel = self.channel.as_deref().map(Channel::from);
-        let height_unit = self.height_unit.as_deref().map(str::parse).transpose()?;
-        let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
-        let options = ReadOptions { channel, height_unit, pitch_m };
-        let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let read = |file| Ok((name(file), asperity_formats::read_with(&folder.join(file), &options)?));
-        self.files().iter().map(read).collect()
-    }
-
-    /// Returns the preparation of the scans before their statistics are computed.
-    pub fn preparation(&self) -> Preparation {
-        Preparation {
-            level: self.level,
-            outliers: self.outliers,
-            s_filter_m: self.s_filter.map(|cutoff| cutoff.0),
-            l_filter_m: self.l_filter.map(|cutoff| cutoff.0),
-            robust: self.robust_filter,
-        }
+    /// Returns the marginal distribution as stated; `None` if it is measured.
+    pub(in crate::study) fn stated_marginal(&self) -> Option<&str> {
+        Some(self.marginal.as_str()).filter(|marginal| *marginal != MEASURED)
     }
 }
 
 fn measured() -> String {
-    "measured".into()
+    MEASURED.into()
 }
 fn yes() -> bool {
     true

@@ -8,8 +8,6 @@ use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::friction::{LevelControl, OperatingLevel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::friction_strips::solve_level;
-use crate::study::output::StageOutput;
-use crate::study::surface_model::model_of;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::uncertain::without_latent;
 use crate::study::{Study, StudyError, StudyFile};
@@ -61,18 +59,15 @@ impl ContactPoints<'_> {
         table.remove("uncertainty");
         let file = StudyFile::deserialize(table).map_err(|error| StudyError::Verdict(error.message().to_owned()))?;
         let own = file.check()?;
-        let (Some(friction), Some(vibration), Some(request)) = (&own.friction, &own.vibration, &own.surface) else {
+        let (Some(friction), Some(vibration), Some(surface)) = (&own.friction, &own.vibration, &own.surface) else {
             return Ok(None);
         };
         let mut model = self.surface.model.clone();
-        if own.file().surface != self.study.file().surface
-            && let Some(section) = &own.file().surface
-        {
-            let output = &mut StageOutput::default();
-            model.surface = model_of(section, request.clone(), self.surface.measured.as_ref(), output)?.0;
+        if own.surface != self.study.surface {
+            model.surface = SurfaceModel::new(surface.request.clone(), self.surface.measured.as_ref())?.0;
         }
         let [of_surface, of_counterface] = errors;
-        vary(&mut model.surface, request, of_surface)?;
+        vary(&mut model.surface, &surface.request, of_surface)?;
         if let Some((model, counterface)) = model.counterface.as_mut().zip(own.counterface.as_ref()) {
             vary(model, &counterface.request, of_counterface)
                 .map_err(|error| StudyError::from(error).of_counterface())?;
@@ -146,7 +141,7 @@ mod tests {
         ] {
             let stated = format!("{own}marginal = \"normal\"\n");
             let study = Study::parse(&TEXT.replace(&stated, &surface), "study.toml").unwrap();
-            let Measured { rms_height, covariance, marginal } = measured(study.surface.as_ref().unwrap());
+            let Measured { rms_height, covariance, marginal } = measured(&study.surface.as_ref().unwrap().request);
             assert_eq!([rms_height, covariance, marginal], wanted, "{surface}");
         }
     }
@@ -161,8 +156,7 @@ mod tests {
         let bytes = asperity_formats::write_npy(&asperity_formats::Scan::new(heights_m, None));
         std::fs::write(folder.path().join("scan.npy"), bytes).unwrap();
         let study = Study::parse(TEXT, "study.toml").unwrap();
-        let (section, request) = (study.file().surface.as_ref().unwrap(), study.surface.as_ref().unwrap());
-        let surface = surface_stage::without_tables(section, request, folder.path()).unwrap();
+        let surface = surface_stage::without_tables(study.surface.as_ref().unwrap(), folder.path()).unwrap();
         let place = Place::latent("surface.scan").unwrap();
         let unit = [[0.3, 0.3, 0.0], [0.0; 3]];
         let input = UncertainInput::new("surface.scan", Marginal::STANDARD_NORMAL, true).unwrap();
