@@ -37,6 +37,12 @@ pub use asperity_base::translation::TranslationKind;
 
 use asperity_base::distribution::DistributionError;
 
+/// Mean friction coefficient above which a value or a record is implausible.
+///
+/// Dry contacts have 0.05 to 1. A larger coefficient is possible where clean metals or rubber adhere, but one above this
+/// limit is more often a wrong unit of force, or a friction force and a normal force that were exchanged.
+pub const IMPLAUSIBLE_FRICTION: f64 = 1.5;
+
 /// Interval of the sliding distance on which m is linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {

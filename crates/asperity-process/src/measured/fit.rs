@@ -6,7 +6,7 @@ use std::str::FromStr;
 use super::smoothing::polynomial;
 use super::{MeasuredError, PreparedRecord};
 use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
-use crate::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
+use crate::{CorrelationShape, FittedCorrelation, FittedProcess, IMPLAUSIBLE_FRICTION, Origin, OriginKind};
 use asperity_base::blocks::Task;
 use asperity_base::correlation::{
     LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
@@ -29,8 +29,6 @@ const DRAWS: usize = 499;
 const SEED: u64 = 0;
 /// Length, as a fraction of a step, that replaces shorter lengths.
 const LEAST_LENGTH: f64 = 0.05;
-/// Mean friction coefficient above which a wrong unit is likely.
-const LARGEST_FRICTION: f64 = 2.0;
 /// Number of correlation lengths below which moments use the intervals of the correlation model where these are wider.
 const SHORT: f64 = 100.0;
 /// Number of steps of a fit for the progress: correlation, moments, distributions, and quality of their fits.
@@ -296,7 +294,7 @@ impl FittedRecord {
                 fit.kolmogorov_smirnov.statistic, fit.kolmogorov_smirnov.p_value
             ));
         }
-        if process.mean > LARGEST_FRICTION {
+        if process.mean > IMPLAUSIBLE_FRICTION {
             warnings.push(format!(
                 "a mean friction coefficient of {:.3} is implausible: check the units of friction and normal force",
                 process.mean

@@ -1,5 +1,6 @@
 //! Warnings about values that are possible but implausible.
 
+use crate::friction::process::IMPLAUSIBLE_FRICTION;
 use crate::study::Study;
 use crate::study::check::FrictionSource;
 use crate::study::file::WindowLawKind;
@@ -8,8 +9,6 @@ use crate::study::sentence::{digits, si};
 /// Ratio of Young's modulus to hardness below which a material is implausible: metals have 50 to 300, ceramics and
 /// polymers 10 to 30.
 const LEAST_MODULUS_OVER_HARDNESS: f64 = 10.0;
-/// Friction coefficient above which a dry contact is implausible.
-const MOST_FRICTION: f64 = 1.5;
 
 /// Returns warnings about a material: a hardness above a tenth of Young's modulus, and a shear strength of the contacts
 /// above the hardness or the shear modulus E/(2(1 + ν)).
@@ -53,11 +52,11 @@ pub fn implausible_material(
     warnings
 }
 
-/// Returns a warning if a friction coefficient exceeds 1.5.
+/// Returns a warning if a friction coefficient exceeds [`IMPLAUSIBLE_FRICTION`].
 pub fn implausible_friction(coefficient: f64) -> Option<String> {
-    (coefficient > MOST_FRICTION).then(|| {
+    (coefficient > IMPLAUSIBLE_FRICTION).then(|| {
         format!(
-            "the friction coefficient {} is above {MOST_FRICTION}; dry contacts have 0.05 to 1",
+            "the friction coefficient {} is above {IMPLAUSIBLE_FRICTION}; dry contacts have 0.05 to 1",
             digits(coefficient)
         )
     })
@@ -131,7 +130,7 @@ mod tests {
         assert!(implausible_material(26e9, 0.3, None, Some(9.9e9)).is_empty());
         let sheared = implausible_material(26e9, 0.3, None, Some(10.1e9));
         assert!(sheared.len() == 1 && sheared[0].contains("shear modulus 10 GPa"), "{sheared:?}");
-        assert_eq!([implausible_friction(1.5), implausible_damping(1.0)], [None, None]);
-        assert!(implausible_friction(1.6).is_some() && implausible_damping(1.01).is_some());
+        assert_eq!([implausible_friction(IMPLAUSIBLE_FRICTION), implausible_damping(1.0)], [None, None]);
+        assert!(implausible_friction(1.01 * IMPLAUSIBLE_FRICTION).is_some() && implausible_damping(1.01).is_some());
     }
 }
