@@ -9,8 +9,8 @@ use asperity::study::{CsvTable, implausible_damping, implausible_friction, modes
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
-    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point, SCAN_POINTS,
-    eigenvalue_scan, growth_rates, limit_cycle, modes, scan_end,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthSettings, Model, Point, SCAN_POINTS, eigenvalue_scan,
+    growth_rates, limit_cycle, modes, scan_end,
 };
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -21,6 +21,7 @@ use super::random::{Fluctuation, Paths};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
+use crate::output::Answer;
 use crate::resources::require_memory;
 
 /// Points of a drawn cycle.
@@ -147,15 +148,6 @@ impl Springs {
     }
 }
 
-/// All results of the command.
-struct Found {
-    model: Model,
-    scan: EigenvalueScan,
-    regime: CoupledRegime,
-    growth: Option<GrowthRates>,
-    ensemble: Option<(f64, CoupledEnsemble)>,
-}
-
 impl ModeCoupling {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let parameters = self.springs.parameters(&self.friction, self.belt_velocity)?;
@@ -181,14 +173,13 @@ impl ModeCoupling {
         } else if let Some(note) = answer::note(&regime) {
             monitor.note(note);
         }
-        let mut found = Found { model, scan, regime, growth: None, ensemble: None };
+        let mut answer = modes_answer.and(answer::motion_answer(&regime));
         if let (Some(noise), Some(fluctuation)) = (&self.noise, &self.fluctuation) {
-            noise.add(fluctuation, &mut found, monitor)?;
+            answer = answer.and(noise.answer(fluctuation, &model, &regime, monitor)?);
         }
-        let answer = modes_answer.and(answer::motion_answer(&found));
-        let whole = answer.clone().with("scan", answer::scan(&found.scan));
+        let whole = answer.clone().with("scan", answer::scan(&scan));
         if has_folder {
-            self.folder.write("mode-coupling", &inputs, &whole, tables(&found)?, monitor)?;
+            self.folder.write("mode-coupling", &inputs, &whole, tables(&model, &scan, &regime)?, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.print(false) }
     }
@@ -210,11 +201,17 @@ impl ModeCoupling {
 }
 
 impl Noise {
-    fn add(&self, fluctuation: &Fluctuation, found: &mut Found, monitor: &Terminal) -> Result<(), Failure> {
+    /// Simulates the motion with a fluctuation of friction and returns its growth and its vibration.
+    fn answer(
+        &self,
+        fluctuation: &Fluctuation,
+        model: &Model,
+        regime: &CoupledRegime,
+        monitor: &Terminal,
+    ) -> Result<Answer, Failure> {
         let process = FrictionProcess::new(fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let (trajectories, duration, seed) = (self.trajectories, self.duration, self.seed);
-        let model = &found.model;
-        let threshold = match (self.threshold, found.regime.cycle()) {
+        let threshold = match (self.threshold, regime.cycle()) {
             (Some(threshold), _) => threshold,
             (None, Some(cycle)) => 0.5 * THRESHOLD * (cycle.tangential[1] - cycle.tangential[0]),
             (None, None) => {
@@ -234,19 +231,20 @@ impl Noise {
             let failed = ensemble.failures.len();
             monitor.warn(&format!("{failed} of {trajectories} trajectories failed, the first: {}", first.reason));
         }
-        found.growth = Some(growth);
-        found.ensemble = Some((threshold, ensemble));
-        Ok(())
+        Ok(answer::fluctuation_answer(&growth, threshold, &ensemble))
     }
 }
 
 /// Returns the tables: the modes over friction, and the cycle.
-fn tables(found: &Found) -> Result<Vec<(&'static str, CsvTable)>, VibrationError> {
-    let scan = &found.scan;
+fn tables(
+    model: &Model,
+    scan: &EigenvalueScan,
+    regime: &CoupledRegime,
+) -> Result<Vec<(&'static str, CsvTable)>, VibrationError> {
     let mut tables = vec![("modes_over_friction", modes_table(scan))];
-    if let Some(cycle) = found.regime.cycle() {
+    if let Some(cycle) = regime.cycle() {
         let settings = CoupledTrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
-        let points = CoupledTrajectory::portrait(&found.model, Steady, &settings, 0.0, CYCLE_POINTS)?;
+        let points = CoupledTrajectory::portrait(model, Steady, &settings, 0.0, CYCLE_POINTS)?;
         tables.push(("mode_cycle", portrait(&points)));
     }
     Ok(tables)

@@ -1,9 +1,8 @@
 //! Answer of the command for coupled modes.
 
-use asperity::vibration::mode_coupling::{CoupledRegime, EigenvalueScan, Model, modes};
+use asperity::vibration::mode_coupling::{CoupledEnsemble, CoupledRegime, EigenvalueScan, GrowthRates, Model, modes};
 use serde_json::{Value, json};
 
-use super::Found;
 use crate::output::Answer;
 
 /// Returns where the modes meet, and the modes of the stated machine.
@@ -24,17 +23,17 @@ pub(super) fn modes_answer(model: &Model, scan: &EigenvalueScan) -> Answer {
         .with("frequency_2", second.frequency)
 }
 
-/// Returns the motion of the stated machine, without and with fluctuation.
-pub(super) fn motion_answer(found: &Found) -> Answer {
-    let cycle = found.regime.cycle();
-    let regime = match found.regime {
+/// Returns the motion of the stated machine without fluctuation.
+pub(super) fn motion_answer(regime: &CoupledRegime) -> Answer {
+    let cycle = regime.cycle();
+    let motion = match regime {
         CoupledRegime::Cycle(_) => "cycle",
         CoupledRegime::Steady => "steady",
         CoupledRegime::Locked => "locked",
         CoupledRegime::Irregular => "irregular",
     };
-    let answer = Answer::default()
-        .with("motion", regime)
+    Answer::default()
+        .with("motion", motion)
         .with("period", cycle.map(|c| c.period))
         .with("tangential", json!(cycle.map(|c| c.tangential)))
         .with("normal", json!(cycle.map(|c| c.normal)))
@@ -42,14 +41,11 @@ pub(super) fn motion_answer(found: &Found) -> Answer {
         .with("stick_share", cycle.map(|c| c.stick_share))
         .with("flight_share", cycle.map(|c| c.flight_share))
         .with("detachments", cycle.map(|c| c.detachments))
-        .with("lift_offs", cycle.map(|c| c.lift_offs));
-    answer.and(fluctuation_answer(found))
+        .with("lift_offs", cycle.map(|c| c.lift_offs))
 }
 
-fn fluctuation_answer(found: &Found) -> Answer {
-    let (Some(growth), Some((threshold, ensemble))) = (&found.growth, &found.ensemble) else {
-        return Answer::default();
-    };
+/// Returns the growth of small motions and the vibration beyond the amplitude `threshold` with a fluctuation of friction.
+pub(super) fn fluctuation_answer(growth: &GrowthRates, threshold: f64, ensemble: &CoupledEnsemble) -> Answer {
     Answer::default()
         .with("growth_rate", growth.deterministic)
         .with("growth_rate_mean", growth.mean)
@@ -58,7 +54,7 @@ fn fluctuation_answer(found: &Found) -> Answer {
         .with("growth_rate_quantiles", json!(growth.quantiles))
         .with("growing_share", growth.growing)
         .with("growing_share_interval", json!(growth.growing_interval))
-        .with("threshold", *threshold)
+        .with("threshold", threshold)
         .with("passed_share", ensemble.passed)
         .with("passed_share_interval", json!(ensemble.passed_interval))
         .with("passage_time_mean", ensemble.passage_time.map(|time| time.mean))
