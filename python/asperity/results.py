@@ -1145,6 +1145,18 @@ class MarginQuantile(Record):
     """Probability of a smaller margin."""
 
 
+PressureMethod = Literal[
+    "monte_carlo",
+    "latin_hypercube",
+    "sobol",
+    "polynomial_chaos",
+    "polynomial_chaos_log",
+    "polynomial_chaos_local",
+    "default",
+]
+"""Method that estimates the distribution of the pressure."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class PressureQuantile(Record):
     """A quantile of the pressure."""
@@ -1193,7 +1205,7 @@ class MethodEntry(Record):
     """Mean pressure, zeros out of contact included."""
     mean_se_pa: float | None
     """The standard error of the mean less its bias."""
-    name: str
+    name: PressureMethod
     """Name."""
     quantiles: list[PressureQuantile]
     """Quantiles."""

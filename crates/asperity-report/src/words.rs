@@ -1,6 +1,6 @@
 //! Names and values of models, methods, motions and inputs, for readers.
 
-use asperity_results::{FrictionResult, KindResult, LawResult, Quantiles};
+use asperity_results::{FrictionResult, KindResult, LawResult, PressureMethod, Quantiles};
 
 use crate::format::{Dimension, fixed};
 
@@ -160,16 +160,15 @@ pub(crate) fn conditions(friction: &FrictionResult) -> String {
 }
 
 /// Returns the name of a method for the distribution of the pressure, for readers.
-pub(crate) fn method_name(method: &str) -> String {
+pub(crate) fn method_name(method: PressureMethod) -> &'static str {
     match method {
-        "monte_carlo" => "Monte Carlo".into(),
-        "latin_hypercube" => "Latin hypercube".into(),
-        "sobol" => "Sobol’ sequence".into(),
-        "polynomial_chaos" => "polynomial chaos".into(),
-        "polynomial_chaos_log" => "polynomial chaos of log p".into(),
-        "polynomial_chaos_local" => "local polynomial chaos".into(),
-        "default" => "default of asperity".into(),
-        other => other.replace('_', " "),
+        PressureMethod::MonteCarlo => "Monte Carlo",
+        PressureMethod::LatinHypercube => "Latin hypercube",
+        PressureMethod::Sobol => "Sobol’ sequence",
+        PressureMethod::PolynomialChaos => "polynomial chaos",
+        PressureMethod::PolynomialChaosLog => "polynomial chaos of log p",
+        PressureMethod::PolynomialChaosLocal => "local polynomial chaos",
+        PressureMethod::Default => "default of asperity",
     }
 }
 

@@ -37,8 +37,8 @@ pub use friction::{
 };
 pub use mode_coupling::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, ModelResult};
 pub use pressure::{
-    CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
-    PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
+    CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureMethod,
+    PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
 };
 pub use provenance::{Machine, Program, Provenance, StageCost};
 pub use run::Results;

@@ -1,6 +1,6 @@
 //! Tables of the page from `results.json`.
 
-use asperity_results::{CoarseEntry, PressureResult, ScalarQuantile};
+use asperity_results::{CoarseEntry, PressureMethod, PressureResult, ScalarQuantile};
 
 use crate::cells::{DASH, plain, shown};
 use crate::format::{Dimension, with_error};
@@ -26,7 +26,7 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
 pub(super) fn refused_methods(pressure: &PressureResult) -> String {
     let methods = pressure.methods.iter();
     let refused: Vec<String> = methods
-        .filter_map(|method| Some(format!("{} ({})", method_name(&method.name), method.failure.as_ref()?)))
+        .filter_map(|method| Some(format!("{} ({})", method_name(method.name), method.failure.as_ref()?)))
         .collect();
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }
@@ -39,10 +39,10 @@ pub(super) fn methods(run: &Run, pressure: &PressureResult) -> DataTable {
             (value, _) => shown(Dimension::None, value, method.contact_probability_interval),
         };
         vec![
-            method_name(&method.name),
+            method_name(method.name).to_owned(),
             method.fine_solves.to_string(),
             coarse_solves(&method.coarse_solves),
-            seconds(run, &method.name).map_or(DASH.into(), |s| Dimension::Time.show_short(s)),
+            seconds(run, method.name).map_or(DASH.into(), |s| Dimension::Time.show_short(s)),
             probability,
             shown(Dimension::Pressure, method.mean_pa, method.mean_interval),
             plain(method.ks_distance, 3),
@@ -75,17 +75,18 @@ fn coarse_solves(coarse: &[CoarseEntry]) -> String {
 }
 
 /// Returns the wall time of a method: of its contact solutions, which several methods share, and of its estimate.
-fn seconds(run: &Run, method: &str) -> Option<f64> {
+fn seconds(run: &Run, method: PressureMethod) -> Option<f64> {
     let samples: &[&str] = match method {
-        "monte_carlo" | "polynomial_chaos_local" => &["monte_carlo"],
-        "latin_hypercube" | "polynomial_chaos" | "polynomial_chaos_log" => &["latin_hypercube"],
-        "sobol" => &["sobol"],
-        "default" => &["monte_carlo", "coarse"],
-        _ => return None,
+        PressureMethod::MonteCarlo | PressureMethod::PolynomialChaosLocal => &["monte_carlo"],
+        PressureMethod::LatinHypercube | PressureMethod::PolynomialChaos | PressureMethod::PolynomialChaosLog => {
+            &["latin_hypercube"]
+        }
+        PressureMethod::Sobol => &["sobol"],
+        PressureMethod::Default => &["monte_carlo", "coarse"],
     };
     let of = |task: &str| run.provenance.as_ref()?.seconds.get(&format!("pressure/{task}")).copied();
     let solved = samples.iter().map(|task| of(task)).sum::<Option<f64>>()?;
-    Some(solved + of(&format!("law/{method}")).unwrap_or(0.0))
+    Some(solved + of(&format!("law/{}", method.name())).unwrap_or(0.0))
 }
 
 /// Returns one row per property of the whole contact.

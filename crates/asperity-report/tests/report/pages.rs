@@ -1,7 +1,7 @@
 //! The report of a complete run: figures, sections, and escaping.
 
 use crate::documents::{elements, resources, text, without_scripts};
-use crate::stages::{friction, pressure, surface};
+use crate::stages::{friction, surface};
 use crate::synthetic::{example, full_run, surface_run};
 use asperity_report::{Input, Run, render};
 use asperity_results::ScanOfPart;
@@ -207,7 +207,6 @@ fn hostile_strings_are_escaped_everywhere() {
     run.results.assumptions.push(EVIL.into());
     run.results.warnings.push(EVIL.into());
     run.provenance.as_mut().unwrap().inputs.insert(EVIL.into(), EVIL.into());
-    pressure(&mut run).methods[0].name = EVIL.into();
     friction(&mut run).levels[0].marginal = Some(example::law(EVIL, &[(EVIL, 1.0)]));
     let scan = || ScanOfPart { file: EVIL.into(), statistics: example::scan() };
     surface(&mut run).measured = example::part(vec![scan(), scan()]);

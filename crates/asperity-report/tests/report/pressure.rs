@@ -4,7 +4,7 @@ use crate::documents::{text, words};
 use crate::stages::pressure;
 use crate::synthetic::full_run;
 use asperity_report::{Run, render};
-use asperity_results::MethodEntry;
+use asperity_results::{MethodEntry, PressureMethod};
 
 #[test]
 fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
@@ -34,15 +34,16 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     // A refused method is named with its reason, not as a row of dashes.
     let mut refused = run.clone();
     let methods = &mut pressure(&mut refused).methods;
-    let method = methods.iter_mut().find(|method| method.name == "polynomial_chaos").unwrap();
-    let (name, failure) = ("polynomial_chaos".to_owned(), Some("20 samples for 165 coefficients".to_owned()));
+    let method = methods.iter_mut().find(|method| method.name == PressureMethod::PolynomialChaos).unwrap();
+    let (name, failure) = (PressureMethod::PolynomialChaos, Some("20 samples for 165 coefficients".to_owned()));
     *method = MethodEntry { name, fine_solves: 60, failure, ..MethodEntry::default() };
     let html = text(&render(&refused).unwrap().html).replace('\u{a0}', " ");
     assert!(html.contains("Methods without an estimate: polynomial chaos (20 samples for 165 coefficients)."));
     assert!(!html.contains("<th scope=\"row\">polynomial chaos</th>"));
     assert!(!text(&render(&run).unwrap().html).contains("Methods without an estimate"));
     // A method unrelated to the reference does not change the axes of the others.
-    let method = pressure(&mut run).methods.iter_mut().find(|method| method.name == "polynomial_chaos_log").unwrap();
+    let method =
+        pressure(&mut run).methods.iter_mut().find(|method| method.name == PressureMethod::PolynomialChaosLog).unwrap();
     (method.mean_pa, method.wasserstein_1_over_std) = (Some(1e20), Some(1e12));
     for (name, largest) in [("pressure_intervals", "165"), ("pressure_accuracy", "0.05")] {
         let drawn = words(&run, name);

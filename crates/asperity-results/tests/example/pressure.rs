@@ -1,22 +1,23 @@
 //! The pressure stage.
 
 use asperity_results::{
-    CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureQuantile,
-    PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
+    CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureMethod,
+    PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
 };
 
 pub(super) fn pressure() -> PressureResult {
     let quantile = PressureQuantile { probability: 0.9, pressure_pa: 6e8, pressure_pa_interval: Some([5.8e8, 6.2e8]) };
-    let method = |name: &str, contact_probability, standard_error: Option<f64>, ks, wasserstein| MethodEntry {
-        name: name.into(),
-        fine_solves: 500,
-        work_in_fine_solves: 500.0,
-        contact_probability: Some(contact_probability),
-        contact_probability_se: standard_error,
-        ks_distance: Some(ks),
-        wasserstein_1_over_std: Some(wasserstein),
-        ..MethodEntry::default()
-    };
+    let method =
+        |name: PressureMethod, contact_probability, standard_error: Option<f64>, ks, wasserstein| MethodEntry {
+            name,
+            fine_solves: 500,
+            work_in_fine_solves: 500.0,
+            contact_probability: Some(contact_probability),
+            contact_probability_se: standard_error,
+            ks_distance: Some(ks),
+            wasserstein_1_over_std: Some(wasserstein),
+            ..MethodEntry::default()
+        };
     let coarse = |n, solves| CoarseEntry { nx: n, ny: n, solves, work_in_fine_solves: 495.25 };
     PressureResult {
         cell: [32, 32],
@@ -32,12 +33,12 @@ pub(super) fn pressure() -> PressureResult {
         quantiles: vec![quantile.clone()],
         ks_resolution: 0.0192,
         methods: vec![
-            method("monte_carlo", 0.3121, Some(0.0207), 0.0512, 0.061),
-            method("latin_hypercube", 0.3262, Some(0.0152), 0.0301, 0.0402),
-            MethodEntry { fine_solves: 512, ..method("sobol", 0.3184, None, 0.0149, 0.0181) },
-            method("polynomial_chaos", 0.34, Some(0.0212), 0.0402, 0.0711),
-            method("polynomial_chaos_log", 0.32, Some(0.0209), 0.0333, 0.0502),
-            method("polynomial_chaos_local", 0.317, Some(0.0212), 0.0212, 0.0311),
+            method(PressureMethod::MonteCarlo, 0.3121, Some(0.0207), 0.0512, 0.061),
+            method(PressureMethod::LatinHypercube, 0.3262, Some(0.0152), 0.0301, 0.0402),
+            MethodEntry { fine_solves: 512, ..method(PressureMethod::Sobol, 0.3184, None, 0.0149, 0.0181) },
+            method(PressureMethod::PolynomialChaos, 0.34, Some(0.0212), 0.0402, 0.0711),
+            method(PressureMethod::PolynomialChaosLog, 0.32, Some(0.0209), 0.0333, 0.0502),
+            method(PressureMethod::PolynomialChaosLocal, 0.317, Some(0.0212), 0.0212, 0.0311),
             MethodEntry {
                 work_in_fine_solves: 1490.5,
                 coarse_solves: vec![coarse(16, 9000), coarse(32, 1712)],
@@ -46,7 +47,7 @@ pub(super) fn pressure() -> PressureResult {
                 mean_se_pa: Some(2.1e6),
                 mean_interval: Some([1.579e8, 1.661e8]),
                 quantiles: vec![quantile],
-                ..method("default", 0.325, Some(0.011), 0.0051, 0.0072)
+                ..method(PressureMethod::Default, 0.325, Some(0.011), 0.0051, 0.0072)
             },
         ],
         scalars: vec![ScalarEntry {

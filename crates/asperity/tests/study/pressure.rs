@@ -24,7 +24,7 @@ fn reduced(name: &str, fine: usize, reference: usize) -> String {
 }
 
 fn method<'a>(outcome: &'a Outcome, name: &str) -> &'a MethodEntry {
-    outcome.results.pressure.as_ref().unwrap().methods.iter().find(|method| method.name == name).unwrap()
+    outcome.results.pressure.as_ref().unwrap().methods.iter().find(|method| method.name.name() == name).unwrap()
 }
 
 /// Asserts agreement with a known value, whose rounding and sampling error (20,000 pooled samples) are far below our

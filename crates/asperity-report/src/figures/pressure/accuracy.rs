@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, PI};
 
-use asperity_results::{MethodEntry, PressureResult};
+use asperity_results::{MethodEntry, PressureMethod, PressureResult};
 
 use crate::figures::pressure::style::style;
 use crate::figures::{CaptionedFigure, columns};
@@ -17,8 +17,8 @@ const LARGEST: f64 = 3.0;
 const NEAR: f64 = 0.02;
 const APART: f64 = 1.07;
 
-/// A point of the figure: index of the method, work and error.
-type ErrorPoint = (usize, f64, f64);
+/// A point of the figure: method, work and error.
+type ErrorPoint = (PressureMethod, f64, f64);
 
 /// One measure of error.
 struct Measure {
@@ -35,7 +35,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let pressure = run.results.pressure.as_ref()?;
     let measures = measures(run, pressure);
     let (low, high) = range(measures.iter().flat_map(|m| m.points.iter().map(|(_, work, _)| work)))?;
-    let charts = measures.iter().filter_map(|measure| chart(pressure, measure, (low / 2.0, high * 2.0)));
+    let charts = measures.iter().filter_map(|measure| chart(measure, (low / 2.0, high * 2.0)));
     let caption = "Distance of every method from the reference, in one run, over its work: contact solutions, those on coarse \
                    grids counted by cells and iterations; methods of equal work are drawn side by side. KS: largest difference of \
                    the distribution functions; W₁: area between them, over the standard deviation of the pressure; last, the error of \
@@ -48,7 +48,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
 }
 
 /// Draws one measure over the work; `None` without points.
-fn chart(pressure: &PressureResult, measure: &Measure, ends: (f64, f64)) -> Option<Chart> {
+fn chart(measure: &Measure, ends: (f64, f64)) -> Option<Chart> {
     let rate = measure.monte_carlo.map(|one| [one / ends.0.sqrt(), one / ends.1.sqrt()]);
     let lines = rate.iter().flatten().chain(measure.resolution.as_slice());
     let (least, most) = range(measure.points.iter().map(|(_, _, error)| error).chain(lines))?;
@@ -61,10 +61,9 @@ fn chart(pressure: &PressureResult, measure: &Measure, ends: (f64, f64)) -> Opti
     if let Some(y) = measure.resolution {
         chart.horizontal("resolution of the reference", y, Pen::new(BLACK, 1.0, Dash::Dotted));
     }
-    for (&(index, _, y), x) in measure.points.iter().zip(side_by_side(&measure.points)) {
-        let name = &pressure.methods[index].name;
-        let (Pen { colour, .. }, shape) = style(name, index);
-        chart.add(method_name(name), Mark::Symbol { x, y, shape, colour });
+    for (&(method, _, y), x) in measure.points.iter().zip(side_by_side(&measure.points)) {
+        let (Pen { colour, .. }, shape) = style(method);
+        chart.add(method_name(method), Mark::Symbol { x, y, shape, colour });
     }
     (!measure.points.is_empty()).then_some(chart)
 }
@@ -83,8 +82,8 @@ fn side_by_side(points: &[ErrorPoint]) -> Vec<f64> {
 
 fn measures(run: &Run, pressure: &PressureResult) -> [Measure; 3] {
     let points = |error: &dyn Fn(&MethodEntry) -> Option<f64>| -> Vec<ErrorPoint> {
-        let each = pressure.methods.iter().enumerate();
-        let each = each.filter_map(|(index, method)| Some((index, method.work_in_fine_solves, error(method)?)));
+        let each = pressure.methods.iter();
+        let each = each.filter_map(|method| Some((method.name, method.work_in_fine_solves, error(method)?)));
         each.filter(|(_, work, error)| *work > 0.0 && *error > 0.0 && *error < LARGEST).collect()
     };
     let truth = pressure.contact_probability;
@@ -130,7 +129,8 @@ mod tests {
 
     #[test]
     fn methods_of_equal_work_are_placed_side_by_side() {
-        let found = side_by_side(&[(0, 500.0, 0.1), (1, 1500.0, 0.1), (2, 500.0, 0.1), (3, 500.0, 0.2)]);
+        let point = |work, error| (PressureMethod::Default, work, error);
+        let found = side_by_side(&[point(500.0, 0.1), point(1500.0, 0.1), point(500.0, 0.1), point(500.0, 0.2)]);
         let wanted = [500.0 / APART, 1500.0, 500.0, 500.0 * APART];
         assert!(found.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?}");
     }

@@ -1,14 +1,16 @@
 //! The distribution function of the pressure by every method (Fig. 2 of the paper).
 
+use asperity_results::PressureMethod;
+
 use crate::Run;
 use crate::figures::pressure::style::style;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit};
-use crate::plot::{Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
+use crate::plot::{self, Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 use crate::words::method_name;
 
 /// The methods that are left out first if there are too many curves.
-const EXTRA: [&str; 2] = ["polynomial_chaos_local", "sobol"];
+const EXTRA: [PressureMethod; 2] = [PressureMethod::PolynomialChaosLocal, PressureMethod::Sobol];
 const NAME: &str = "pressure_cdf";
 const BANDS: &str = "pressure_bands";
 /// A larger difference of neighbours is a jump.
@@ -54,6 +56,11 @@ impl<'a> Bands<'a> {
     }
 }
 
+/// Returns the name of a column for readers: that of its method, or of the reference.
+fn column_name(column: &str) -> String {
+    PressureMethod::from_name(column).map_or_else(|| column.replace('_', " "), |method| method_name(method).to_owned())
+}
+
 /// Interpolates a tabulated distribution function: linear between its points except at jumps, and constant beyond.
 fn interpolated(x: &[f64], y: &[f64], at: f64) -> f64 {
     let after = x.partition_point(|x| *x <= at);
@@ -69,17 +76,18 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let table = run.tables.get(NAME)?;
     let [pressure] = columns(table, ["pressure_pa"])?;
     // The other methods are compared with the reference, which is drawn below them.
-    let reference = ["reference", "monte_carlo"].into_iter().find_map(|name| Some((name, table.column(name)?)));
+    let reference =
+        ["reference", PressureMethod::MonteCarlo.name()].into_iter().find_map(|name| Some((name, table.column(name)?)));
     let is_reference = |name: &str| reference.is_some_and(|(own, _)| own == name);
     let others = table.columns.iter().filter(|(name, _)| name != "pressure_pa" && !is_reference(name));
     let others = others.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?)));
     let mut methods: Vec<Method<'_>> = reference.into_iter().chain(others).collect();
     let mut hidden = Vec::new();
-    for name in EXTRA {
-        let place = methods.iter().position(|(own, _)| *own == name);
+    for extra in EXTRA {
+        let place = methods.iter().position(|(name, _)| *name == extra.name());
         if let Some(place) = place.filter(|_| methods.len() > CURVES) {
             methods.remove(place);
-            hidden.push(method_name(name));
+            hidden.push(method_name(extra));
         }
     }
     let first = methods.first()?.1;
@@ -89,11 +97,11 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let mut cdf = Chart::new(axis.clone(), y);
     let pen = |index: usize, name: &str| match is_reference(name) {
         true => Pen { opacity: 0.55, ..Pen::new(GREY, 5.0, Dash::Solid) },
-        false => style(name, index.saturating_sub(1)).0,
+        false => PressureMethod::from_name(name).map_or_else(|| plot::pen(index.saturating_sub(1)), |own| style(own).0),
     };
     for (index, (name, values)) in methods.iter().enumerate() {
         let (x, y) = with_step(&axis, pressure, values);
-        cdf.line(method_name(name), &x, &y, pen(index, name));
+        cdf.line(column_name(name), &x, &y, pen(index, name));
     }
     if pressure[0] <= 0.0 && first[0].is_finite() {
         let pen = Pen::new(BLACK, 1.0, Dash::Dotted);
@@ -117,7 +125,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         charts.push(chart);
         caption += &format!(
             " Below: difference of every method from “{}”; its largest absolute value is the KS distance.",
-            method_name(name)
+            column_name(name)
         );
         if bands.is_some() {
             caption += " The shaded bands of asperity’s default contain the true distribution function with 95 % probability at \
@@ -160,10 +168,10 @@ fn differences(
     bands.into_iter().for_each(|bands| bands.draw(&mut chart, |p| interpolated(pressure, base, p)));
     chart.horizontal("", 0.0, Pen { opacity: 0.55, ..Pen::new(GREY, 3.0, Dash::Solid) });
     for (index, name, values) in &all {
-        chart.line(method_name(name), pressure, values, pen(*index, name));
+        chart.line(column_name(name), pressure, values, pen(*index, name));
     }
     let beyond = all.iter().filter(|(_, _, values)| largest(values) > half);
-    Some((chart, beyond.map(|(_, name, _)| format!("“{}”", method_name(name))).collect()))
+    Some((chart, beyond.map(|(_, name, _)| format!("“{}”", column_name(name))).collect()))
 }
 
 /// Returns the start of the axis of the CDF: one or two tenths below the point masses at zero, so that most of the height shows the

@@ -19,12 +19,12 @@ type Estimate = (f64, Option<Pair>);
 fn chart(
     label: &str,
     dimension: Dimension,
-    methods: &[(usize, &MethodEntry)],
+    methods: &[&MethodEntry],
     of: impl Fn(&MethodEntry) -> Option<Estimate>,
     reference: Estimate,
 ) -> Option<Chart> {
     let estimates: Vec<(usize, Estimate)> =
-        methods.iter().enumerate().filter_map(|(row, (_, method))| Some((row, of(method)?))).collect();
+        methods.iter().enumerate().filter_map(|(row, method)| Some((row, of(method)?))).collect();
     // Estimates without an interval do not determine the axis.
     let known: Vec<&Estimate> = estimates.iter().map(|(_, e)| e).filter(|(_, interval)| interval.is_some()).collect();
     known.first()?;
@@ -32,15 +32,14 @@ fn chart(
     let (low, high) = range(values.flat_map(|(value, interval)| interval.iter().flatten().chain([value])))?;
     let axis = Axis::padded(label, dimension.unit(high.abs()), (low, high), 0.06);
     let (left, right) = axis.ends();
-    let names = methods.iter().map(|(_, method)| method_name(&method.name)).collect();
+    let names = methods.iter().map(|method| method_name(method.name).to_owned()).collect();
     let mut chart = Chart::new(axis, Axis::named(names)).with_height(ROW * methods.len() as f64 + 62.0);
     if let Some([from, to]) = reference.1 {
         chart.add("reference, 95 %", Mark::Region { from, to, colour: GREY });
     }
     chart.vertical("reference", reference.0, Pen::new(BLACK, 1.0, Dash::Dotted));
     for (row, (value, interval)) in estimates {
-        let (index, method) = methods[row];
-        let (pen, shape) = style(&method.name, index);
+        let (pen, shape) = style(methods[row].name);
         let y = row as f64;
         if let Some([from, to]) = interval {
             chart.add("", Mark::Span { from, to, y, pen: Pen { dash: Dash::Solid, width: 2.0, ..pen } });
@@ -56,8 +55,8 @@ fn chart(
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let pressure = run.results.pressure.as_ref()?;
-    let all = pressure.methods.iter().enumerate();
-    let methods: Vec<(usize, &MethodEntry)> = all.filter(|(_, method)| method.contact_probability.is_some()).collect();
+    let methods = pressure.methods.iter().filter(|method| method.contact_probability.is_some());
+    let methods: Vec<&MethodEntry> = methods.collect();
     let contact = |method: &MethodEntry| Some((method.contact_probability?, method.contact_probability_interval));
     let mean = |method: &MethodEntry| Some((method.mean_pa?, method.mean_interval));
     let reference = (pressure.contact_probability, pressure.contact_probability_interval);

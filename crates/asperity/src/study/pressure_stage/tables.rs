@@ -83,7 +83,7 @@ fn bands(results: &ComparisonResults) -> CsvTable {
 fn methods(summary: &PressureResult) -> CsvTable {
     let methods: Vec<&MethodEntry> = summary.methods.iter().filter(|method| method.failure.is_none()).collect();
     let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
-    let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.clone()));
+    let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.name().to_owned()));
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add = |name: &str, reference: Option<f64>, values: Vec<Option<f64>>| {
         let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN));
