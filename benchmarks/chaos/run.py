@@ -209,8 +209,8 @@ class Bench:
                        "response": self.write("response.f64", function(x)), **self.output("found.f64")}
                 other = own | {"points": self.write("points.f64", x), "variables": variables, "hermite": hermite,
                                "degree": degree, "q": q, "decomposition": "QR", **fresh_files}
-                codes = [(f"asperity, {method.upper()}", ours, own | {"method": method}) for method in ("omp", "lars", "sp")]
-                codes += [(f"asperity, {method.upper()} by cross-validation", ours, own | {"method": method, "folds": 10}) for method in ("omp", "lars", "sp")]
+                codes = [(f"asperity, {method.upper()}", ours, own | {"method": method}) for method in ("omp", "lars")]
+                codes += [(f"asperity, {method.upper()} by cross-validation", ours, own | {"method": method, "folds": 10}) for method in ("omp", "lars")]
                 codes += [("OpenTURNS, LARS", peer("OpenTURNS"), other), ("scikit-learn, OMP by cross-validation", peer("scikit-learn"), other | {"method": "omp"})]
                 for code, run, job in codes:
                     try:

@@ -9,7 +9,7 @@
 //! | `solve` | basis, `points`, `samples`, `responses`, `count` | design matrix, factorisation, all responses |
 //! | `fit` | the same | the same, with leave-one-out errors |
 //! | `evaluate` | basis, `points`, `samples`, `coefficients` | values of the expansion at all points |
-//! | `select` | basis and `points`, or `matrix` and `columns`; `samples`, `response`, `method` (`omp`, `lars`, `sp`), `folds` (0: corrected leave-one-out), `patience`, `max_terms` | design matrix and selection |
+//! | `select` | basis and `points`, or `matrix` and `columns`; `samples`, `response`, `method` (`omp`, `lars`), `folds` (0: corrected leave-one-out), `patience`, `max_terms` | design matrix and selection |
 //!
 //! | key | default | meaning |
 //! |---|---|---|
@@ -144,8 +144,7 @@ fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
     let method = match words.wanted::<String>("method")?.as_str() {
         "omp" => SparseMethod::OrthogonalMatchingPursuit,
         "lars" => SparseMethod::LeastAngle,
-        "sp" => SparseMethod::SubspacePursuit,
-        other => return Err(format!("method={other} is not one of omp, lars and sp").into()),
+        other => return Err(format!("method={other} is neither omp nor lars").into()),
     };
     let default = SparseRegression::default();
     let regression = SparseRegression {

@@ -26,7 +26,6 @@ mod matching_pursuit;
 mod path;
 mod search;
 mod settings;
-mod subspace_pursuit;
 #[cfg(test)]
 mod tests;
 
@@ -42,8 +41,8 @@ const LEAST_PATIENCE: usize = 10;
 impl SparseRegression {
     /// Selects the best model of one response; see [`SizeCriterion`] for the meaning of its errors.
     ///
-    /// A path costs one product with the matrix per term (per exchange for subspace pursuit), and memory proportional
-    /// to the square of the number of samples. The result is bit-identical for any number of threads.
+    /// A path costs one product with the matrix per term, and memory proportional to the square of the number of
+    /// samples. The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// The response has the wrong length, is not finite or constant, no candidate varies, or no model is better than

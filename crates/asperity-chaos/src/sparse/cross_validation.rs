@@ -6,9 +6,7 @@ use super::candidates::Candidates;
 use super::error::SparseError;
 use super::fit::{Attempt, SparseFit};
 use super::growing_fit::{GrowingFit, mean_and_spread};
-use super::search::Search;
 use super::settings::SparseMethod;
-use super::subspace_pursuit;
 use asperity_base::blocks;
 use asperity_base::random::{standard_normal, stream};
 
@@ -25,10 +23,7 @@ pub(super) fn select(
     // No more terms than every part can determine.
     let limit = limit.min((samples - samples.div_ceil(folds)).saturating_sub(1));
     let constant = usize::from(candidates.constant().is_some());
-    let sizes: Vec<usize> = match method {
-        SparseMethod::SubspacePursuit => subspace_pursuit::sizes(candidates, limit),
-        _ => (constant + 1..=limit).collect(),
-    };
+    let sizes: Vec<usize> = (constant + 1..=limit).collect();
     let parts = partition(samples, folds);
     let found: Result<Vec<Part>, SparseError> =
         blocks::map(0..folds, |fold| Part::new(method, candidates, response, &sizes, |sample| parts[sample] == fold));
@@ -43,14 +38,8 @@ pub(super) fn select(
     let best = (0..sizes.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]));
     let terms = best.map_or(constant, |best| sizes[best]);
     let start = GrowingFit::new(candidates, response);
-    let mut search = match method {
-        SparseMethod::SubspacePursuit => {
-            let fit = if terms > constant { subspace_pursuit::with_terms(start, terms) } else { start };
-            Search::from_single(fit)
-        }
-        // The whole path, without early stopping.
-        _ => method.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2),
-    };
+    // The whole path, without early stopping.
+    let mut search = method.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2);
     search.best = search.fit.terms().len().min(terms);
     let tried = std::mem::take(&mut search.path);
     search.path = sizes
@@ -88,29 +77,17 @@ impl Part {
         let values: Vec<f64> = kept.iter().map(|&sample| response[sample]).collect();
         let fewer = Candidates::new(matrix.view())?;
         let (mean, _) = mean_and_spread(&values);
-        let squares_of = |fit: &GrowingFit<'_, '_>| -> Vec<f64> {
-            let mut sums = vec![0.0; fit.terms().len()];
-            for &sample in &out {
-                let errors = fit.errors_at(candidates.design().row(sample), response[sample]);
-                sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * error);
-            }
-            sums
-        };
         let of_the_mean: f64 = out.iter().map(|&sample| (response[sample] - mean).powi(2)).sum();
-        let start = GrowingFit::new(&fewer, &values);
+        let limit = sizes.last().copied().unwrap_or(0);
+        let fit = method.search(GrowingFit::new(&fewer, &values), limit, usize::MAX / 2).fit;
+        let mut sums = vec![0.0; fit.terms().len()];
+        for &sample in &out {
+            let errors = fit.errors_at(candidates.design().row(sample), response[sample]);
+            sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * error);
+        }
         // A path may end early when nothing is left to explain or to enter.
-        let last = |squares: &[f64]| squares.last().copied().unwrap_or(of_the_mean);
-        let squares = match method {
-            SparseMethod::SubspacePursuit => sizes
-                .iter()
-                .map(|&size| last(&squares_of(&subspace_pursuit::with_terms(start.clone(), size))))
-                .collect(),
-            _ => {
-                let limit = sizes.last().copied().unwrap_or(0);
-                let squares = squares_of(&method.search(start, limit, usize::MAX / 2).fit);
-                sizes.iter().map(|&size| squares.get(size - 1).copied().unwrap_or(last(&squares))).collect()
-            }
-        };
+        let last = sums.last().copied().unwrap_or(of_the_mean);
+        let squares = sizes.iter().map(|&size| sums.get(size - 1).copied().unwrap_or(last)).collect();
         Ok(Self { squares, of_the_mean })
     }
 }

@@ -17,7 +17,7 @@ const EXACT: f64 = 16.0 * f64::EPSILON;
 /// Least-squares fit of the terms entered so far.
 ///
 /// A = QR by Gram–Schmidt with a second pass. Residual, leverages and tr (AᵀA)⁻¹ = ‖R⁻¹‖² are updated in O(K) per term.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct GrowingFit<'a, 'c> {
     candidates: &'a Candidates<'c>,
     terms: Vec<usize>,

@@ -17,13 +17,7 @@ pub(super) struct Search<'a, 'c> {
     pub(super) stop_reason: StopReason,
 }
 
-impl<'a, 'c> Search<'a, 'c> {
-    /// Creates the result of a search for a single model.
-    pub(super) fn from_single(fit: GrowingFit<'a, 'c>) -> Self {
-        let stop_reason = if fit.is_exact() { StopReason::Exact } else { StopReason::TermLimit };
-        Self { best: fit.terms().len(), path: vec![fit.assess()], fit, stop_reason }
-    }
-
+impl Search<'_, '_> {
     /// Returns the best model, or an error if the mean is better.
     pub(super) fn finish(self, response: &[f64], of_the_mean: f64) -> Result<SparseFit, SparseError> {
         let best = self.path.iter().copied().min_by(|a, b| a.error().total_cmp(&b.error()));

@@ -2,7 +2,7 @@
 
 use super::growing_fit::GrowingFit;
 use super::search::Search;
-use super::{least_angle, matching_pursuit, subspace_pursuit};
+use super::{least_angle, matching_pursuit};
 
 /// Method that selects terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,14 +21,6 @@ pub enum SparseMethod {
     /// Efron, Hastie, Johnstone & Tibshirani, *Ann. Statist.* **32** (2004) 407, <https://doi.org/10.1214/009053604000000067>.
     /// Blatman & Sudret, *J. Comput. Phys.* **230** (2011) 2345, <https://doi.org/10.1016/j.jcp.2010.12.021>.
     LeastAngle,
-    /// For a given number of terms, the whole set is exchanged until the residual stops decreasing. Up to half as many
-    /// terms as samples are tried.
-    ///
-    /// # References
-    /// Dai & Milenkovic, *IEEE Trans. Inf. Theory* **55** (2009) 2230, <https://doi.org/10.1109/TIT.2009.2016006>.
-    /// Diaz, Doostan & Hampton, *Comput. Methods Appl. Mech. Eng.* **336** (2018) 640,
-    /// <https://doi.org/10.1016/j.cma.2018.03.020>.
-    SubspacePursuit,
 }
 
 impl SparseMethod {
@@ -37,7 +29,6 @@ impl SparseMethod {
         match self {
             Self::OrthogonalMatchingPursuit => matching_pursuit::search(start, limit, patience),
             Self::LeastAngle => least_angle::search(start, limit, patience),
-            Self::SubspacePursuit => subspace_pursuit::search(start, limit),
         }
     }
 }
@@ -71,7 +62,7 @@ pub struct SparseRegression {
     /// Maximum number of terms of a model including the constant. It is also limited by the number of samples less one.
     pub max_terms: Option<usize>,
     /// Fraction of the largest number of terms after which a path without a new minimum of the corrected leave-one-out
-    /// error ends (at least ten terms). With 1 the whole path is evaluated. Subspace pursuit has no path.
+    /// error ends (at least ten terms). With 1 the whole path is evaluated.
     pub patience: f64,
 }
 

@@ -8,8 +8,7 @@ use ndarray::Array2;
 use super::*;
 use asperity_base::random::{standard_normal, stream};
 
-const METHODS: [SparseMethod; 3] =
-    [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::LeastAngle, SparseMethod::SubspacePursuit];
+const METHODS: [SparseMethod; 2] = [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::LeastAngle];
 
 const CRITERIA: [SizeCriterion; 2] =
     [SizeCriterion::CorrectedLeaveOneOut, SizeCriterion::CrossValidation { folds: 10 }];
