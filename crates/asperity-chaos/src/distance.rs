@@ -169,28 +169,9 @@ fn differences<'a>(
     })
 }
 
-/// Returns the Kolmogorov–Smirnov distance between a discrete distribution and the distribution function G(x) = P(Y ≤
-/// x).
-///
-/// `cdf_left` is the left limit P(Y < x); it equals `cdf` for a continuous G. The result is exact because G is monotone
-/// between the values.
-pub fn kolmogorov_smirnov_to(
-    distribution: &DiscreteDistribution,
-    cdf: impl Fn(f64) -> f64,
-    cdf_left: impl Fn(f64) -> f64,
-) -> f64 {
-    distribution
-        .values
-        .iter()
-        .enumerate()
-        .map(|(i, &x)| (distribution.cumulative[i] - cdf(x)).abs().max((distribution.after(i) - cdf_left(x)).abs()))
-        .fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_base::distribution::standard_normal_cdf;
     use asperity_base::random::{standard_normal, stream};
 
     fn distribution(sample: &[f64]) -> DiscreteDistribution {
@@ -247,24 +228,6 @@ mod tests {
         let (a, b) = (distribution(&sample), distribution(&other));
         let brute = sample.iter().chain(&other).map(|&x| (a.cdf(x) - b.cdf(x)).abs()).fold(0.0, f64::max);
         assert_eq!(kolmogorov_smirnov(&a, &b), brute);
-        assert_eq!(kolmogorov_smirnov_to(&a, |x| b.cdf(x), |x| b.cdf_left(x)), brute);
-    }
-
-    #[test]
-    fn equally_spaced_quantiles_are_half_a_step_from_the_distribution() {
-        let n = 400;
-        let midpoints: Vec<f64> = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).collect();
-        let distance = kolmogorov_smirnov_to(&distribution(&midpoints), |x| x, |x| x);
-        assert!((distance - 0.5 / f64::from(n)).abs() < 1e-15);
-    }
-
-    #[test]
-    fn the_distance_of_a_normal_sample_has_kolmogorov_s_distribution() {
-        let sample = standard_normal(&mut stream(3, "normal", 0), 4000);
-        let scaled =
-            kolmogorov_smirnov_to(&distribution(&sample), standard_normal_cdf, standard_normal_cdf) * 4000.0_f64.sqrt();
-        // The 0.01 % and 99.99 % points of Kolmogorov's limiting distribution.
-        assert!((0.32..2.23).contains(&scaled), "√n D = {scaled}");
     }
 
     #[test]

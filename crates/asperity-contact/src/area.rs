@@ -10,25 +10,10 @@ pub const PERIMETER_WEIGHT: f64 = (std::f64::consts::PI - 1.0 + std::f64::consts
 /// Returns the contact area in units of cells, corrected for the perimeter: A = A_px − (π−1+ln 2)/24 · S_d Δx.
 ///
 /// A cell counts as contact if p > 0, so cells cut by the edge of a contact count whole. S_d is the length of the
-/// edges between contact and non-contact cells. An edge counts only if its contact cell has p < `hardness_pa`, because a
-/// cell at the hardness carries load on its whole area. The border of a free patch does not count. On a periodic patch
-/// (`wrap_x`, `wrap_y`) opposite borders are neighbours. With unequal pitches each edge weighs dx·dy.
-///
-/// # References
-/// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, *Tribology International* **114** (2017) 161,
-/// <https://doi.org/10.1016/j.triboint.2017.04.023>.
-pub fn corrected_contact_cells(pressure_pa: &Array2<f64>, hardness_pa: Option<f64>, wrap_x: bool, wrap_y: bool) -> f64 {
-    let hardness = hardness_pa.unwrap_or(f64::INFINITY);
-    corrected_cells(pressure_pa, |cell| pressure_pa[cell] >= hardness, wrap_x, wrap_y)
-}
-
-/// Computes [`corrected_contact_cells`]; `is_plastic` returns whether a cell is at its hardness.
-fn corrected_cells(
-    pressure_pa: &Array2<f64>,
-    is_plastic: impl Fn((usize, usize)) -> bool,
-    wrap_x: bool,
-    wrap_y: bool,
-) -> f64 {
+/// edges between contact and non-contact cells. An edge counts only if its contact cell is not at its hardness
+/// (`is_plastic`), because such a cell carries load on its whole area. The border of a free patch does not count. On a periodic patch
+/// (`wrap`) opposite borders are neighbours. With unequal pitches each edge weighs dx·dy.
+fn corrected_cells(pressure_pa: &Array2<f64>, is_plastic: impl Fn((usize, usize)) -> bool, wrap: bool) -> f64 {
     let (ny, nx) = pressure_pa.dim();
     let touches = |p: f64| p > 0.0;
     let mut cells = 0_usize;
@@ -42,10 +27,10 @@ fn corrected_cells(
     for row in 0..ny {
         for column in 0..nx {
             cells += usize::from(touches(pressure_pa[[row, column]]));
-            if column + 1 < nx || wrap_x {
+            if column + 1 < nx || wrap {
                 edge((row, column), (row, (column + 1) % nx));
             }
-            if row + 1 < ny || wrap_y {
+            if row + 1 < ny || wrap {
                 edge((row, column), ((row + 1) % ny, column));
             }
         }
@@ -54,10 +39,16 @@ fn corrected_cells(
 }
 
 impl Solution {
-    /// Returns the contact area over the nominal area, corrected for the perimeter; see [`corrected_contact_cells`].
+    /// Returns the contact area over the nominal area, corrected for the perimeter: A = A_px − (π−1+ln 2)/24 · S_d Δx
+    /// with the length S_d of the edges between contact and non-contact cells. Edges of cells at their hardness do not
+    /// count.
+    ///
+    /// # References
+    /// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, *Tribology International* **114** (2017) 161,
+    /// <https://doi.org/10.1016/j.triboint.2017.04.023>.
     pub fn corrected_contact_fraction(&self) -> f64 {
         let wrap = matches!(self.boundary, Boundary::Periodic { .. });
-        corrected_cells(&self.pressure_pa, |cell| self.is_plastic(cell), wrap, wrap) / self.grid.points() as f64
+        corrected_cells(&self.pressure_pa, |cell| self.is_plastic(cell), wrap) / self.grid.points() as f64
     }
 }
 
@@ -65,14 +56,19 @@ impl Solution {
 mod tests {
     use super::*;
 
+    /// Returns the area in cells with one hardness for all of them.
+    fn corrected(pressure: &Array2<f64>, hardness: f64, wrap: bool) -> f64 {
+        corrected_cells(pressure, |cell| pressure[cell] >= hardness, wrap)
+    }
+
     #[test]
     fn plastic_cells_and_free_borders_have_no_perimeter() {
         let mut p = Array2::zeros((4, 5));
         p.column_mut(0).fill(1.0);
-        assert_eq!(corrected_contact_cells(&p, Some(1.0), true, true), 4.0);
-        let free = corrected_contact_cells(&p, None, false, false);
+        assert_eq!(corrected(&p, 1.0, true), 4.0);
+        let free = corrected(&p, f64::INFINITY, false);
         assert!((free - (4.0 - 4.0 * PERIMETER_WEIGHT)).abs() < 1e-14);
-        let periodic = corrected_contact_cells(&p, None, true, true);
+        let periodic = corrected(&p, f64::INFINITY, true);
         assert!((periodic - (4.0 - 8.0 * PERIMETER_WEIGHT)).abs() < 1e-14);
     }
 
@@ -104,10 +100,10 @@ mod tests {
     fn a_single_cell_has_four_edges_and_two_neighbours_have_six() {
         let mut p = Array2::zeros((5, 5));
         p[[2, 2]] = 1.0;
-        assert!((corrected_contact_cells(&p, None, false, false) - (1.0 - 4.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
+        assert!((corrected(&p, f64::INFINITY, false) - (1.0 - 4.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
         p[[2, 3]] = 2.0;
-        assert!((corrected_contact_cells(&p, None, true, true) - (2.0 - 6.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
+        assert!((corrected(&p, f64::INFINITY, true) - (2.0 - 6.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
         // One of the two cells is at the hardness. Only the three edges of the other count.
-        assert!((corrected_contact_cells(&p, Some(2.0), true, true) - (2.0 - 3.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
+        assert!((corrected(&p, 2.0, true) - (2.0 - 3.0 * PERIMETER_WEIGHT)).abs() < 1e-15);
     }
 }

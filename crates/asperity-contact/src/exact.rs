@@ -136,25 +136,6 @@ impl PerssonPressure {
         ((mean - elastic_pa) / hardness_pa).max(0.0)
     }
 
-    /// Returns the density P(p) at a pressure p in pascal, per pascal and area of the whole surface; 0 unless 0 < p < H.
-    pub fn density_per_pa(&self, pressure_pa: f64) -> f64 {
-        if pressure_pa <= 0.0 || self.hardness_pa.is_some_and(|hardness_pa| pressure_pa >= hardness_pa) {
-            return 0.0;
-        }
-        let std = self.full_contact_std_pa;
-        let mean = self.mean_pressure_pa / std;
-        let pairs = self.images().map(|shift| {
-            let p = (pressure_pa - shift) / std;
-            // The difference of both exponentials, exact to rounding even if they nearly cancel.
-            if p > 0.0 {
-                -(-2.0 * p * mean).exp_m1() * (-0.5 * (p - mean).powi(2)).exp()
-            } else {
-                (2.0 * p * mean).exp_m1() * (-0.5 * (p + mean).powi(2)).exp()
-            }
-        });
-        pairs.sum::<f64>() / ((2.0 * PI).sqrt() * std)
-    }
-
     /// Returns the fraction of the surface, in or out of contact, whose pressure is at most `pressure_pa`.
     pub fn cumulative(&self, pressure_pa: f64) -> f64 {
         if pressure_pa < 0.0 {
@@ -178,7 +159,7 @@ impl PerssonPressure {
         statrs::function::erf::erf(pressure_pa / (std::f64::consts::SQRT_2 * self.full_contact_std_pa))
     }
 
-    /// Returns the multiples of 2H that shift the images of ±p̄ and contribute to the density; only zero in the elastic
+    /// Returns the multiples of 2H that shift the images of ±p̄ and contribute to the distribution; only zero in the elastic
     /// case.
     fn images(&self) -> impl Iterator<Item = f64> {
         let hardness_pa = self.hardness_pa.unwrap_or(f64::INFINITY);
@@ -249,55 +230,46 @@ mod tests {
         for mean in [1e-4, 0.05, 0.3, 2.0] {
             let dist = PerssonPressure::new(mean, modulus, gradient, None);
             let top = mean + 12.0 * dist.full_contact_std_pa;
-            let area = integral(top, |p| dist.density_per_pa(p));
+            let area = dist.contact_fraction();
             assert!((area / persson_contact_fraction(mean, modulus, gradient) - 1.0).abs() < 1e-9, "{mean}: {area}");
-            assert!((area / dist.contact_fraction() - 1.0).abs() < 1e-9);
-            let load = integral(top, |p| p * dist.density_per_pa(p));
+            let load = integral(top, |p| 1.0 - dist.cumulative(p));
             assert!((load / mean - 1.0).abs() < 1e-9, "{mean}: {load}");
-            for p in [0.01, 0.2, 0.7] {
-                let cumulative = 1.0 - dist.contact_fraction() + integral(p, |p| dist.density_per_pa(p));
-                assert!((dist.cumulative(p) - cumulative).abs() < 1e-9);
-            }
-            assert_eq!((dist.density_per_pa(0.0), dist.density_per_pa(-1.0), dist.cumulative(-1.0)), (0.0, 0.0, 0.0));
+            assert_eq!((dist.cumulative(-1.0), dist.cumulative(0.0)), (0.0, 1.0 - area));
         }
         // Deep in complete contact the distribution is normal with mean p̄ and standard deviation E* h'rms/2.
         let dist = PerssonPressure::new(30.0, 2.0, 3.0, None);
-        assert!((dist.density_per_pa(33.0) * 3.0 * (2.0 * PI).sqrt() - (-0.5_f64).exp()).abs() < 1e-12);
+        assert!((dist.cumulative(33.0) - 0.841_344_746_068_542_9).abs() < 1e-12);
     }
 
     #[test]
     fn with_a_hardness_the_images_sum_to_perssons_series() {
-        // P = (2/H) Σ sin(nπp̄/H) sin(nπp/H) exp(−(nπ/H)²V/2), which solves the diffusion between absorbing walls.
+        // P = (2/H) Σ sin(nπp̄/H) sin(nπp/H) exp(−(nπ/H)²V/2), which solves the diffusion between absorbing walls,
+        // integrated over p.
         for (mean, std, hardness) in
             [(0.1, 0.3, 1.0), (0.1, 1.0, 1.0), (0.9, 0.3, 1.0), (0.5, 0.02, 2.0), (0.3, 2.0, 1.0)]
         {
             let dist = PerssonPressure::new(mean, 2.0, std, Some(hardness));
-            let wave = |n: f64, p: f64| (n * PI * p / hardness).sin();
+            let angle = |n: f64, p: f64| n * PI * p / hardness;
             let decay = |n: f64| (-0.5 * (n * PI * std / hardness).powi(2)).exp();
             for p in [0.01, 0.2, 0.5, 0.95].map(|fraction| fraction * hardness) {
-                let terms = (1..2000).map(f64::from).map(|n| wave(n, mean) * wave(n, p) * decay(n));
-                let wanted = 2.0 / hardness * terms.sum::<f64>();
-                assert!(
-                    (dist.density_per_pa(p) - wanted).abs() < 1e-13,
-                    "{dist:?} {p}: {} {wanted}",
-                    dist.density_per_pa(p)
-                );
+                let terms =
+                    (1..2000).map(f64::from).map(|n| angle(n, mean).sin() * (1.0 - angle(n, p).cos()) * decay(n) / n);
+                let wanted = 2.0 / PI * terms.sum::<f64>();
+                let found = dist.cumulative(p) - dist.cumulative(0.0);
+                assert!((found - wanted).abs() < 1e-12, "{dist:?} {p}: {found} {wanted}");
             }
-            let elastic = integral(hardness, |p| dist.density_per_pa(p));
-            assert!((dist.elastic_fraction() - elastic).abs() < 1e-9, "{dist:?}");
-            let carried = integral(hardness, |p| p * dist.density_per_pa(p)) + hardness * dist.plastic_fraction();
+            // The value at H, a jump, does not count.
+            let below = |p: f64| if p < hardness { dist.cumulative(p) } else { 1.0 - dist.plastic_fraction() };
+            let carried = integral(hardness, |p| 1.0 - below(p));
             assert!((carried / mean - 1.0).abs() < 1e-9, "{dist:?}: {carried}");
-            let middle = 0.4 * hardness;
-            let cumulative = 1.0 - dist.contact_fraction() + integral(middle, |p| dist.density_per_pa(p));
-            assert!((dist.cumulative(middle) - cumulative).abs() < 1e-9);
-            assert_eq!((dist.cumulative(hardness), dist.density_per_pa(hardness)), (1.0, 0.0));
+            assert_eq!(dist.cumulative(hardness), 1.0);
         }
         // A hardness far above the pressure changes nothing. Very large roughness leaves only plastic contact, of the
         // area p̄/H.
         let (hard, elastic) =
             (PerssonPressure::new(0.3, 2.0, 1.0, Some(40.0)), PerssonPressure::new(0.3, 2.0, 1.0, None));
         assert!((hard.contact_fraction() / elastic.contact_fraction() - 1.0).abs() < 1e-14);
-        assert!(hard.plastic_fraction() < 1e-16 && hard.density_per_pa(0.7) == elastic.density_per_pa(0.7));
+        assert!(hard.plastic_fraction() < 1e-16 && hard.cumulative(0.7) == elastic.cumulative(0.7));
         // The images cancel here, to the accuracy of the error function.
         for std in [2.5, 3.9, 4.1, 1e6] {
             let plastic = PerssonPressure::new(0.3, 2.0, std, Some(1.0));

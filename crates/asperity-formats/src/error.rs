@@ -226,11 +226,6 @@ pub enum FormatError {
 }
 
 impl FormatError {
-    /// Returns whether the file does not exist.
-    pub fn is_not_found(&self) -> bool {
-        matches!(self, Self::NotFound { .. })
-    }
-
     /// Returns the error without the path of the file.
     pub fn cause(&self) -> &Self {
         match self {

@@ -86,7 +86,6 @@ pub(super) struct Parts<'a> {
 pub struct FrictionProcess {
     model: ProcessModel,
     table: TranslationTable,
-    translation: Translation,
     /// Step of a Jacobi diffusion; shared, because it is large.
     jacobi: Option<Arc<JacobiStep>>,
     /// Correlation length of the normal process, or of m if there is none.
@@ -134,10 +133,9 @@ impl FrictionProcess {
             let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
             return Err(ProcessError::Parameter { parameter, value: step, wanted });
         }
-        let translation = Translation::new(&model.marginal)?;
         let normal_length = match model.correlation {
             TranslationKind::Corrected if model.generator.translates() => {
-                let wanted = translation.normal_correlation((-1.0_f64).exp())?;
+                let wanted = Translation::new(&model.marginal)?.normal_correlation((-1.0_f64).exp())?;
                 let decay = model.shape.decay_length(model.correlation_length);
                 model.shape.longer(model.correlation_length, decay, wanted)
             }
@@ -150,7 +148,7 @@ impl FrictionProcess {
             }
             _ => None,
         };
-        Ok(Self { model, table, translation, jacobi, normal_length, step })
+        Ok(Self { model, table, jacobi, normal_length, step })
     }
 
     /// Returns the model of the process.
@@ -172,9 +170,13 @@ impl FrictionProcess {
 
     /// Returns the correlation of m at two grid points a distance `lag` apart, after the translation and without
     /// clipping.
-    pub fn correlation_at(&self, lag: f64) -> f64 {
+    #[cfg(test)]
+    pub(super) fn correlation_at(&self, lag: f64) -> f64 {
         let correlation = self.model.shape.correlation(lag, self.normal_length);
-        if self.model.generator.translates() { self.translation.correlation(correlation) } else { correlation }
+        if !self.model.generator.translates() {
+            return correlation;
+        }
+        Translation::new(&self.model.marginal).unwrap().correlation(correlation)
     }
 
     /// Returns the lower and upper end of the support of m; infinite for unbounded distributions.

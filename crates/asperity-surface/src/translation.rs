@@ -11,7 +11,7 @@ use ndarray::Array2;
 
 use super::gaussian::map_of;
 use super::{GaussianSurface, GeneratorError, RandomSurface};
-use asperity_base::distribution::{DistributionError, Marginal, translation::Translation};
+use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::map::{Grid, HeightMap};
 
 pub use correction::{CorrectedField, CorrectionReport, Feasibility, TranslationCorrection};
@@ -28,7 +28,7 @@ const SLOPE_STEP: f64 = 1e-3;
 ///
 /// A truncated expansion has a pointwise variance below σ² that varies over the map. So the Gaussian field is divided
 /// by its *own* standard deviation at each point. The marginal distribution is then exactly F everywhere, and the
-/// truncation affects only the correlation, which [`Translated::correlation_with`] returns.
+/// truncation affects only the correlation.
 ///
 /// *Plain* translation takes a Gaussian field with the wanted correlation; F⁻¹∘Φ then distorts it (towards zero). For
 /// the *corrected* correlation, create the Gaussian field by [`TranslationCorrection`], or from another generator by
@@ -117,18 +117,16 @@ impl<S: GaussianSurface> Translated<S> {
 
     /// Returns the correlation of the translated heights with the height at (`row`, `column`), shape `[ny, nx]`,
     /// without sampling.
-    ///
-    /// # Errors
-    /// The errors of [`Translated::new`].
-    pub fn correlation_with(&self, row: usize, column: usize) -> Result<Array2<f64>, TranslationError> {
-        let translation = Translation::new(&self.marginal)?;
+    #[cfg(test)]
+    fn correlation_with(&self, row: usize, column: usize) -> Array2<f64> {
+        let translation = asperity_base::distribution::translation::Translation::new(&self.marginal).unwrap();
         let mut correlation = self.gaussian.covariance_with_m2(row, column);
         let nx = self.gaussian.grid().nx();
         let here = self.inverse_std_per_m[row * nx + column];
         for (value, there) in correlation.iter_mut().zip(&self.inverse_std_per_m) {
             *value = translation.correlation((*value * here * there).clamp(-1.0, 1.0));
         }
-        Ok(correlation)
+        correlation
     }
 }
 

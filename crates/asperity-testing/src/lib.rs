@@ -2,6 +2,7 @@
 
 mod choices;
 mod coverage;
+mod distances;
 mod functions;
 mod maps;
 mod monitors;
@@ -10,6 +11,7 @@ mod records;
 
 pub use choices::Choices;
 pub use coverage::{covered, repetitions};
+pub use distances::kolmogorov_smirnov_to;
 pub use functions::{BOREHOLE, ISHIGAMI, SOBOL_G, SOBOL_G_PARAMETERS, TestFunction};
 pub use maps::{filtered_noise, paraboloid, self_affine};
 pub use monitors::{AlwaysCancelled, CancelAfter};

@@ -1,5 +1,4 @@
 use super::*;
-use asperity::chaos::distance::kolmogorov_smirnov_to;
 use asperity::contact::{Boundary, Control, HalfSpace};
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::distribution::{standard_normal_cdf, standard_normal_pdf};
@@ -8,6 +7,7 @@ use asperity::monitor::Silent;
 use asperity::random::{standard_normal, stream};
 use asperity::stats::wilson_interval;
 use asperity::surface::{KarhunenLoeve, ModesRoute, SpectralField};
+use asperity_testing::kolmogorov_smirnov_to;
 
 const FRESH: usize = 4000;
 
@@ -146,14 +146,13 @@ fn duplicate_samples_change_the_distribution_little() {
 fn variables_that_are_zero_or_missing_have_no_effect() {
     let plain = samples(300, f64::INFINITY, |_, eta| (0.3 + eta).max(0.0));
     let cdf = |p: f64| if p < 0.0 { 0.0 } else { standard_normal_cdf(p - 0.3) };
-    let left = |p: f64| if p <= 0.0 { 0.0 } else { cdf(p) };
     for row in [vec![0.0, 0.0], vec![]] {
         let samples = RotatedSamples { rows: vec![row; 300], ..plain.clone() };
         let latent = by_latent(&samples).unwrap();
         assert_eq!(latent.coefficients, Some(2));
         for found in [latent, by_two_parts(&samples).unwrap()] {
             // 99.99 % point of √n D: 2.23.
-            let distance = kolmogorov_smirnov_to(&found.distribution, cdf, left);
+            let distance = kolmogorov_smirnov_to(found.distribution.values(), found.distribution.cumulative(), cdf);
             assert!(distance < 2.23 / 300.0_f64.sqrt(), "{distance}");
         }
     }

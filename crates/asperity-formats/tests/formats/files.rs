@@ -94,7 +94,7 @@ fn errors_name_the_path_and_a_missing_file_is_its_own_kind() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("none.x3p");
     let error = read(&missing).unwrap_err();
-    assert!(error.is_not_found());
+    assert!(matches!(error, FormatError::NotFound { .. }));
     assert_eq!(error.to_string(), format!("{}: no such file or folder", missing.display()));
     let error = read(folder.path()).unwrap_err();
     assert!(matches!(&error, FormatError::Io { path, .. } if path == folder.path()), "{error}");
@@ -104,7 +104,10 @@ fn errors_name_the_path_and_a_missing_file_is_its_own_kind() {
     let error = read(&ragged).unwrap_err();
     assert_eq!(error.to_string(), format!("{}: text: line 2 has 1 values; the first row has 2", ragged.display()));
     let error = write(&scan(), &folder.path().join("no folder/a.npy")).unwrap_err();
-    assert!(error.is_not_found() && error.to_string().contains("no folder: no such"), "{error}");
+    assert!(
+        matches!(error, FormatError::NotFound { .. }) && error.to_string().contains("no folder: no such"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -80,13 +80,6 @@ pub struct Feasibility {
     pub predistorted_negative_fraction: f64,
 }
 
-impl Feasibility {
-    /// Returns the depth of the target below the least correlation of the distribution; 0 if it does not fall below.
-    pub fn shortfall(&self) -> f64 {
-        (self.least_correlation - self.least_target).max(0.0)
-    }
-}
-
 /// Target and achieved correlation of a translated field at the lags of its map, without sampling: on a periodic grid
 /// up to half the sides, on a free grid all lags.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,10 +5,9 @@ use asperity_base::distribution::{DistributionError, Marginal, translation::Tran
 
 /// Gaussian correlation that a translation converts into the correlation of `target`: ρ_G = T⁻¹(ρ_X).
 ///
-/// ρ_G may fail to be a correlation function. Generators then clip its negative part, and
-/// [`Translated::correlation_with`](super::Translated::correlation_with) returns the correlation that remains.
-/// [`TranslationCorrection`](super::TranslationCorrection) leaves a smaller one. Targets below the least correlation of
-/// the distribution are raised to it.
+/// ρ_G may fail to be a correlation function. Generators then clip its negative part, and the correlation of the
+/// heights deviates from the target. [`TranslationCorrection`](super::TranslationCorrection) leaves a smaller
+/// deviation. Targets below the least correlation of the distribution are raised to it.
 #[derive(Debug, Clone)]
 pub struct Predistorted<C> {
     target: C,

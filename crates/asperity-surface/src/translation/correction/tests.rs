@@ -297,13 +297,12 @@ fn correlations_below_the_least_one_of_the_distribution_are_reported() {
         let CorrectedField { report, .. } = correction.periodic(&Wave(16.0), &marginal(text), square(32)).unwrap();
         assert!((report.feasibility.least_correlation - least).abs() < 1e-8, "{:?}", report.feasibility);
         assert!((report.feasibility.least_target + 1.0).abs() < 1e-12);
-        assert!((report.feasibility.shortfall() - (1.0 + least)).abs() < 1e-8);
         assert!(!report.converged);
         // At half a period no translation reaches the target.
         assert!(report.corrected.largest_deviation > 1.0 + least - 1e-7);
     }
     let CorrectedField { report, .. } = correction.periodic(&Wave(16.0), &marginal("normal"), square(32)).unwrap();
-    assert!(report.feasibility.shortfall() < 1e-12 && report.converged && report.iterations == 0);
+    assert!(report.converged && report.iterations == 0);
     assert!(report.corrected.largest_deviation < 1e-12);
 }
 
@@ -337,7 +336,7 @@ fn the_field_has_the_correlation_that_the_report_states() {
         // A free field needs twice the sides. Larger domains do not make the spectrum positive.
         assert_eq!(field.xi_len(), if free { 64 * 64 } else { 32 * 32 });
         let surface = Translated::new(field, marginal.clone()).unwrap();
-        let met = surface.correlation_with(0, 0).unwrap();
+        let met = surface.correlation_with(0, 0);
         for ((row, column), value) in report.achieved.indexed_iter() {
             assert!((met[[row, column]] - value).abs() < 1e-9, "({row},{column}): {} {value}", met[[row, column]]);
             assert!((report.target[[row, column]] - target.correlation(column as f64, row as f64)).abs() < 1e-15);
@@ -363,7 +362,7 @@ fn an_oblique_lay_is_reproduced_on_both_of_its_sides() {
             assert!(report.plain.largest_deviation > 0.02, "{:?}", report.plain);
             let surface = Translated::new(field, marginal.clone()).unwrap();
             // Correlation with one point in the middle, whose lags have either sign.
-            let met = surface.correlation_with(20, 20).unwrap();
+            let met = surface.correlation_with(20, 20);
             for (x, y) in [(3_i32, 2_i32), (-3, 2), (6, 4), (-6, 4), (2, 6), (-2, 6)] {
                 let value = met[[(20 + y) as usize, (20 + x) as usize]];
                 let wanted = target.correlation(f64::from(x), f64::from(y));
