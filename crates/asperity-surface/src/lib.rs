@@ -38,7 +38,7 @@ pub use translation::{
     CorrectedField, CorrectionReport, Feasibility, Predistorted, Translated, TranslationCorrection, TranslationError,
     TranslationReport,
 };
-pub use weierstrass_mandelbrot::{WeierstrassForm, WeierstrassMandelbrot, WeierstrassProfile};
+pub use weierstrass_mandelbrot::WeierstrassMandelbrot;
 
 use ndarray::Array2;
 

@@ -5,113 +5,22 @@ mod tests;
 
 use std::f64::consts::{PI, TAU};
 
-use serde::{Deserialize, Serialize};
-
 use super::gaussian::{check_xi, map_of};
 use super::{GeneratorError, RandomSurface};
 use asperity_base::distribution::standard_normal_cdf;
 use asperity_base::fourier::Complex64;
 use asperity_base::map::{Grid, HeightMap};
 
-/// Form of the sum over frequencies, which diverges towards low frequencies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WeierstrassForm {
-    /// Σ γ^{(D−2)j} cos(γ^j x + φ_j) over a finite range of j: stationary.
-    Truncated,
-    /// Σ γ^{(D−2)j} [cos φ_j − cos(γ^j x + φ_j)], which converges over all j: zero at the origin, with stationary
-    /// increments.
-    Convergent,
-}
-
 fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str) -> Result<(), GeneratorError> {
     if valid && value.is_finite() { Ok(()) } else { Err(GeneratorError::Parameter { parameter, value, wanted }) }
-}
-
-/// Weierstrass–Mandelbrot profile z(x) = G^{D−1} Σ_{j=j₁}^{j₂} γ^{(D−2)j} cos(γ^j x + φ_j), or its convergent form.
-///
-/// γ^j is an angular wavenumber in rad/m, G a length in metre, D the fractal dimension of the graph.
-///
-/// # References
-/// Berry & Lewis, *Proc. R. Soc. A* **370** (1980) 459, <https://doi.org/10.1098/rspa.1980.0044>; Majumdar & Tien,
-/// *Wear* **136** (1990) 313, <https://doi.org/10.1016/0043-1648(90)90154-3>.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WeierstrassProfile {
-    dimension: f64,
-    gamma: f64,
-    roughness_m: f64,
-    form: WeierstrassForm,
-    exponents: Vec<f64>,
-}
-
-impl WeierstrassProfile {
-    /// Creates the sum over integers j from `first` to `last`, with fractal roughness G.
-    ///
-    /// # Errors
-    /// D outside (1, 2), γ not above 1, G not positive, or an empty range.
-    pub fn new(
-        dimension: f64,
-        gamma: f64,
-        roughness_m: f64,
-        first: i32,
-        last: i32,
-        form: WeierstrassForm,
-    ) -> Result<Self, GeneratorError> {
-        check("dimension", dimension, dimension > 1.0 && dimension < 2.0, "in (1, 2)")?;
-        check("gamma", gamma, gamma > 1.0, "above 1")?;
-        check("roughness_m", roughness_m, roughness_m > 0.0, "positive")?;
-        check("last", f64::from(last), last >= first, "at least the first exponent")?;
-        let exponents = (first..=last).map(f64::from).collect();
-        Ok(Self { dimension, gamma, roughness_m, form, exponents })
-    }
-
-    /// Returns the wavenumbers γ^j in rad/m, rising.
-    pub fn wavenumbers_rad_per_m(&self) -> Vec<f64> {
-        self.exponents.iter().map(|j| self.gamma.powf(*j)).collect()
-    }
-
-    /// Returns the amplitudes G^{D−1} γ^{(D−2)j} in metre, falling.
-    pub fn amplitudes_m(&self) -> Vec<f64> {
-        let scale = self.roughness_m.powf(self.dimension - 1.0);
-        self.exponents.iter().map(|j| scale * self.gamma.powf((self.dimension - 2.0) * j)).collect()
-    }
-
-    /// Returns the height in metre at x for the given phases in radian.
-    ///
-    /// # Panics
-    /// If there is not one phase per term.
-    pub fn height_m(&self, x_m: f64, phases: &[f64]) -> f64 {
-        assert_eq!(phases.len(), self.exponents.len(), "one phase per term");
-        let terms = self.wavenumbers_rad_per_m().into_iter().zip(self.amplitudes_m()).zip(phases);
-        terms
-            .map(|((q, amplitude), phase)| match self.form {
-                WeierstrassForm::Truncated => amplitude * (q * x_m + phase).cos(),
-                WeierstrassForm::Convergent => amplitude * (phase.cos() - (q * x_m + phase).cos()),
-            })
-            .sum()
-    }
-
-    /// Returns the variance ½ G^{2(D−1)} Σ γ^{2(D−2)j} of the stationary form, in m².
-    pub fn variance_m2(&self) -> f64 {
-        0.5 * self.amplitudes_m().iter().map(|a| a * a).sum::<f64>()
-    }
-
-    /// Returns the structure function E (z(x + τ) − z(x))² = G^{2(D−1)} Σ γ^{2(D−2)j} (1 − cos γ^jτ) in m² (equal for
-    /// both forms).
-    ///
-    /// Over all j it obeys S(γτ) = γ^{2(2−D)} S(τ).
-    pub fn structure_function_m2(&self, lag_m: f64) -> f64 {
-        let terms = self.wavenumbers_rad_per_m().into_iter().zip(self.amplitudes_m());
-        // 1 − cos by the half angle, which is accurate for small values.
-        terms.map(|(q, amplitude)| 2.0 * (amplitude * (0.5 * q * lag_m).sin()).powi(2)).sum()
-    }
 }
 
 /// Weierstrass–Mandelbrot surface in the generalisation of Ausloos and Berman,
 ///
 /// z(x) = G^{D−2} √(ln γ/M) Σ_{m=1}^{M} Σ_j γ^{(D−3)j} cos(γ^j (x cos α_m + y sin α_m) + φ_mj), α_m = πm/M, 2 < D < 3,
 ///
-/// or its convergent form. A profile of it has dimension D − 1 and Hurst exponent 3 − D. The wavenumbers are
+/// with a fractal roughness G in metre. A profile of it has dimension D − 1 and Hurst exponent 3 − D; with one ridge it is
+/// eq. (1) of the paper times √(ln γ). The wavenumbers are
 /// γ^j = (2π/L)γ^k, k = 0, 1, … up to the grid's Nyquist wavenumber, with L the longer side. ξ determines the phases,
 /// φ = 2πΦ(ξ), wavenumber by wavenumber from the lowest, all ridges of one before the next.
 ///
@@ -120,14 +29,14 @@ impl WeierstrassProfile {
 ///
 /// # References
 /// Ausloos & Berman, *Proc. R. Soc. A* **400** (1985) 331, <https://doi.org/10.1098/rspa.1985.0083>; Yan & Komvopoulos,
-/// *J. Appl. Phys.* **84** (1998) 3617, <https://doi.org/10.1063/1.368536>.
+/// *J. Appl. Phys.* **84** (1998) 3617, <https://doi.org/10.1063/1.368536>. Profiles: Berry & Lewis, *Proc. R. Soc. A*
+/// **370** (1980) 459, <https://doi.org/10.1098/rspa.1980.0044>; Majumdar & Tien, *Wear* **136** (1990) 313,
+/// <https://doi.org/10.1016/0043-1648(90)90154-3>.
 #[derive(Debug, Clone)]
 pub struct WeierstrassMandelbrot {
     grid: Grid,
     dimension: f64,
-    gamma: f64,
     roughness_m: f64,
-    form: WeierstrassForm,
     waves: Vec<Wave>,
 }
 
@@ -161,7 +70,6 @@ impl WeierstrassMandelbrot {
         gamma: f64,
         ridges: usize,
         roughness_m: f64,
-        form: WeierstrassForm,
     ) -> Result<Self, GeneratorError> {
         check("dimension", dimension, dimension > 2.0 && dimension < 3.0, "in (2, 3)")?;
         check("ridges", ridges as f64, ridges > 0, "at least 1")?;
@@ -174,10 +82,10 @@ impl WeierstrassMandelbrot {
         let wavenumbers = std::iter::once(first).chain(more.take_while(|q| *q <= nyquist * (1.0 + 1e-12)));
         let angles: Vec<f64> = (1..=ridges).map(|m| PI * m as f64 / ridges as f64).collect();
         let waves = waves(wavenumbers, &angles, dimension, gamma);
-        Ok(Self { grid, dimension, gamma, roughness_m, form, waves })
+        Ok(Self { grid, dimension, roughness_m, waves })
     }
 
-    /// Returns the same surface with G such that the variance of the stationary form is `rms_height_m`².
+    /// Returns the same surface with G such that the variance is `rms_height_m`².
     ///
     /// The rms height of one map about its own mean fluctuates around this value, mostly by its few longest waves.
     ///
@@ -190,68 +98,14 @@ impl WeierstrassMandelbrot {
         Ok(self)
     }
 
-    /// Returns the fractal dimension D of the surface.
-    pub fn dimension(&self) -> f64 {
-        self.dimension
-    }
-
-    /// Returns the ratio γ of neighbouring wavenumbers.
-    pub fn gamma(&self) -> f64 {
-        self.gamma
-    }
-
-    /// Returns the fractal roughness G in metre.
-    pub fn roughness_m(&self) -> f64 {
-        self.roughness_m
-    }
-
     fn scale(&self) -> f64 {
         self.roughness_m.powf(self.dimension - 2.0)
     }
 
-    /// Returns the variance of the stationary form in m².
-    pub fn variance_m2(&self) -> f64 {
+    /// Returns the variance in m².
+    fn variance_m2(&self) -> f64 {
         let sum: f64 = self.waves.iter().map(|wave| wave.amplitude * wave.amplitude).sum();
         0.5 * self.scale() * self.scale() * sum
-    }
-
-    /// Returns the structure function E (z(s + (x, y)) − z(s))² in m².
-    pub fn structure_function_m2(&self, lag_x_m: f64, lag_y_m: f64) -> f64 {
-        let sum: f64 = self
-            .waves
-            .iter()
-            .map(|wave| 2.0 * (wave.amplitude * (0.5 * (wave.qx * lag_x_m + wave.qy * lag_y_m)).sin()).powi(2))
-            .sum();
-        self.scale() * self.scale() * sum
-    }
-
-    /// Generates the heights for given phases in radian.
-    ///
-    /// # Panics
-    /// If there is not one finite phase per wave.
-    pub fn map(&self, phases: &[f64]) -> HeightMap {
-        check_xi(phases, self.waves.len());
-        let (ny, nx) = self.grid.shape();
-        let mut heights = vec![0.0; nx * ny];
-        let mut along_x = vec![Complex64::default(); nx];
-        for (wave, phase) in self.waves.iter().zip(phases) {
-            // cos(a + b) = Re e^{ia} e^{ib}: nx + ny sines and cosines instead of nx·ny.
-            for (column, value) in along_x.iter_mut().enumerate() {
-                *value = Complex64::cis(wave.qx * column as f64 * self.grid.dx_m());
-            }
-            let amplitude = self.scale() * wave.amplitude;
-            let (sign, offset) = match self.form {
-                WeierstrassForm::Truncated => (1.0, 0.0),
-                WeierstrassForm::Convergent => (-1.0, amplitude * phase.cos()),
-            };
-            for (row, line) in heights.chunks_exact_mut(nx).enumerate() {
-                let along_y = Complex64::cis(wave.qy * row as f64 * self.grid.dy_m() + phase) * (sign * amplitude);
-                for (z, x) in line.iter_mut().zip(&along_x) {
-                    *z += offset + x.re * along_y.re - x.im * along_y.im;
-                }
-            }
-        }
-        map_of(self.grid, heights)
     }
 }
 
@@ -266,7 +120,23 @@ impl RandomSurface for WeierstrassMandelbrot {
 
     fn generate(&self, xi: &[f64]) -> HeightMap {
         check_xi(xi, self.xi_len());
-        let phases: Vec<f64> = xi.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
-        self.map(&phases)
+        let (ny, nx) = self.grid.shape();
+        let mut heights = vec![0.0; nx * ny];
+        let mut along_x = vec![Complex64::default(); nx];
+        for (wave, xi) in self.waves.iter().zip(xi) {
+            let phase = TAU * standard_normal_cdf(*xi);
+            // cos(a + b) = Re e^{ia} e^{ib}: nx + ny sines and cosines instead of nx·ny.
+            for (column, value) in along_x.iter_mut().enumerate() {
+                *value = Complex64::cis(wave.qx * column as f64 * self.grid.dx_m());
+            }
+            let amplitude = self.scale() * wave.amplitude;
+            for (row, line) in heights.chunks_exact_mut(nx).enumerate() {
+                let along_y = Complex64::cis(wave.qy * row as f64 * self.grid.dy_m() + phase) * amplitude;
+                for (z, x) in line.iter_mut().zip(&along_x) {
+                    *z += x.re * along_y.re - x.im * along_y.im;
+                }
+            }
+        }
+        map_of(self.grid, heights)
     }
 }

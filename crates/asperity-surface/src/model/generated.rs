@@ -10,7 +10,7 @@ use super::{SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture, Truncat
 use crate::spectral::variables;
 use crate::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
-    TranslationCorrection, WeierstrassForm, WeierstrassMandelbrot, modes_for_slopes, modes_memory_bytes,
+    TranslationCorrection, WeierstrassMandelbrot, modes_for_slopes, modes_memory_bytes,
 };
 
 /// Ratio of neighbouring wavenumbers of Weierstrass–Mandelbrot surfaces.
@@ -141,7 +141,7 @@ impl SurfaceModel {
             }
             // The rms height sets G; its initial value has no effect.
             Texture::WeierstrassMandelbrot { dimension } => Ok(Generated::exact(Box::new(
-                WeierstrassMandelbrot::new(grid, *dimension, GAMMA, RIDGES, 1e-9, WeierstrassForm::Truncated)?
+                WeierstrassMandelbrot::new(grid, *dimension, GAMMA, RIDGES, 1e-9)?
                     .with_rms_height(self.marginal.std())?,
             ))),
         }

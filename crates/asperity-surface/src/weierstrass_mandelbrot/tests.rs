@@ -8,34 +8,28 @@ fn left_out(gamma: f64, hurst: f64) -> f64 {
     10.0 * (gamma.powf(-120.0 * hurst) + gamma.powf(-120.0 * (1.0 - hurst)))
 }
 
-#[test]
-fn the_structure_function_of_the_two_sided_sum_is_self_affine() {
-    for (dimension, gamma) in [(1.2, 1.5), (1.5, 1.5), (1.8, 1.5), (1.4, 1.7), (1.6, 1.5)] {
-        let profile = WeierstrassProfile::new(dimension, gamma, 1.0, -60, 60, WeierstrassForm::Convergent).unwrap();
-        for lag in [0.1, 1.0, 2.3] {
-            let ratio = profile.structure_function_m2(gamma * lag) / profile.structure_function_m2(lag);
-            let wanted = gamma.powf(2.0 * (2.0 - dimension));
-            assert!((ratio / wanted - 1.0).abs() < left_out(gamma, 2.0 - dimension), "D {dimension}: {ratio} {wanted}");
-        }
-    }
+/// Returns the structure function E (z(s + (x, y)) − z(s))² in m².
+fn structure_function_m2(surface: &WeierstrassMandelbrot, x: f64, y: f64) -> f64 {
+    // 1 − cos by the half angle, which is accurate for small values.
+    let term = |wave: &Wave| 2.0 * (wave.amplitude * (0.5 * (wave.qx * x + wave.qy * y)).sin()).powi(2);
+    surface.scale().powi(2) * surface.waves.iter().map(term).sum::<f64>()
+}
+
+/// Returns the sum over the wavenumbers γ^j.
+fn sum_over(exponents: impl Iterator<Item = i32>, angles: &[f64], dimension: f64, gamma: f64) -> WeierstrassMandelbrot {
+    let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
+    let waves = waves(exponents.map(|j| gamma.powi(j)), angles, dimension, gamma);
+    WeierstrassMandelbrot { grid, dimension, roughness_m: 0.3, waves }
 }
 
 #[test]
 fn the_structure_function_of_a_two_sided_surface_is_self_affine_in_every_direction() {
-    let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
     let angles: Vec<f64> = (1..=7).map(|m| PI * f64::from(m) / 7.0).collect();
     for dimension in [2.2, 2.5, 2.8] {
         let gamma: f64 = 1.5;
-        let surface = WeierstrassMandelbrot {
-            grid,
-            dimension,
-            gamma,
-            roughness_m: 0.3,
-            form: WeierstrassForm::Convergent,
-            waves: waves((-60..=60).map(|j| gamma.powi(j)), &angles, dimension, gamma),
-        };
+        let surface = sum_over(-60..=60, &angles, dimension, gamma);
         for (x, y) in [(1.0, 0.0), (0.0, 1.0), (0.4, -0.3), (-1.1, 1.7)] {
-            let ratio = surface.structure_function_m2(gamma * x, gamma * y) / surface.structure_function_m2(x, y);
+            let ratio = structure_function_m2(&surface, gamma * x, gamma * y) / structure_function_m2(&surface, x, y);
             let wanted = gamma.powf(2.0 * (3.0 - dimension));
             assert!((ratio / wanted - 1.0).abs() < left_out(gamma, 3.0 - dimension), "D {dimension}: {ratio} {wanted}");
         }
@@ -44,28 +38,9 @@ fn the_structure_function_of_a_two_sided_surface_is_self_affine_in_every_directi
 
 #[test]
 fn the_variance_of_the_truncated_sum_is_the_published_number() {
-    let profile = WeierstrassProfile::new(1.5, 1.5, 1.0, 0, 20, WeierstrassForm::Truncated).unwrap();
-    assert!((profile.variance_m2() - 1.499_699_271).abs() < 5e-10);
-}
-
-#[test]
-fn random_phases_have_the_variance_and_the_structure_function() {
-    let profile = WeierstrassProfile::new(1.5, 1.5, 0.3, 0, 20, WeierstrassForm::Truncated).unwrap();
-    let count = 20_000;
-    let mut stream = random::stream(5, "phases", 0);
-    let (mut squares, mut steps) = (Vec::new(), Vec::new());
-    for _ in 0..count {
-        let phases: Vec<f64> =
-            random::standard_normal(&mut stream, 21).into_iter().map(|xi| TAU * standard_normal_cdf(xi)).collect();
-        let (here, there) = (profile.height_m(0.4, &phases), profile.height_m(0.9, &phases));
-        squares.push(here * here);
-        steps.push((there - here).powi(2));
-    }
-    for (values, wanted) in [(squares, profile.variance_m2()), (steps, profile.structure_function_m2(0.5))] {
-        let mean = values.iter().sum::<f64>() / count as f64;
-        let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt() / count as f64;
-        assert!((mean - wanted).abs() < 4.0 * error, "{mean} ± {error}, wanted {wanted}");
-    }
+    // One ridge is the profile times √(ln γ) at G = 1.
+    let profile = WeierstrassMandelbrot { roughness_m: 1.0, ..sum_over(0..=20, &[0.0], 2.5, 1.5) };
+    assert!((profile.variance_m2() / 1.5_f64.ln() - 1.499_699_271).abs() < 5e-10);
 }
 
 /// Returns the slope of a least-squares line through (ln x, ln y).
@@ -102,11 +77,9 @@ fn the_spectrum_of_a_profile_falls_with_the_power_five_minus_two_d_in_octaves_an
     for dimension in [1.2, 1.5, 1.8] {
         let grid = Grid::new(16384, 2, 1.0, 1.0).unwrap();
         // The wavenumbers 2π γ^j over the width, up to Nyquist's: γ³⁹ = 8192.
-        let profile = WeierstrassProfile::new(dimension, THIRD, 1.0, 0, 39, WeierstrassForm::Truncated).unwrap();
+        let surface = WeierstrassMandelbrot::new(grid, dimension + 1.0, THIRD, 1, 1.0).unwrap();
         let xi = random::standard_normal(&mut random::stream(6, "slope", 0), 40);
-        let phases: Vec<f64> = xi.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
-        let map = HeightMap::from_function(grid, |x, _| profile.height_m(TAU * x / 16384.0, &phases)).unwrap();
-        let spectrum = profile_spectrum(&map, Axis::X).unwrap();
+        let spectrum = profile_spectrum(&surface.generate(&xi), Axis::X).unwrap();
         let first = TAU / 16384.0;
         // From the fifth octave on lines are eight bins apart, so the window's lobes do not overlap.
         let all: Vec<(f64, f64)> = spectrum.q_rad_per_m.iter().copied().zip(spectrum.psd_m3.iter().copied()).collect();
@@ -125,7 +98,7 @@ fn the_spectra_of_a_surface_fall_with_its_dimension_along_profiles_and_radially(
     let n = 1024;
     for dimension in [2.2, 2.5, 2.8] {
         let grid = Grid::new(n, n, 1.0, 1.0).unwrap();
-        let surface = WeierstrassMandelbrot::new(grid, dimension, THIRD, 4, 1.0, WeierstrassForm::Truncated).unwrap();
+        let surface = WeierstrassMandelbrot::new(grid, dimension, THIRD, 4, 1.0).unwrap();
         let xi = random::standard_normal(&mut random::stream(6, "slope", 1), surface.xi_len());
         let map = surface.generate(&xi);
         let first = TAU / n as f64;
@@ -153,40 +126,29 @@ fn the_spectra_of_a_surface_fall_with_its_dimension_along_profiles_and_radially(
 #[test]
 fn a_map_is_the_sum_of_its_cosines() {
     let grid = Grid::new(9, 7, 0.5, 0.8).unwrap();
-    for form in [WeierstrassForm::Truncated, WeierstrassForm::Convergent] {
-        let surface = WeierstrassMandelbrot::new(grid, 2.4, 1.6, 5, 0.2, form).unwrap();
-        let xi = random::standard_normal(&mut random::stream(7, "cosines", 0), surface.xi_len());
-        let phases: Vec<f64> = xi.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
-        let map = surface.generate(&xi);
-        for ((row, column), z) in map.heights_m().indexed_iter() {
-            let (x, y) = (0.5 * column as f64, 0.8 * row as f64);
-            let mut sum = 0.0;
-            let terms = surface.xi_len() / 5;
-            for k in 0..terms {
-                let q = TAU / 5.6 * 1.6_f64.powi(k as i32);
-                for m in 1..=5 {
-                    let angle = PI * m as f64 / 5.0;
-                    let phase = phases[5 * k + m - 1];
-                    let wave = (q * (x * angle.cos() + y * angle.sin()) + phase).cos();
-                    let amplitude = 0.2_f64.powf(0.4) * (1.6_f64.ln() / 5.0).sqrt() * q.powf(-0.6);
-                    sum += match form {
-                        WeierstrassForm::Truncated => amplitude * wave,
-                        WeierstrassForm::Convergent => amplitude * (phase.cos() - wave),
-                    };
-                }
+    let surface = WeierstrassMandelbrot::new(grid, 2.4, 1.6, 5, 0.2).unwrap();
+    let xi = random::standard_normal(&mut random::stream(7, "cosines", 0), surface.xi_len());
+    let phases: Vec<f64> = xi.iter().map(|xi| TAU * standard_normal_cdf(*xi)).collect();
+    let map = surface.generate(&xi);
+    for ((row, column), z) in map.heights_m().indexed_iter() {
+        let (x, y) = (0.5 * column as f64, 0.8 * row as f64);
+        let mut sum = 0.0;
+        for k in 0..surface.xi_len() / 5 {
+            let q = TAU / 5.6 * 1.6_f64.powi(k as i32);
+            for m in 1..=5 {
+                let angle = PI * m as f64 / 5.0;
+                let wave = (q * (x * angle.cos() + y * angle.sin()) + phases[5 * k + m - 1]).cos();
+                sum += 0.2_f64.powf(0.4) * (1.6_f64.ln() / 5.0).sqrt() * q.powf(-0.6) * wave;
             }
-            assert!((z - sum).abs() < 1e-13);
         }
-        if form == WeierstrassForm::Convergent {
-            assert!(map.heights_m()[[0, 0]].abs() < 1e-14, "zero at the origin");
-        }
+        assert!((z - sum).abs() < 1e-13);
     }
 }
 
 #[test]
 fn the_rms_height_can_be_set() {
     let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
-    let surface = WeierstrassMandelbrot::new(grid, 2.3, 1.5, 10, 1e-12, WeierstrassForm::Truncated).unwrap();
+    let surface = WeierstrassMandelbrot::new(grid, 2.3, 1.5, 10, 1e-12).unwrap();
     let surface = surface.with_rms_height(1e-6).unwrap();
     assert!((surface.variance_m2().sqrt() / 1e-6 - 1.0).abs() < 1e-12);
     let powers: Vec<f64> = (0..400)
@@ -203,11 +165,7 @@ fn the_rms_height_can_be_set() {
 #[test]
 fn parameters_outside_their_ranges_are_refused() {
     let grid = Grid::new(8, 8, 1.0, 1.0).unwrap();
-    let form = WeierstrassForm::Truncated;
-    assert!(WeierstrassProfile::new(2.0, 1.5, 1.0, 0, 5, form).is_err());
-    assert!(WeierstrassProfile::new(1.5, 1.0, 1.0, 0, 5, form).is_err());
-    assert!(WeierstrassProfile::new(1.5, 1.5, 1.0, 5, 0, form).is_err());
-    assert!(WeierstrassMandelbrot::new(grid, 1.5, 1.5, 4, 1.0, form).is_err());
-    assert!(WeierstrassMandelbrot::new(grid, 2.5, 1.5, 0, 1.0, form).is_err());
-    assert!(WeierstrassMandelbrot::new(grid, 2.5, f64::NAN, 4, 1.0, form).is_err());
+    assert!(WeierstrassMandelbrot::new(grid, 1.5, 1.5, 4, 1.0).is_err());
+    assert!(WeierstrassMandelbrot::new(grid, 2.5, 1.5, 0, 1.0).is_err());
+    assert!(WeierstrassMandelbrot::new(grid, 2.5, f64::NAN, 4, 1.0).is_err());
 }
