@@ -1,6 +1,6 @@
 //! Blockwise transposition of matrices.
 
-use super::Complex64;
+use asperity_fft::Complex64;
 
 /// Columns per block: 16 complex numbers are four cache lines of every row.
 pub(super) const BLOCK: usize = 16;

@@ -1,8 +1,10 @@
 //! Covariance of random surfaces: a model of few parameters, or the covariance of the scan.
 
+use std::convert::Infallible;
 use std::f64::consts::FRAC_PI_2;
 
 use asperity_base::correlation::{CorrelationModel, Covariance, MeasuredCovariance, StationaryCovariance};
+use asperity_base::numeric::bisect;
 
 use super::SurfaceModelError;
 
@@ -131,11 +133,9 @@ fn decay_length_m(end_m: f64, correlation: impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 4096;
     let (level, step_m) = ((-1.0_f64).exp(), end_m / STEPS as f64);
     let after = (1..=STEPS).find(|&step| correlation(step as f64 * step_m) <= level).unwrap_or(STEPS);
-    let (mut low_m, mut high_m) = ((after - 1) as f64 * step_m, after as f64 * step_m);
-    while high_m - low_m > 1e-12 * end_m {
-        let middle_m = 0.5 * (low_m + high_m);
-        if correlation(middle_m) > level { low_m = middle_m } else { high_m = middle_m }
-    }
+    let (low_m, high_m) = ((after - 1) as f64 * step_m, after as f64 * step_m);
+    let is_above = |lag_m| Ok::<_, Infallible>(correlation(lag_m) > level);
+    let Ok([low_m, high_m]) = bisect(low_m, high_m, 1e-12 * end_m, is_above);
     0.5 * (low_m + high_m)
 }
 

@@ -1,5 +1,7 @@
 //! Table of the twice integrated tail of a correlation without a closed form.
 
+use crate::numeric::gauss_legendre;
+
 /// Number of intervals of the table.
 const CELLS: usize = 1500;
 /// Points lie at r_max (i/n)^POWER, dense near zero, where a rough process has a cusp.
@@ -16,14 +18,17 @@ pub(super) struct TailTable {
 impl TailTable {
     /// Creates the table of a correlation that is negligible beyond `last`.
     pub(super) fn new(correlation: &dyn Fn(f64) -> f64, last: f64) -> Self {
+        let rule = gauss_legendre::<8>();
         let mut points = vec![[0.0, 0.0, correlation(last)]; CELLS + 1];
         for cell in (0..CELLS).rev() {
             let (low, high) = (at(last, cell), at(last, cell + 1));
             // Moments of the interval about its lower end.
-            let [mass, moment] = gauss_legendre_8(low, high, |x| {
-                let rho = correlation(x);
-                [rho, (x - low) * rho]
-            });
+            let [mut mass, mut moment] = [0.0; 2];
+            for (node, weight) in rule {
+                let above = 0.5 * (high - low) * (1.0 + node);
+                let part = 0.5 * (high - low) * weight * correlation(low + above);
+                (mass, moment) = (mass + part, moment + above * part);
+            }
             let [tail, slope, _] = points[cell + 1];
             points[cell] = [tail + slope * (high - low) + moment, slope + mass, correlation(low)];
         }
@@ -63,25 +68,4 @@ impl TailTable {
 
 fn at(last: f64, index: usize) -> f64 {
     last * (index as f64 / CELLS as f64).powi(POWER)
-}
-
-/// Positive nodes and weights of the eight-point Gauss–Legendre rule.
-const RULE: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
-];
-
-/// Returns the integrals of both components of `f` from `low` to `high`.
-fn gauss_legendre_8(low: f64, high: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
-    let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
-    let mut sums = [0.0; 2];
-    for (node, weight) in RULE {
-        for x in [centre - half * node, centre + half * node] {
-            let value = f(x);
-            sums = [sums[0] + half * weight * value[0], sums[1] + half * weight * value[1]];
-        }
-    }
-    sums
 }
