@@ -1,7 +1,6 @@
 //! Bands that contain the statistic of a further twin.
 
-use crate::distribution::Marginal;
-use crate::stats::{Interval, Moments, sorted_present};
+use crate::stats::{Interval, Moments, sorted_present, student_quantile};
 use crate::study::result::BandMethod;
 
 /// Probability of a band.
@@ -117,31 +116,13 @@ fn order_statistic(sorted: &[f64], probability: f64) -> f64 {
 /// Returns the interval that contains a further value with probability 95 % if all are normal: m ± t s √(1 + 1/n).
 fn prediction_interval(moments: &Moments) -> Interval {
     let n = moments.n as f64;
-    let half = student_t(n - 1.0) * moments.sample_std() * (1.0 + 1.0 / n).sqrt();
+    let half = student_quantile(1.0 - TAIL, n - 1.0) * moments.sample_std() * (1.0 + 1.0 / n).sqrt();
     Interval { low: moments.mean - half, high: moments.mean + half }
-}
-
-/// Returns Student's t₀.₉₇₅ for ν degrees of freedom; ν/(ν + t²) has the Beta distribution of ν/2 and ½.
-fn student_t(freedom: f64) -> f64 {
-    let law = Marginal::Beta { a: 0.5 * freedom, b: 0.5, low: 0.0, high: 1.0 };
-    let x = law.quantile(CHANCE_OUTSIDE);
-    (freedom * (1.0 - x) / x).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn student_quantiles_equal_tabulated_values() {
-        // Abramowitz & Stegun, table 26.10, P = 0.975.
-        for (freedom, wanted) in [(1.0, 12.706), (2.0, 4.303), (9.0, 2.262), (30.0, 2.042)] {
-            assert!((student_t(freedom) - wanted).abs() < 6e-4, "{freedom}: {}", student_t(freedom));
-        }
-        // Closed forms: tan(0.475 π), and 2α/√(1 − α²)·… at ν = 2: t = (2p − 1) √2/√(1 − (2p − 1)²).
-        assert!((student_t(1.0) / (0.475 * std::f64::consts::PI).tan() - 1.0).abs() < 1e-10);
-        assert!((student_t(2.0) / (0.95 * (2.0_f64 / (1.0 - 0.95 * 0.95)).sqrt()) - 1.0).abs() < 1e-10);
-    }
 
     #[test]
     fn no_band_leaves_the_range_of_its_statistic() {
