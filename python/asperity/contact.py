@@ -145,8 +145,6 @@ def solve_contact(
     if dx_m is None:
         raise ValueError("state dx_m, the distance between points")
     dy_m = dx_m if dy_m is None else dy_m
-    if youngs_modulus_pa is not None and poisson_ratio is None:
-        poisson_ratio = 0.3
     settings = {
         "modulus_pa": modulus_pa,
         "youngs_modulus_pa": youngs_modulus_pa,

@@ -150,6 +150,9 @@ pub fn wilson_interval(successes: usize, trials: usize) -> Interval {
 /// Φ⁻¹(0.975): half the width of a two-sided 95 % interval in standard errors.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
+/// Default of the least fraction of random samples that must have a valid result; statistics of fewer are refused.
+pub const VALID_FRACTION: f64 = 0.95;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,6 +15,9 @@ impl Elastic {
     /// A rigid body.
     pub const RIGID: Self = Self { youngs_modulus_pa: f64::INFINITY, poisson_ratio: 0.0 };
 
+    /// Default of Poisson's ratio.
+    pub const POISSON_RATIO: f64 = 0.3;
+
     /// Creates a body of Young's modulus E in pascal and Poisson's ratio ν.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use crate::sensitivity::{self, Sensitivity};
 use crate::surrogate::{RotatedSamples, TrainingSamples};
 use crate::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
 use asperity_base::monitor::Monitor;
-use asperity_base::stats::{Interval, NORMAL_95};
+use asperity_base::stats::{Interval, NORMAL_95, VALID_FRACTION};
 use asperity_chaos::{Basis, Design, DiscreteDistribution, SamplingMethod};
 
 /// Probabilities of the reported quantiles.
@@ -116,7 +116,7 @@ impl MethodComparison {
             variables: 8,
             degree: 3,
             surrogate_samples: 10_000,
-            valid_fraction: 0.95,
+            valid_fraction: VALID_FRACTION,
             stiffness: false,
         }
     }

@@ -53,7 +53,8 @@ impl Settings {
     fn substrate(&self) -> PyResult<Substrate> {
         let modulus_pa = match (self.modulus_pa, self.youngs_modulus_pa, self.poisson_ratio) {
             (Some(modulus_pa), None, None) => modulus_pa,
-            (None, Some(youngs_modulus_pa), Some(ratio)) => {
+            (None, Some(youngs_modulus_pa), ratio) => {
+                let ratio = ratio.unwrap_or(Elastic::POISSON_RATIO);
                 Elastic::new(youngs_modulus_pa, ratio).raise()?.contact_modulus_pa()
             }
             _ => return Err(value_error("state either modulus_pa, or youngs_modulus_pa with poisson_ratio")),

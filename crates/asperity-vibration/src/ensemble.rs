@@ -17,7 +17,7 @@ use super::trajectory::{NoObserver, follow};
 use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::blocks::{self, Loop};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::student_quantile;
+use asperity_base::stats::{VALID_FRACTION, student_quantile};
 use asperity_process::{Cancellable, FrictionProcess, Steady};
 
 /// Number of trajectories per block.
@@ -60,7 +60,7 @@ impl EnsembleSettings {
             drive: Drive::default(),
             method: Integrator::default(),
             sample_capacity: 65_536,
-            least_valid_share: 0.95,
+            least_valid_share: VALID_FRACTION,
         }
     }
 }

@@ -5,7 +5,6 @@ use asperity_base::correlation::{CorrelationModel, Covariance};
 use asperity_base::distribution::standard_normal_cdf;
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::monitor::Silent;
-use asperity_chaos::distance::DiscreteDistribution;
 use asperity_chaos::{RegressionError, SamplingError};
 use asperity_contact::{Boundary, Control, HalfSpace};
 use asperity_surface::{RandomSurface, SpectralField};

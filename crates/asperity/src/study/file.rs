@@ -15,6 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
+use crate::stats::VALID_FRACTION;
 use crate::study::uncertain::UncertainValue;
 
 pub use counterface::CounterfaceSection;
@@ -82,10 +83,10 @@ impl StudyFile {
 }
 
 fn least_valid_share() -> f64 {
-    0.95
+    VALID_FRACTION
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_least_valid_share(fraction: &f64) -> bool {
-    *fraction == least_valid_share()
+    *fraction == VALID_FRACTION
 }

@@ -13,9 +13,6 @@ use crate::failure::Failure;
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 
-/// Poisson's ratio of an elastic counterface when left out.
-const POISSON_RATIO: f64 = 0.3;
-
 /// Counterface; a rigid flat by default.
 #[derive(Debug, Args)]
 pub(super) struct Counterface {
@@ -79,7 +76,7 @@ impl Counterface {
     pub(super) fn contact_modulus_pa(&self, surface: Elastic) -> Result<f64, Failure> {
         let own = match self.counterface_youngs_modulus {
             None => Ok(Elastic::RIGID),
-            Some(modulus) => Elastic::new(modulus.0, self.counterface_poisson_ratio.unwrap_or(POISSON_RATIO)),
+            Some(modulus) => Elastic::new(modulus.0, self.counterface_poisson_ratio.unwrap_or(Elastic::POISSON_RATIO)),
         };
         let pair = own.and_then(|own| ElasticPair::new(surface, own));
         pair.map(|pair| pair.contact_modulus_pa()).map_err(Failure::usage)

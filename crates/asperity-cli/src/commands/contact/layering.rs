@@ -26,16 +26,13 @@ pub(super) struct Layering {
     base_poisson_ratio: Option<f64>,
 }
 
-/// Poisson's ratio of an elastic base when left out.
-const POISSON_RATIO: f64 = 0.3;
-
 impl Layering {
     /// Returns the layer of `material`, if there is one.
     pub(super) fn layer(&self, material: Elastic) -> Result<Option<Layer>, Failure> {
         let Some(thickness) = self.layer_thickness else { return Ok(None) };
         let base = match self.base_youngs_modulus {
             Some(modulus) => {
-                let poisson_ratio = self.base_poisson_ratio.unwrap_or(POISSON_RATIO);
+                let poisson_ratio = self.base_poisson_ratio.unwrap_or(Elastic::POISSON_RATIO);
                 Base::Elastic(Elastic::new(modulus.0, poisson_ratio).map_err(Failure::usage)?)
             }
             None if self.rigid_base => Base::Rigid,

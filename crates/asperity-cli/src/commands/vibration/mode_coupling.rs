@@ -5,6 +5,7 @@ mod answer;
 use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
+use asperity::stats::VALID_FRACTION;
 use asperity::study::{CsvTable, implausible_damping, implausible_friction, modes_table};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
@@ -28,8 +29,6 @@ use crate::resources::require_memory;
 const CYCLE_POINTS: usize = 1200;
 /// Memory for the modes at one friction coefficient, including the answer, in bytes.
 const POINT_BYTES: f64 = 512.0;
-/// Smallest accepted fraction of valid realisations.
-const MIN_VALID_FRACTION: f64 = 0.95;
 /// Default amplitude that counts as a vibration, relative to the cycle's amplitude.
 const THRESHOLD: f64 = 0.5;
 
@@ -221,9 +220,9 @@ impl Noise {
         let settling = self.settling;
         let belt_velocity = model.belt_velocity();
         Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }.note_time(&process, monitor);
-        let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share: MIN_VALID_FRACTION };
+        let least_valid_share = VALID_FRACTION;
+        let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share };
         let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)?;
-        let least_valid_share = MIN_VALID_FRACTION;
         let settings =
             CoupledEnsembleSettings { trajectories, duration, threshold, seed, start: None, least_valid_share };
         let ensemble = CoupledEnsemble::simulate(model, &process, &settings, monitor)?;

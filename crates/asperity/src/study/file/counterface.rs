@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::pressure::poisson_ratio;
 use super::surface::{one_or_two, one_or_two_schema};
 use super::{ScanFiles, SurfaceSection};
 use crate::contact::Elastic;
@@ -105,7 +104,10 @@ impl CounterfaceSection {
     /// Returns the elastic constants; `None` if the counterface is rigid.
     pub(in crate::study) fn elastic(&self) -> Option<Elastic> {
         let modulus = self.youngs_modulus?;
-        Some(Elastic { youngs_modulus_pa: modulus.0, poisson_ratio: self.poisson_ratio.unwrap_or_else(poisson_ratio) })
+        Some(Elastic {
+            youngs_modulus_pa: modulus.0,
+            poisson_ratio: self.poisson_ratio.unwrap_or(Elastic::POISSON_RATIO),
+        })
     }
 
     /// Returns the scan files; empty without scans.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fixed_list::fixed_list;
 use super::fixed_list::optional_fixed_list;
+use crate::contact::Elastic;
 use crate::map::BoundaryKind;
 use crate::quantity::{Compliance, Length, Pressure};
 
@@ -77,8 +78,8 @@ pub struct PressureSection {
 pub(super) fn solve_tolerance() -> f64 {
     1e-6
 }
-pub(super) fn poisson_ratio() -> f64 {
-    0.3
+fn poisson_ratio() -> f64 {
+    Elastic::POISSON_RATIO
 }
 fn free() -> BoundaryKind {
     BoundaryKind::Free

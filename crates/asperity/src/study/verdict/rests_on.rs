@@ -2,6 +2,7 @@
 
 use toml::{Table, Value};
 
+use crate::contact::Elastic;
 use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
 use crate::study::result::{InputKind, InputValue, RestsOn};
@@ -67,7 +68,7 @@ fn defaults() -> [(&'static str, &'static str, Value); 9] {
         ("vibration", "spring_angles", pair(coupled.angles_deg)),
         ("vibration", "springs", pair(coupled.springs)),
         ("vibration", "contact_spring", Value::Float(coupled.contact_stiffness)),
-        ("material", "poisson_ratio", Value::Float(0.3)),
+        ("material", "poisson_ratio", Value::Float(Elastic::POISSON_RATIO)),
         ("friction", "law", "bowden_tabor".into()),
         ("vibration", "velocity_law", "stribeck".into()),
         ("vibration", "stribeck", Value::Float(4.2)),
