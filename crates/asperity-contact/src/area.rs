@@ -11,8 +11,8 @@ pub const PERIMETER_WEIGHT: f64 = (std::f64::consts::PI - 1.0 + std::f64::consts
 ///
 /// A cell counts as contact if p > 0, so cells cut by the edge of a contact count whole. S_d is the length of the
 /// edges between contact and non-contact cells. An edge counts only if its contact cell is not at its hardness
-/// (`is_plastic`), because such a cell carries load on its whole area. The border of a free patch does not count. On a periodic patch
-/// (`wrap`) opposite borders are neighbours. With unequal pitches each edge weighs dx·dy.
+/// (`is_plastic`), because such a cell carries load on its whole area. The border of a free patch does not count. On a
+/// periodic patch (`wrap`) opposite borders are neighbours. With unequal pitches each edge weighs dx·dy.
 fn corrected_cells(pressure_pa: &Array2<f64>, is_plastic: impl Fn((usize, usize)) -> bool, wrap: bool) -> f64 {
     let (ny, nx) = pressure_pa.dim();
     let touches = |p: f64| p > 0.0;

@@ -159,8 +159,7 @@ impl PerssonPressure {
         statrs::function::erf::erf(pressure_pa / (std::f64::consts::SQRT_2 * self.full_contact_std_pa))
     }
 
-    /// Returns the multiples of 2H that shift the images of ±p̄ and contribute to the distribution; only zero in the elastic
-    /// case.
+    /// Returns the multiples of 2H that shift the images of ±p̄ and contribute; only zero in the elastic case.
     fn images(&self) -> impl Iterator<Item = f64> {
         let hardness_pa = self.hardness_pa.unwrap_or(f64::INFINITY);
         let reach = self.full_contact_std_pa / hardness_pa;

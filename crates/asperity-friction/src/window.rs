@@ -50,6 +50,9 @@ pub enum WindowError {
         /// Number of cells along y.
         rows: usize,
     },
+    /// The mask of the window has no cell.
+    #[error("the mask of the window has no cell")]
+    Empty,
 }
 
 /// Largest number of cells of a window, 8192². A strip of ten such windows needs more than a hundred gigabytes to be solved.
@@ -116,6 +119,18 @@ impl Window {
             from_centre(row, rows).powi(2) + from_centre(column, cells).powi(2) <= 1.0
         });
         Ok(Self { runs: runs_of(&mask), ..Self::box_of(cells, rows, grid) })
+    }
+
+    /// Creates a window of any set of cells: those that are true in `mask`, of shape [rows, cells], on strips of `grid`.
+    ///
+    /// # Errors
+    /// The errors of [`Window::rectangle`] with the size of the mask, or no cell is true.
+    pub fn from_mask(mask: &Array2<bool>, grid: Grid) -> Result<Self, WindowError> {
+        let (rows, cells) = mask.dim();
+        let cells = cells_along(cells as f64 * grid.dx_m(), grid)?;
+        let rows = rows_across(rows as f64 * grid.dy_m(), grid)?;
+        let runs = runs_of(mask);
+        if runs.is_empty() { Err(WindowError::Empty) } else { Ok(Self { runs, ..Self::box_of(cells, rows, grid) }) }
     }
 
     fn box_of(cells: usize, rows: usize, grid: Grid) -> Self {
@@ -332,5 +347,11 @@ mod tests {
         }
         assert!(matches!(Window::ellipse(40e-6, 1e-6, grid()), Err(WindowError::TooNarrow { .. })));
         assert!(matches!(Window::rectangle(41e-6, 20e-6, grid()), Err(WindowError::TooLong { .. })));
+        let mask = Array2::from_elem((4, 5), false);
+        assert_eq!(Window::from_mask(&mask, grid()), Err(WindowError::Empty));
+        let ring = Array2::from_shape_fn((4, 5), |(row, column)| row % 3 == 0 || column % 4 == 0);
+        let window = Window::from_mask(&ring, grid()).unwrap();
+        assert_eq!((window.mask(), window.runs.len()), (ring, 6));
+        assert!((window.area_m2() - 14.0 * 2e-12).abs() < 1e-20);
     }
 }

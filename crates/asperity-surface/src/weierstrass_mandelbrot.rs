@@ -19,10 +19,10 @@ fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str)
 ///
 /// z(x) = G^{D−2} √(ln γ/M) Σ_{m=1}^{M} Σ_j γ^{(D−3)j} cos(γ^j (x cos α_m + y sin α_m) + φ_mj), α_m = πm/M, 2 < D < 3,
 ///
-/// with a fractal roughness G in metre. A profile of it has dimension D − 1 and Hurst exponent 3 − D; with one ridge it is
-/// eq. (1) of the paper times √(ln γ). The wavenumbers are
-/// γ^j = (2π/L)γ^k, k = 0, 1, … up to the grid's Nyquist wavenumber, with L the longer side. ξ determines the phases,
-/// φ = 2πΦ(ξ), wavenumber by wavenumber from the lowest, all ridges of one before the next.
+/// with a fractal roughness G in metre. A profile of it has dimension D − 1 and Hurst exponent 3 − D. With one ridge it
+/// is eq. (1) of the paper times √(ln γ). The wavenumbers are γ^j = (2π/L)γ^k, k = 0, 1, … up to the grid's Nyquist
+/// wavenumber, with L the longer side. ξ determines the phases, φ = 2πΦ(ξ), wavenumber by wavenumber from the lowest,
+/// all ridges of one before the next.
 ///
 /// Heights are sums of cosines with uniform phases. They are close to Gaussian for many terms, but not a linear
 /// function of ξ.

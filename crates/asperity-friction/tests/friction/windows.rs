@@ -12,6 +12,7 @@ use asperity_friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDe
 use asperity_friction::window::Window;
 use asperity_friction::{WindowContact, window_contacts};
 use asperity_surface::{RandomSurface, SpectralField};
+use ndarray::Array2;
 
 const MODULUS_PA: f64 = 230e9;
 
@@ -36,13 +37,17 @@ fn rough(grid: Grid) -> HeightMap {
     field.generate(&random::standard_normal(&mut random::stream(4, "friction windows", 0), field.xi_len()))
 }
 
-/// Returns a rectangle as wide as the strip and a narrower one, and an ellipse.
-fn shapes(grid: Grid) -> [Window; 3] {
+/// Returns a rectangle as wide as the strip and a narrower one, an ellipse, and a mask with a hole and two parts.
+fn shapes(grid: Grid) -> [Window; 4] {
     let (length_m, width_m) = (33.0 * grid.dx_m(), 7.0 * grid.dy_m());
+    let mask = Array2::from_shape_fn((6, 32), |(row, column)| {
+        (row % 5 == 0 && column < 20) || (column % 11 == 0) || (row == 3 && column > 28)
+    });
     [
         Window::new(length_m, grid).unwrap(),
         Window::rectangle(length_m, width_m, grid).unwrap(),
         Window::ellipse(length_m, width_m, grid).unwrap(),
+        Window::from_mask(&mask, grid).unwrap(),
     ]
 }
 
