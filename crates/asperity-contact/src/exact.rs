@@ -237,7 +237,7 @@ mod tests {
         }
         // Deep in complete contact the distribution is normal with mean p̄ and standard deviation E* h'rms/2.
         let dist = PerssonPressure::new(30.0, 2.0, 3.0, None);
-        assert!((dist.cumulative(33.0) - 0.841_344_746_068_542_9).abs() < 1e-12);
+        assert!((dist.cumulative(33.0) - 0.841_344_746_068_542_9).abs() < 1e-10);
     }
 
     #[test]
@@ -255,7 +255,8 @@ mod tests {
                     (1..2000).map(f64::from).map(|n| angle(n, mean).sin() * (1.0 - angle(n, p).cos()) * decay(n) / n);
                 let wanted = 2.0 / PI * terms.sum::<f64>();
                 let found = dist.cumulative(p) - dist.cumulative(0.0);
-                assert!((found - wanted).abs() < 1e-12, "{dist:?} {p}: {found} {wanted}");
+                // The accuracy of the error function.
+                assert!((found - wanted).abs() < 1e-10, "{dist:?} {p}: {found} {wanted}");
             }
             // The value at H, a jump, does not count.
             let below = |p: f64| if p < hardness { dist.cumulative(p) } else { 1.0 - dist.plastic_fraction() };
