@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Design, MultiIndexSet, PolynomialFamily, SamplingMethod, Truncation};
+use crate::{Candidates, Design, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseRegression, Truncation};
 use asperity_testing::{BOREHOLE, ISHIGAMI, SOBOL_G};
 
 /// Returns the expansion of f over a Sobol' design, where f is a function of the standard variables.
@@ -174,4 +174,93 @@ fn closed_indices_are_sums_over_all_subsets() {
     assert!((expansion.closed_index(&[3, 0, 2]) + expansion.total_indices()[1] - 1.0).abs() < 1e-14);
     assert_eq!(expansion.closed_index(&[]), 0.0);
     assert_eq!(expansion.first_order_indices()[2], expansion.closed_index(&[2]));
+}
+
+/// Returns ψ_n(x) from the explicit sums of powers, of He_n/√n! or of √(2n+1) P_n.
+fn explicit(family: PolynomialFamily, n: usize, x: f64) -> f64 {
+    let factorial = |k: usize| (1..=k).map(|k| k as f64).product::<f64>();
+    let term = |k: usize| {
+        let power = (-1.0_f64).powi(k as i32) * x.powi((n - 2 * k) as i32) / factorial(n - 2 * k) / factorial(k);
+        match family {
+            PolynomialFamily::Hermite => power * factorial(n).sqrt() / 2.0_f64.powi(k as i32),
+            PolynomialFamily::Legendre => {
+                power * (2.0 * n as f64 + 1.0).sqrt() * factorial(2 * n - 2 * k)
+                    / factorial(n - k)
+                    / 2.0_f64.powi(n as i32)
+            }
+        }
+    };
+    (0..=n / 2).map(term).sum()
+}
+
+#[test]
+fn random_polynomials_are_recovered_with_their_moments_and_indices() {
+    use asperity_base::random;
+    use rand::RngExt;
+    for case in 0..40 {
+        let rng = &mut random::stream(12, "random polynomials", case);
+        let variables = rng.random_range(1..=4_usize);
+        let degree = rng.random_range(1..=[10, 8, 6, 5][variables - 1]);
+        let families: Vec<_> = (0..variables)
+            .map(|_| if rng.random() { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre })
+            .collect();
+        // A truncated set, or any terms in any order after the constant.
+        let truncation = Truncation {
+            degree,
+            q: if rng.random() { 1.0 } else { rng.random_range(0.4..1.0) },
+            interaction_order: rng.random::<bool>().then(|| rng.random_range(1..=variables)),
+            degree_limits: rng.random::<bool>().then(|| (0..variables).map(|_| rng.random_range(0..=degree)).collect()),
+        };
+        let mut set = MultiIndexSet::truncated(variables, &truncation).unwrap();
+        if rng.random() {
+            let mut chosen: Vec<usize> = (1..set.len()).filter(|_| rng.random()).collect();
+            chosen.sort_by_key(|term| random::hash(case, *term as u64));
+            set = set.select(&[vec![0], chosen].concat()).unwrap();
+        }
+        if set.len() == 1 {
+            continue;
+        }
+        let coefficients = random::standard_normal(rng, set.len());
+        let rows: Vec<Vec<u16>> = (0..set.len()).map(|term| set.at(term)).collect();
+        let f = |x: &[f64]| -> f64 {
+            let factor = |(i, n): (usize, &u16)| explicit(families[i], usize::from(*n), x[i]);
+            let term = |row: &Vec<u16>| row.iter().enumerate().map(factor).product::<f64>();
+            rows.iter().zip(&coefficients).map(|(row, c)| c * term(row)).sum()
+        };
+        let samples = 3 * set.len() + 20;
+        let mut points = || -> Vec<Vec<f64>> {
+            let mut point = || families.iter().map(|family| family.from_unit(rng.random_range(1e-6..1.0))).collect();
+            (0..samples).map(|_| point()).collect()
+        };
+        let (fitted, others) = (points(), points());
+        let response: Vec<f64> = fitted.iter().map(|x| f(x)).collect();
+        let basis = Basis::new(set, families.clone()).unwrap();
+        let design = basis.design_matrix(&fitted);
+        let sparse = SparseRegression::default().select(&Candidates::new(design.view()).unwrap(), &response).unwrap();
+        let sparse = Expansion::new(basis.clone(), sparse.dense(basis.len()));
+        let parts = |belongs: &dyn Fn(&[u16]) -> bool| -> f64 {
+            rows[1..].iter().zip(&coefficients[1..]).filter(|(row, _)| belongs(row)).map(|(_, c)| c * c).sum()
+        };
+        let variance = parts(&|_| true);
+        for found in [Expansion::fit(basis, &fitted, &response).unwrap().0, sparse] {
+            let same = |found: f64, wanted: f64, scale: f64| {
+                assert!((found - wanted).abs() <= 1e-10 * scale, "{case}: {found}, not {wanted}");
+            };
+            found.coefficients().iter().zip(&coefficients).for_each(|(c, wanted)| same(*c, *wanted, variance.sqrt()));
+            same(found.mean(), coefficients[0], variance.sqrt());
+            same(found.variance(), variance, variance);
+            for i in 0..variables {
+                let alone = parts(&|row| row[i] > 0 && row.iter().filter(|n| **n > 0).count() == 1);
+                same(found.first_order_indices()[i], alone / variance, 1.0);
+                same(found.total_indices()[i], parts(&|row| row[i] > 0) / variance, 1.0);
+                same(
+                    found.closed_index(&[i, 0]),
+                    parts(&|row| (1..variables).all(|j| j == i || row[j] == 0)) / variance,
+                    1.0,
+                );
+            }
+            let largest = others.iter().map(|x| f(x).abs()).fold(0.0, f64::max);
+            others.iter().zip(found.evaluate_many(&others)).for_each(|(x, value)| same(value, f(x), largest));
+        }
+    }
 }
