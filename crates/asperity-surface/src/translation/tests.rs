@@ -1,7 +1,10 @@
 use super::*;
 use crate::{KarhunenLoeve, ModesRoute, SpectralField};
-use asperity_base::correlation::{CorrelationModel, Covariance, StationaryCovariance};
+use asperity_base::correlation::{CorrelationModel, Covariance, Rotated, SeparableCovariance, StationaryCovariance};
 use asperity_base::random;
+use asperity_base::stats::Moments;
+use rand::RngExt;
+use std::f64::consts::TAU;
 
 fn covariance(model: CorrelationModel, length_m: f64) -> Covariance {
     Covariance::isotropic(model, 1.0, length_m).unwrap()
@@ -161,4 +164,125 @@ fn a_field_that_vanishes_at_a_point_is_refused() {
     }
     let error = Translated::new(Odd(grid), beta()).unwrap_err();
     assert!(matches!(error, TranslationError::Generator(GeneratorError::NoVariance { column: 4, .. })), "{error}");
+}
+
+/// Returns the correlation of translated variables as a function of that of the normal ones, by Mehler's series of the
+/// Hermite coefficients of F⁻¹(Φ(g)).
+fn distortion(marginal: &Marginal) -> impl Fn(f64) -> f64 {
+    let mut squares = [0.0; 80];
+    let nodes: Vec<_> = (-288..=288).map(|i| f64::from(i) / 32.0).map(|g| (g, marginal.translate(g))).collect();
+    let mut psi: Vec<_> =
+        nodes.iter().map(|(g, _)| [0.0, (-0.25 * g * g).exp() / (32.0 * TAU.sqrt()).sqrt()]).collect();
+    for (n, square) in squares.iter_mut().enumerate() {
+        let weight = |g: f64| (-0.25 * g * g).exp() / (32.0 * TAU.sqrt()).sqrt();
+        let coefficient: f64 = nodes.iter().zip(&psi).map(|((g, z), psi)| z * psi[1] * weight(*g)).sum();
+        *square = if n == 0 { 0.0 } else { coefficient * coefficient };
+        let n = n as f64;
+        for ((g, _), psi) in nodes.iter().zip(&mut psi) {
+            *psi = [psi[1], (g * psi[1] - n.sqrt() * psi[0]) / (n + 1.0).sqrt()];
+        }
+    }
+    let variance = marginal.std().powi(2);
+    let rest = variance - squares.iter().sum::<f64>();
+    move |rho| (squares.iter().rev().fold(rest, |sum, square| sum * rho + square)) / variance
+}
+
+#[test]
+#[ignore = "slow"]
+fn random_models_have_their_moments_correlations_and_slopes_within_four_standard_errors() {
+    let (mut used, count) = (0, 400);
+    for case in 0.. {
+        let rng = &mut random::stream(9, "random surface models", case);
+        let kind = rng.random_range(0..4);
+        let sides = if kind < 2 { 12..=56_usize } else { 6..=14 };
+        let (nx, ny) = (rng.random_range(sides.clone()), rng.random_range(sides));
+        let (dx, dy) = (rng.random_range(0.5..2.0), rng.random_range(0.5..2.0));
+        let grid = Grid::new(nx, ny, dx, dy).unwrap();
+        let longest = 0.15 * f64::min(nx as f64 * dx, ny as f64 * dy);
+        let lengths = [rng.random_range(0.3..longest), rng.random_range(0.3..longest)];
+        let lengths = if rng.random() { [lengths[0]; 2] } else { lengths };
+        let model = match rng.random_range(0..4) {
+            0 => CorrelationModel::SquaredExponential,
+            1 => CorrelationModel::Exponential,
+            2 => CorrelationModel::Matern { nu: rng.random_range(0.2..4.0) },
+            _ => CorrelationModel::SelfAffine { hurst: rng.random_range(0.05..0.95) },
+        };
+        let (a, b): (f64, f64) = (rng.random_range(0.6..5.0), rng.random_range(0.6..5.0));
+        let text = match rng.random_range(0..6) {
+            0 => "normal".to_owned(),
+            1 => format!("lognormal:0,{}", 0.15 * a),
+            2 => format!("weibull:{},1", 0.5 + a),
+            3 => format!("gamma:{a},{b}"),
+            4 => format!("beta:{a},{b}"),
+            _ => format!("triangular:0,{},{}", a, a + b),
+        };
+        let marginal: Marginal = text.parse().unwrap();
+        let wanted: Box<dyn StationaryCovariance> = {
+            let along = Covariance::new(model, 1.0, lengths[0], lengths[1]).unwrap();
+            match (kind, rng.random()) {
+                (3, _) => Box::new(SeparableCovariance(along)),
+                (_, true) => Box::new(Rotated::new(along, rng.random_range(0.0..3.0)).unwrap()),
+                (_, false) => Box::new(along),
+            }
+        };
+        let corrected = rng.random::<bool>();
+        let predistorted = Predistorted::new(&*wanted, &marginal).unwrap();
+        let normal: &dyn StationaryCovariance = if corrected && kind < 2 { &predistorted } else { &*wanted };
+        let (field, clipped): (Box<dyn GaussianSurface>, f64) = if kind < 2 {
+            let field =
+                if kind == 0 { Ok(SpectralField::periodic(normal, grid)) } else { SpectralField::free(normal, grid) };
+            let field = field.unwrap();
+            let clipped = field.clipped_variance();
+            (Box::new(field), clipped)
+        } else {
+            let route = if kind == 2 { ModesRoute::General } else { ModesRoute::Separable };
+            (Box::new(KarhunenLoeve::new(&*wanted, grid, nx * ny, route).unwrap()), 0.0)
+        };
+        // The covariance may deviate by about the clipped variance.
+        if clipped > 1e-4 {
+            continue;
+        }
+        used += 1;
+        let surface = Translated::with_rms_height(field, marginal.clone(), 2.0).unwrap();
+        let corrected = corrected && kind < 2;
+        let distort = distortion(&marginal);
+        let expected = |x: usize, y: usize| {
+            // On a periodic grid the nearest image counts.
+            let wrapped =
+                |lag: usize, n: usize| if kind == 0 && 2 * lag > n { lag as f64 - n as f64 } else { lag as f64 };
+            let rho = wanted.correlation(wrapped(x, nx) * dx, wrapped(y, ny) * dy);
+            4.0 * if corrected { rho } else { distort(rho) }
+        };
+        let lags = [(0, 0), (1, 0), (0, 1), (2, 1), (3, 0), (0, 4), (nx / 2, ny / 3)];
+        let mut seen = vec![Vec::with_capacity(count); 3 + lags.len()];
+        for index in 0..count as u64 {
+            let map =
+                surface.generate(&random::standard_normal(&mut random::stream(case, "map", index), surface.xi_len()));
+            let z = map.heights_m();
+            let mean = |f: &dyn Fn(f64, f64) -> f64, (x, y): (usize, usize)| {
+                let (rows, columns) = if kind == 0 { (ny, nx) } else { (ny - y, nx - x) };
+                let pairs = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c)));
+                pairs.map(|(r, c)| f(z[[r, c]], z[[(r + y) % ny, (c + x) % nx]])).sum::<f64>() / (rows * columns) as f64
+            };
+            lags.iter().enumerate().for_each(|(i, lag)| seen[i].push(mean(&|a, b| a * b, *lag)));
+            seen[lags.len()].push(mean(&|a, _| a, (0, 0)));
+            seen[lags.len() + 1].push(mean(&|a, b| (b - a).powi(2), (1, 0)));
+            seen[lags.len() + 2].push(mean(&|a, b| (b - a).powi(2), (0, 1)));
+        }
+        let slope = |x, y| 2.0 * (expected(0, 0) - expected(x, y));
+        let wanted = lags.iter().map(|(x, y)| expected(*x, *y)).chain([0.0, slope(1, 0), slope(0, 1)]);
+        for (i, (values, wanted)) in seen.into_iter().zip(wanted).enumerate() {
+            let found = Moments::from_values(values.into_iter());
+            let allowed = 4.0 * found.standard_error() + 8.0 * clipped;
+            let case = format!("{case}: {kind} {model:?} {lengths:?} {text} {nx} {ny}");
+            assert!(
+                (found.mean - wanted).abs() < allowed,
+                "{case}, value {i}: {} ± {allowed}, not {wanted}",
+                found.mean
+            );
+        }
+        if used == 30 {
+            return;
+        }
+    }
 }
