@@ -17,7 +17,7 @@ mod tests {
         VelocityLaw,
     };
     use super::check::{Checked, check};
-    use super::draw::case;
+    use super::draw::{Case, case};
     use asperity_base::monitor::Silent;
     use asperity_process::Steady;
 
@@ -142,6 +142,50 @@ mod tests {
             .collect();
         let cycles: u64 = compared.iter().map(|sums| sums[0]).sum();
         assert!(cycles > 500);
+    }
+
+    /// Powers of two: products with them are exact.
+    const FACTORS: [i32; 3] = [-33, -9, 9];
+
+    #[test]
+    fn motions_scale_with_friction_and_belt_velocity_to_the_last_bit() {
+        let wanted = std::env::var("ASPERITY_CYCLES").map_or(16, |count| count.parse::<u64>().unwrap() / 200);
+        let compared: Vec<[u64; 2]> = (0..wanted)
+            .into_par_iter()
+            .map(|index| {
+                let case = case(SEED, index);
+                let motion = |case: &Case| {
+                    Trajectory::simulate(&case.oscillator, case.process.path(SEED, index), &case.settings).ok()
+                };
+                let ensemble = |case: &Case| {
+                    let TrajectorySettings { duration, start, drive, .. } = case.settings;
+                    let settings = EnsembleSettings { start, drive, ..EnsembleSettings::new(4, duration, SEED) };
+                    let found = Ensemble::simulate(&case.oscillator, &case.process, &settings, &Silent).ok()?;
+                    Some((found.cycles, found.micro_slips, found.stick_share, found.failures.len()))
+                };
+                let (alone, together) = (motion(&case), if index % 4 < 2 { ensemble(&case) } else { None });
+                let mut sums = [0; 2];
+                for power in FACTORS {
+                    let factor = 2.0_f64.powi(power);
+                    let Some(scaled) = case.scaled(factor) else { continue };
+                    let mut found = motion(&scaled);
+                    for event in found.iter_mut().flat_map(|found| &mut found.events) {
+                        (event.displacement, event.sliding_distance) =
+                            (event.displacement / factor, event.sliding_distance / factor);
+                    }
+                    assert_eq!(found, alone, "{index} times 2^{power}: {case:?}");
+                    if index % 4 < 2 {
+                        assert_eq!(ensemble(&scaled), together, "{index} times 2^{power}: {case:?}");
+                    }
+                    sums[0] += 1;
+                    sums[1] += found.map_or(0, |found| found.events.len() as u64);
+                }
+                sums
+            })
+            .collect();
+        let sum = |i: usize| compared.iter().map(|sums| sums[i]).sum::<u64>();
+        println!("{} scaled motions, {} events", sum(0), sum(1));
+        assert!(sum(0) > wanted && sum(1) > 10 * wanted);
     }
 
     #[test]

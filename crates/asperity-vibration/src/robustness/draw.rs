@@ -1,4 +1,5 @@
-//! Random machines, friction processes and starts over the whole allowed range, including unusual values.
+//! Random machines, friction processes and starts, including unusual values. Every fourth case draws friction, damping
+//! and belt velocity over the whole allowed range, the others over the range of real machines.
 
 use rand::RngExt;
 
@@ -19,22 +20,82 @@ pub(super) struct Case {
     pub(super) settings: TrajectorySettings,
 }
 
+impl Case {
+    /// Returns the case with all lengths, velocities and forces multiplied by `factor`; none if a parameter leaves its
+    /// range.
+    pub(super) fn scaled(&self, factor: f64) -> Option<Self> {
+        let old = self.oscillator.parameters();
+        let law = match &old.law {
+            VelocityLaw::Stribeck { kinetic, decay } => {
+                VelocityLaw::Stribeck { kinetic: factor * kinetic, decay: decay / factor }
+            }
+            VelocityLaw::Coulomb { kinetic } => VelocityLaw::Coulomb { kinetic: factor * kinetic },
+            VelocityLaw::Linear { kinetic, slope } => VelocityLaw::Linear { kinetic: factor * kinetic, slope: *slope },
+            VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity } => VelocityLaw::Exponential {
+                kinetic: factor * kinetic,
+                high_speed: factor * high_speed,
+                stribeck_velocity: factor * stribeck_velocity,
+            },
+            VelocityLaw::Tabulated(table) => {
+                let points: Vec<_> = table.points().map(|point| point.map(|value| factor * value)).collect();
+                VelocityLaw::Tabulated(FrictionTable::new(&points).ok()?)
+            }
+        };
+        let parameters = Parameters {
+            static_friction: factor * old.static_friction,
+            law,
+            damping_ratio: old.damping_ratio,
+            belt_velocity: factor * old.belt_velocity,
+            forcing: old.forcing.map(|forcing| Forcing { amplitude: factor * forcing.amplitude, ..forcing }),
+        };
+        let model = self.process.model().clone();
+        let shape = match model.shape {
+            CorrelationShape::WindowedExponential { window } => {
+                CorrelationShape::WindowedExponential { window: factor * window }
+            }
+            shape => shape,
+        };
+        let process = FrictionProcess::new(ProcessModel {
+            shape,
+            std: factor * model.std,
+            correlation_length: factor * model.correlation_length,
+            least: model.least.map(|least| factor * least),
+            ..model
+        });
+        let settings = TrajectorySettings { start: self.settings.start.map(|x| factor * x), ..self.settings };
+        Some(Self { oscillator: Oscillator::new(parameters).ok()?, process: process.ok()?, settings })
+    }
+}
+
 impl std::fmt::Debug for Case {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:?} {:?} {:?}", self.oscillator.parameters(), self.process.model(), self.settings)
     }
 }
 
+/// Belt velocity divided by static friction in wide cases, as powers of ten.
+const WIDE_RATIO: [f64; 2] = [-12.0, 6.0];
+/// Longest time in which the belt stretches the spring to the stick limit, in motions that follow it. Later times have
+/// too few digits to check slips, which take a few units.
+const LONGEST_STRETCH: f64 = 1e7;
+/// Least correlation length; processes with grid points less than 1e-15 apart are refused.
+const LEAST_LENGTH: f64 = 1e-12;
+/// Largest 2ζ times the duration: a step is a few units of 1/2ζ long.
+const MOST_DECAYS: f64 = 2e4;
+
 /// Generator of uniform choices.
-struct Draw(random::Stream);
+struct Draw {
+    stream: random::Stream,
+    wide: bool,
+}
 
 impl Draw {
     fn chance(&mut self, probability: f64) -> bool {
-        self.0.random::<f64>() < probability
+        self.stream.random::<f64>() < probability
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.random::<f64>()
+        low + (high - low) * self.stream.random::<f64>()
     }
 
     /// Returns 10 to the power of a uniform number between `low` and `high`.
@@ -43,7 +104,7 @@ impl Draw {
     }
 
     fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[(self.0.random::<f64>() * choices.len() as f64) as usize]
+        choices[(self.stream.random::<f64>() * choices.len() as f64) as usize]
     }
 
     fn law(&mut self, kinetic: f64, fastest: f64) -> VelocityLaw {
@@ -54,7 +115,8 @@ impl Draw {
                 VelocityLaw::Linear { kinetic, slope }
             }
             2 => {
-                let decay = if self.chance(0.1) { 0.0 } else { self.decades(-1.0, 3.0) };
+                let unit = if self.wide { kinetic } else { 1.0 };
+                let decay = if self.chance(0.1) { 0.0 } else { (self.decades(-1.0, 3.0) / unit).min(1e6) };
                 VelocityLaw::Stribeck { kinetic, decay }
             }
             3 => VelocityLaw::Exponential {
@@ -77,15 +139,20 @@ impl Draw {
     }
 
     fn parameters(&mut self) -> Parameters {
-        let static_friction = self.decades(-2.0, 0.0);
+        // Kinetic friction is at least 0.3 times as large, and at least 1e-12.
+        let static_friction = if self.wide { self.decades(-11.4, 3.0) } else { self.decades(-2.0, 0.0) };
         let kinetic = static_friction * if self.chance(0.4) { 1.0 } else { self.between(0.3, 1.0) };
-        let belt_velocity = self.decades(-5.0, 0.0);
+        let belt_velocity = if self.wide {
+            (static_friction * self.decades(WIDE_RATIO[0], WIDE_RATIO[1])).clamp(1e-12, 1e6)
+        } else {
+            self.decades(-5.0, 0.0)
+        };
         let law = self.law(kinetic, belt_velocity + static_friction);
         let damping_ratio = match self.one_of(&[0, 1, 1, 1, 2, 2, 2, 3]) {
             0 => 0.0,
             1 => self.decades(-4.0, -1.0),
             2 => self.between(0.0, 0.5),
-            _ => self.decades(-0.3, 1.0),
+            _ => self.decades(-0.3, if self.wide { 3.0 } else { 1.0 }),
         };
         let forcing = self.chance(0.35).then(|| Forcing {
             amplitude: static_friction * self.decades(-3.0, 0.5),
@@ -95,9 +162,9 @@ impl Draw {
     }
 
     /// Returns a process with a standard deviation from zero to more than friction allows.
-    fn model(&mut self, kinetic: f64, speed: f64) -> ProcessModel {
+    fn model(&mut self, kinetic: f64, speed: f64, unit: f64) -> ProcessModel {
         let exponential = CorrelationShape::Exponential;
-        let length = self.decades(-4.0, 1.0);
+        let length = (unit * self.decades(-4.0, 1.0)).max(LEAST_LENGTH);
         let (generator, shape) = match self.one_of(&[0, 0, 0, 1, 2, 2, 3, 4, 4]) {
             0 => (Generator::Autoregressive, exponential),
             1 => {
@@ -142,21 +209,44 @@ impl Draw {
 
 /// Returns case `index` under `seed`.
 pub(super) fn case(seed: u64, index: u64) -> Case {
-    let mut draw = Draw(random::stream(seed, "robustness of stick-slip", index));
+    let mut draw =
+        Draw { stream: random::stream(seed, "robustness of stick-slip", index), wide: index.is_multiple_of(4) };
     let parameters = draw.parameters();
     let (static_friction, velocity) = (parameters.static_friction, parameters.belt_velocity);
-    // Approximate sliding speed: the mass slips about as fast as static friction pulls it.
     let drive = draw.one_of(&[Drive::Distance, Drive::Distance, Drive::Time]);
     let push = parameters.forcing.map_or(0.0, |forcing| forcing.amplitude);
-    let speed = velocity + if drive == Drive::Distance { 0.3 * (static_friction + push) } else { 0.0 };
-    let process = FrictionProcess::new(draw.model(parameters.law.kinetic(), speed)).unwrap();
+    // A slow belt stretches the spring for a long time, on the scale of which nearly all motion is stick.
+    let long =
+        draw.wide && velocity < static_friction && static_friction < LONGEST_STRETCH * velocity && draw.chance(0.5);
+    // Approximate sliding speed: the mass slips about as fast as static friction pulls it.
+    let pulled = if drive == Drive::Distance && !long { 0.3 * (static_friction + push) } else { 0.0 };
+    let speed = velocity + pulled;
+    let unit = match (draw.wide, long) {
+        (false, _) => 1.0,
+        (true, false) => speed,
+        (true, true) => static_friction,
+    };
+    let process = FrictionProcess::new(draw.model(parameters.law.kinetic(), speed, unit)).unwrap();
     // Renewal processes have no grid points except their jumps.
     let spacing = match process.model().generator {
         Generator::Renewal => process.model().correlation_length,
         _ => process.step(),
     };
-    let duration = draw.decades(1.0, 3.0).min((MOST_GRID_POINTS * spacing / speed).max(LEAST_DURATION));
-    let start = draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0));
+    let (duration, least) = if long {
+        let stretch = static_friction / velocity;
+        (stretch * draw.decades(0.0, 1.0), 0.1 * stretch)
+    } else {
+        (draw.decades(1.0, 3.0), LEAST_DURATION)
+    };
+    let duration = duration.min((MOST_GRID_POINTS * spacing / speed).max(least));
+    let damped = 2.0 * parameters.damping_ratio;
+    let duration = if draw.wide && !long { duration.min(MOST_DECAYS / damped) } else { duration };
+    let start = if draw.wide && draw.chance(0.3) {
+        // The belt reaches the stick limit soon.
+        Some(static_friction - velocity * (damped + draw.decades(-1.0, 1.0)))
+    } else {
+        draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0))
+    };
     let oscillator = Oscillator::new(parameters).unwrap();
     Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Integrator::Taylor } }
 }
