@@ -1,6 +1,8 @@
 use super::*;
 use crate::{Candidates, Design, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseRegression, Truncation};
+use asperity_base::random;
 use asperity_testing::{BOREHOLE, ISHIGAMI, SOBOL_G};
+use rand::RngExt;
 
 /// Returns the expansion of f over a Sobol' design, where f is a function of the standard variables.
 fn expand(
@@ -193,10 +195,25 @@ fn explicit(family: PolynomialFamily, n: usize, x: f64) -> f64 {
     (0..=n / 2).map(term).sum()
 }
 
+/// Returns a truncated set, or any of its terms in any order after the constant.
+fn random_set(rng: &mut random::Stream, variables: usize, degree: usize) -> MultiIndexSet {
+    let truncation = Truncation {
+        degree,
+        q: if rng.random() { 1.0 } else { rng.random_range(0.4..1.0) },
+        interaction_order: rng.random::<bool>().then(|| rng.random_range(1..=variables)),
+        degree_limits: rng.random::<bool>().then(|| (0..variables).map(|_| rng.random_range(0..=degree)).collect()),
+    };
+    let set = MultiIndexSet::truncated(variables, &truncation).unwrap();
+    if rng.random() {
+        return set;
+    }
+    let mut chosen: Vec<usize> = (1..set.len()).filter(|_| rng.random()).collect();
+    chosen.sort_by_cached_key(|_| rng.random::<u64>());
+    set.select(&[vec![0], chosen].concat()).unwrap()
+}
+
 #[test]
 fn random_polynomials_are_recovered_with_their_moments_and_indices() {
-    use asperity_base::random;
-    use rand::RngExt;
     for case in 0..40 {
         let rng = &mut random::stream(12, "random polynomials", case);
         let variables = rng.random_range(1..=4_usize);
@@ -204,19 +221,7 @@ fn random_polynomials_are_recovered_with_their_moments_and_indices() {
         let families: Vec<_> = (0..variables)
             .map(|_| if rng.random() { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre })
             .collect();
-        // A truncated set, or any terms in any order after the constant.
-        let truncation = Truncation {
-            degree,
-            q: if rng.random() { 1.0 } else { rng.random_range(0.4..1.0) },
-            interaction_order: rng.random::<bool>().then(|| rng.random_range(1..=variables)),
-            degree_limits: rng.random::<bool>().then(|| (0..variables).map(|_| rng.random_range(0..=degree)).collect()),
-        };
-        let mut set = MultiIndexSet::truncated(variables, &truncation).unwrap();
-        if rng.random() {
-            let mut chosen: Vec<usize> = (1..set.len()).filter(|_| rng.random()).collect();
-            chosen.sort_by_key(|term| random::hash(case, *term as u64));
-            set = set.select(&[vec![0], chosen].concat()).unwrap();
-        }
+        let set = random_set(rng, variables, degree);
         if set.len() == 1 {
             continue;
         }

@@ -187,6 +187,43 @@ fn distortion(marginal: &Marginal) -> impl Fn(f64) -> f64 {
     move |rho| (squares.iter().rev().fold(rest, |sum, square| sum * rho + square)) / variance
 }
 
+fn random_correlation(rng: &mut random::Stream) -> CorrelationModel {
+    match rng.random_range(0..4) {
+        0 => CorrelationModel::SquaredExponential,
+        1 => CorrelationModel::Exponential,
+        2 => CorrelationModel::Matern { nu: rng.random_range(0.2..4.0) },
+        _ => CorrelationModel::SelfAffine { hurst: rng.random_range(0.05..0.95) },
+    }
+}
+
+fn random_marginal(rng: &mut random::Stream) -> Marginal {
+    let (a, b): (f64, f64) = (rng.random_range(0.6..5.0), rng.random_range(0.6..5.0));
+    let text = match rng.random_range(0..6) {
+        0 => "normal".to_owned(),
+        1 => format!("lognormal:0,{}", 0.15 * a),
+        2 => format!("weibull:{},1", 0.5 + a),
+        3 => format!("gamma:{a},{b}"),
+        4 => format!("beta:{a},{b}"),
+        _ => format!("triangular:0,{},{}", a, a + b),
+    };
+    text.parse().unwrap()
+}
+
+/// Returns the means over a map of the product of heights at each lag, of the heights, and of the squared differences of
+/// neighbours along x and along y.
+fn statistics(map: &HeightMap, periodic: bool, lags: &[(usize, usize)]) -> Vec<f64> {
+    let z = map.heights_m();
+    let (ny, nx) = z.dim();
+    let mean = |f: &dyn Fn(f64, f64) -> f64, (x, y): (usize, usize)| {
+        let (rows, columns) = if periodic { (ny, nx) } else { (ny - y, nx - x) };
+        let pairs = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c)));
+        pairs.map(|(r, c)| f(z[[r, c]], z[[(r + y) % ny, (c + x) % nx]])).sum::<f64>() / (rows * columns) as f64
+    };
+    let products = lags.iter().map(|lag| mean(&|a, b| a * b, *lag));
+    let difference = |lag| mean(&|a, b| (b - a).powi(2), lag);
+    products.chain([mean(&|a, _| a, (0, 0)), difference((1, 0)), difference((0, 1))]).collect()
+}
+
 #[test]
 #[ignore = "slow"]
 fn random_models_have_their_moments_correlations_and_slopes_within_four_standard_errors() {
@@ -201,22 +238,7 @@ fn random_models_have_their_moments_correlations_and_slopes_within_four_standard
         let longest = 0.15 * f64::min(nx as f64 * dx, ny as f64 * dy);
         let lengths = [rng.random_range(0.3..longest), rng.random_range(0.3..longest)];
         let lengths = if rng.random() { [lengths[0]; 2] } else { lengths };
-        let model = match rng.random_range(0..4) {
-            0 => CorrelationModel::SquaredExponential,
-            1 => CorrelationModel::Exponential,
-            2 => CorrelationModel::Matern { nu: rng.random_range(0.2..4.0) },
-            _ => CorrelationModel::SelfAffine { hurst: rng.random_range(0.05..0.95) },
-        };
-        let (a, b): (f64, f64) = (rng.random_range(0.6..5.0), rng.random_range(0.6..5.0));
-        let text = match rng.random_range(0..6) {
-            0 => "normal".to_owned(),
-            1 => format!("lognormal:0,{}", 0.15 * a),
-            2 => format!("weibull:{},1", 0.5 + a),
-            3 => format!("gamma:{a},{b}"),
-            4 => format!("beta:{a},{b}"),
-            _ => format!("triangular:0,{},{}", a, a + b),
-        };
-        let marginal: Marginal = text.parse().unwrap();
+        let (model, marginal) = (random_correlation(rng), random_marginal(rng));
         let wanted: Box<dyn StationaryCovariance> = {
             let along = Covariance::new(model, 1.0, lengths[0], lengths[1]).unwrap();
             match (kind, rng.random()) {
@@ -256,25 +278,16 @@ fn random_models_have_their_moments_correlations_and_slopes_within_four_standard
         let lags = [(0, 0), (1, 0), (0, 1), (2, 1), (3, 0), (0, 4), (nx / 2, ny / 3)];
         let mut seen = vec![Vec::with_capacity(count); 3 + lags.len()];
         for index in 0..count as u64 {
-            let map =
-                surface.generate(&random::standard_normal(&mut random::stream(case, "map", index), surface.xi_len()));
-            let z = map.heights_m();
-            let mean = |f: &dyn Fn(f64, f64) -> f64, (x, y): (usize, usize)| {
-                let (rows, columns) = if kind == 0 { (ny, nx) } else { (ny - y, nx - x) };
-                let pairs = (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c)));
-                pairs.map(|(r, c)| f(z[[r, c]], z[[(r + y) % ny, (c + x) % nx]])).sum::<f64>() / (rows * columns) as f64
-            };
-            lags.iter().enumerate().for_each(|(i, lag)| seen[i].push(mean(&|a, b| a * b, *lag)));
-            seen[lags.len()].push(mean(&|a, _| a, (0, 0)));
-            seen[lags.len() + 1].push(mean(&|a, b| (b - a).powi(2), (1, 0)));
-            seen[lags.len() + 2].push(mean(&|a, b| (b - a).powi(2), (0, 1)));
+            let xi = random::standard_normal(&mut random::stream(case, "map", index), surface.xi_len());
+            let found = statistics(&surface.generate(&xi), kind == 0, &lags);
+            seen.iter_mut().zip(found).for_each(|(seen, found)| seen.push(found));
         }
         let slope = |x, y| 2.0 * (expected(0, 0) - expected(x, y));
         let wanted = lags.iter().map(|(x, y)| expected(*x, *y)).chain([0.0, slope(1, 0), slope(0, 1)]);
         for (i, (values, wanted)) in seen.into_iter().zip(wanted).enumerate() {
             let found = Moments::from_values(values.into_iter());
             let allowed = 4.0 * found.standard_error() + 8.0 * clipped;
-            let case = format!("{case}: {kind} {model:?} {lengths:?} {text} {nx} {ny}");
+            let case = format!("{case}: {kind} {model:?} {lengths:?} {marginal} {nx} {ny}");
             assert!(
                 (found.mean - wanted).abs() < allowed,
                 "{case}, value {i}: {} ± {allowed}, not {wanted}",

@@ -75,9 +75,9 @@ impl std::fmt::Debug for Case {
 
 /// Belt velocity divided by static friction in wide cases, as powers of ten.
 const WIDE_RATIO: [f64; 2] = [-12.0, 6.0];
-/// Longest time in which the belt stretches the spring to the stick limit, in motions that follow it. Later times have
-/// too few digits to check slips, which take a few units.
-const LONGEST_STRETCH: f64 = 1e7;
+/// Longest time in which the belt stretches the spring to the stick limit, in motions that follow it. A mass that never
+/// sticks again takes at least one step per unit of time.
+const LONGEST_STRETCH: f64 = 1e5;
 /// Least correlation length; processes with grid points less than 1e-15 apart are refused.
 const LEAST_LENGTH: f64 = 1e-12;
 /// Largest 2ζ times the duration: a step is a few units of 1/2ζ long.
@@ -216,8 +216,8 @@ pub(super) fn case(seed: u64, index: u64) -> Case {
     let drive = draw.one_of(&[Drive::Distance, Drive::Distance, Drive::Time]);
     let push = parameters.forcing.map_or(0.0, |forcing| forcing.amplitude);
     // A slow belt stretches the spring for a long time, on the scale of which nearly all motion is stick.
-    let long =
-        draw.wide && velocity < static_friction && static_friction < LONGEST_STRETCH * velocity && draw.chance(0.5);
+    let slow = velocity < static_friction && static_friction < LONGEST_STRETCH * velocity;
+    let long = draw.wide && slow && parameters.damping_ratio < 1.0 && draw.chance(0.5);
     // Approximate sliding speed: the mass slips about as fast as static friction pulls it.
     let pulled = if drive == Drive::Distance && !long { 0.3 * (static_friction + push) } else { 0.0 };
     let speed = velocity + pulled;
