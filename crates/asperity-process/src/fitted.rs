@@ -152,7 +152,7 @@ impl FittedProcess {
     ///
     /// # Errors
     /// Fails like [`FittedProcess::check`], if the length is shorter than a step, if the record has more than 10⁹
-    /// values, or if a window of the correlation is not a multiple of the step.
+    /// values, or if a window of the correlation is not a multiple of the step or more than 10⁶ steps long.
     pub fn simulate(&self, length_m: f64, step_m: f64, seed: u64, index: u64) -> Result<Vec<f64>, ProcessError> {
         positive("step", step_m)?;
         positive("length", length_m)?;
@@ -292,6 +292,10 @@ pub(super) mod tests {
         let jumps = mu.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
         let wanted = 20_000.0 * -(-5.0_f64 / 250.0).exp_m1();
         assert!((jumps - wanted).abs() < 4.0 * wanted.sqrt(), "{jumps}");
+        // Many more jumps than a loop over them ends with.
+        let short = FittedCorrelation { length_m: 1e-200, ..process.correlation.unwrap() };
+        let mu = FittedProcess { correlation: Some(short), ..process }.simulate(0.1, 5e-6, 4, 0).unwrap();
+        assert!(mu.windows(2).all(|pair| pair[0] != pair[1]));
         let windowed = CorrelationShape::WindowedExponential { window: 500e-6 };
         let error = FittedProcess { generator: Some(Generator::Jacobi), ..fitted(windowed) }.check().unwrap_err();
         assert!(matches!(error, ProcessError::Generator { generator: "jacobi", .. }), "{error}");
@@ -318,6 +322,8 @@ pub(super) mod tests {
         let error = process.simulate(0.01, 60e-6, 1, 0).unwrap_err();
         assert!(matches!(error, ProcessError::StepInWindow { nearest, .. } if (nearest - 62.5e-6).abs() < 1e-12));
         assert!(process.simulate(1e-6, 50e-6, 1, 0).is_err() && process.simulate(1e6, 1e-9, 1, 0).is_err());
+        let error = process.simulate(1e-9, 50e-12, 1, 0).unwrap_err().to_string();
+        assert_eq!(error, "number of steps in the window is 10000000, but must be at most 10⁶");
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use asperity_base::choice::Choice;
 use serde::{Deserialize, Serialize};
 
-use super::{CorrelationShape, ProcessError, positive};
+use super::{CorrelationShape, ProcessError};
 use asperity_base::distribution::Marginal;
 
 /// Usual number of harmonics.
 const USUAL_HARMONICS: usize = 256;
+/// Largest number of harmonics; a realisation stores 32 bytes for each.
+const MOST_HARMONICS: usize = 100_000;
 
 /// Method that generates realisations of the process.
 ///
@@ -28,7 +30,7 @@ pub enum Generator {
     /// Translated sum of harmonics with random frequencies and phases, after the paper. Supports every correlation
     /// without a window.
     Spectral {
-        /// Number of harmonics.
+        /// Number of harmonics, at most 100,000.
         harmonics: usize,
     },
     /// Diffusion dX = −θ(X − a/(a+b))ds + √(2θX(1 − X)/(a+b)) dB, θ = 1/ℓ, with a Beta distribution and exactly the
@@ -82,7 +84,10 @@ impl Generator {
         let makes = match self {
             Self::Autoregressive => shape.has_recursion(),
             Self::Spectral { harmonics } => {
-                positive("number of harmonics", harmonics as f64)?;
+                if !(1..=MOST_HARMONICS).contains(&harmonics) {
+                    let (parameter, wanted) = ("number of harmonics", "from 1 to 100,000");
+                    return Err(ProcessError::Parameter { parameter, value: harmonics as f64, wanted });
+                }
                 shape.spectral_quantile(0.5).is_some()
             }
             Self::Jacobi | Self::Renewal => shape.is_exponential(),

@@ -73,6 +73,9 @@ impl ProcessModel {
 /// Distances between grid points whose sums are accurate in double precision.
 const STEPS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
 
+/// Largest number of steps in a window; a realisation stores 8 bytes for each.
+const MOST_STEPS_IN_WINDOW: f64 = 1e6;
+
 /// Tables and length of a [`FrictionProcess`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parts<'a> {
@@ -114,7 +117,7 @@ impl FrictionProcess {
 
     /// Creates the process with grid points `step` apart, regardless of `steps_per_length`.
     ///
-    /// Fails like [`FrictionProcess::new`], and if the window is not a whole number of steps.
+    /// Fails like [`FrictionProcess::new`], and if the window is not a whole number of steps or has more than 10⁶ steps.
     pub fn with_step(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
         model.check()?;
         positive("step", step)?;
@@ -123,6 +126,10 @@ impl FrictionProcess {
             if steps < 1.0 || (window / step - steps).abs() > 1e-6 * steps {
                 let nearest = window / steps.max(1.0);
                 return Err(ProcessError::StepInWindow { step, window, nearest });
+            }
+            if steps > MOST_STEPS_IN_WINDOW {
+                let (parameter, wanted) = ("number of steps in the window", "at most 10⁶");
+                return Err(ProcessError::Parameter { parameter, value: steps, wanted });
             }
         }
         Self::build(model, step)
@@ -355,6 +362,7 @@ mod tests {
             beta(1.0, f64::NAN),
             ProcessModel { steps_per_length: 0, ..beta(1.0, 1.0) },
             ProcessModel { generator: Generator::Spectral { harmonics: 0 }, ..beta(1.0, 1.0) },
+            ProcessModel { generator: Generator::Spectral { harmonics: usize::MAX }, ..beta(1.0, 1.0) },
         ] {
             assert!(FrictionProcess::new(model).is_err());
         }

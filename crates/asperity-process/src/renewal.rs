@@ -5,6 +5,9 @@ use rand_distr::{Distribution, Exp1, StandardNormal};
 use super::Cell;
 use asperity_base::random::Stream;
 
+/// Mean number of intervals between two points of a record above which they are not drawn one by one.
+const MOST_INTERVALS: f64 = 1e4;
+
 /// Intervals of exponential length with mean ℓ and an independent value in each.
 ///
 /// Two points a distance s apart have the same value if no jump lies between them, with probability e^{−s/ℓ}, and
@@ -40,8 +43,14 @@ impl Renewal {
     pub(super) fn next_value(&mut self, rng: &mut Stream, mut value: impl FnMut(f64) -> f64) -> f64 {
         let place = self.next as f64 * self.step;
         self.next += 1;
-        while place >= self.end {
-            self.cell(rng, &mut value);
+        if place - self.end > MOST_INTERVALS * self.mean_length {
+            // The exponential distribution is memoryless: the rest of the interval at this place is distributed like a new one.
+            self.end = place;
+            self.cell(rng, value);
+        } else {
+            while place >= self.end {
+                self.cell(rng, &mut value);
+            }
         }
         self.m
     }
