@@ -309,7 +309,9 @@ impl MultiIndexSet {
 
 /// Returns the number of terms C(n+p, p), or `None` on overflow.
 pub fn number_of_terms(variables: usize, degree: usize) -> Option<usize> {
-    (1..=degree).try_fold(1_usize, |count, k| count.checked_mul(variables.checked_add(k)?).map(|c| c / k))
+    // The smaller of both counts the factors: overflow ends the product after at most some thirty of them.
+    let (few, many) = (variables.min(degree), variables.max(degree));
+    (1..=few).try_fold(1_usize, |count, k| count.checked_mul(many.checked_add(k)?).map(|c| c / k))
 }
 
 fn check_variables(variables: usize) -> Result<(), MultiIndexError> {

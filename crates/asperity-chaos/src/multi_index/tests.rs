@@ -19,6 +19,10 @@ fn brute(variables: usize, degree: u16, belongs: impl Fn(&[u16]) -> bool) -> Has
 fn total_degree_three_in_eight_variables_has_the_papers_165_terms() {
     assert_eq!(MultiIndexSet::total_degree(8, 3).unwrap().len(), 165);
     assert_eq!(MultiIndexSet::total_degree(3, 8).unwrap().len(), 165);
+    // Without a loop over the degree.
+    assert_eq!(number_of_terms(1, usize::MAX - 1), Some(usize::MAX));
+    assert_eq!(number_of_terms(usize::MAX - 1, 1), Some(usize::MAX));
+    assert_eq!(number_of_terms(2, usize::MAX / 2), None);
 }
 
 #[test]
