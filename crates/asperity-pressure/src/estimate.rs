@@ -164,11 +164,14 @@ impl PressureEstimate {
             coefficients,
             leave_one_out_error,
         } = found;
-        let contact_probability =
+        let mut contact_probability =
             1.0 - band.cdf.first().copied().unwrap_or_else(|| distribution.cdf(0.0)).clamp(0.0, 1.0);
         let contact_probability_se = band.standard_errors.first().copied().unwrap_or(0.0);
         let contact_probability_interval = if in_contact.min(samples - in_contact) < RARE {
-            wilson_interval(in_contact, samples)
+            // The estimate is unbiased, but with few samples it may lie far from their fraction, or beyond 0 or 1.
+            let interval = wilson_interval(in_contact, samples);
+            contact_probability = contact_probability.clamp(interval.low, interval.high);
+            interval
         } else {
             let [low, high] = if band.values.is_empty() { [0.0, 1.0] } else { band.pointwise(0) };
             Interval { low: 1.0 - high, high: 1.0 - low }
@@ -277,6 +280,19 @@ mod tests {
             assert_eq!(found.contact_probability_interval, Some(wanted));
             assert!((found.contact_probability - fraction).abs() < 1e-15);
         }
+        // Predictors may move the estimate below zero.
+        let band = Band { cdf: vec![1.03], ..Band::from_independent(&[0.0], &[0.9], 51, 1) };
+        let found = MultilevelEstimate {
+            distribution: DiscreteDistribution::empirical(&[0.0, 1.0]).unwrap(),
+            mean: 0.1,
+            mean_se: 0.01,
+            band,
+            above: [5, 51],
+            coefficients: None,
+            leave_one_out_error: None,
+        };
+        let found = PressureEstimate::from_multilevel(found, 2.0);
+        assert_eq!(found.contact_probability, wilson_interval(5, 51).low);
     }
 
     #[test]
