@@ -52,6 +52,7 @@ use asperity_base::sentence;
 #[cfg(fuzzing)]
 pub mod fuzzing {
     pub use super::blocks::read_blocks;
+    pub use super::uncertain::read_samples;
 }
 
 pub use blocks::{

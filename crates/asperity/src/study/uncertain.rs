@@ -207,19 +207,32 @@ fn marginal(key: &UncertainKey, stated: &StatedDistribution, folder: &Path) -> R
         StatedDistribution::Beta([a, b, low, high]) => {
             Marginal::beta(plain(a)?, plain(b)?, number(low)?, number(high)?)
         }
-        StatedDistribution::Samples(file) => Marginal::empirical(samples(key, &folder.join(file))?),
+        StatedDistribution::Samples(file) => Marginal::empirical(samples_of_file(key, &folder.join(file))?),
     };
     distribution.map_err(|error| error.to_string())
 }
 
-/// Reads samples from the first column of a CSV file: quantities with units, or numbers in SI. A first line that does not begin with a
-/// number names the columns.
-fn samples(key: &UncertainKey, file: &PathBuf) -> Result<Vec<f64>, String> {
+/// Reads the text of a file of samples of a key.
+#[cfg(fuzzing)]
+pub fn read_samples(section: &str, name: &str, text: &str) -> Option<UncertainInput> {
+    let key = UncertainKey::find(section, name, &Value::Boolean(false))?;
+    let marginal = Marginal::empirical(samples(key, text, Path::new("samples.csv")).ok()?).ok()?;
+    UncertainInput::new(name, marginal, false).ok()?.truncated(key.low, key.high).ok()
+}
+
+/// Reads the samples of a CSV file.
+fn samples_of_file(key: &UncertainKey, file: &Path) -> Result<Vec<f64>, String> {
     let text = std::fs::read_to_string(file).map_err(|error| match error.kind() {
         ErrorKind::NotFound => format!("{}: no such file", file.display()),
         ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
         _ => format!("{}: {error}", file.display()),
     })?;
+    samples(key, &text, file)
+}
+
+/// Reads samples from the first column of the text of a CSV file: quantities with units, or numbers in SI. A first line that does not begin
+/// with a number names the columns. Errors name `file`.
+fn samples(key: &UncertainKey, text: &str, file: &Path) -> Result<Vec<f64>, String> {
     let text = text.trim_start_matches('\u{feff}');
     // Where another separator is used, a comma separates no columns.
     let is_separated = text.lines().any(|line| !line.trim_start().starts_with('#') && line.contains([';', '\t']));
