@@ -19,7 +19,7 @@ fn main() -> Result<()> {
     let only = arguments.next().unwrap_or_default();
     println!(
         "# Friction as a process: coverage of the intervals\n\n`just validate` writes this page. Every row summarises {runs} \
-         independent runs on synthetic processes whose true values are known. A coverage of 95 % has a standard error of {:.1} %.",
+         independent runs, or as many as it states, on synthetic processes whose true values are known. A coverage of 95 % has a standard error of {:.1} %.",
         100.0 * (0.95 * 0.05 / runs as f64).sqrt()
     );
     let wanted = |part: &str| part.contains(&only);
