@@ -10,7 +10,7 @@ fuzz_target!(|text: &str| {
     let written = process.to_json().expect("a valid process can be written");
     assert_eq!(FittedProcess::from_json(&written).as_ref(), Ok(&process), "{written}");
     if process.generator == Some(Generator::Jacobi) {
-        // Its table takes up to half a minute.
+        // Its table takes up to 13 seconds.
         return;
     }
     asperity_fuzz::bounded(text.len(), || {

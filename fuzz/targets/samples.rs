@@ -22,6 +22,5 @@ fuzz_target!(|text: &str| {
         };
         let values = [-40.0, -1.0, 0.0, 1.0, 40.0].map(|g| input.value(g));
         assert!(values.is_sorted() && values.iter().all(|value| value.is_finite()), "{name}: {values:?}");
-        assert!(input.marginal().std().is_finite(), "{name}: {:?}", input.marginal());
     }
 });
