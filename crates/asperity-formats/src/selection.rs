@@ -24,7 +24,7 @@ impl From<&str> for Channel {
 /// Options for reading a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Height map to read. `None` reads the one that the format marks as its main map, or the first whose name does not tell of another
+    /// Height map to read. `None` reads the one that the format marks as its main map, or the first whose name is not that of another
     /// quantity, such as an amplitude.
     pub channel: Option<Channel>,
     /// Unit of the heights for a file that states none. It replaces the unit of other files, with a warning.
@@ -63,7 +63,7 @@ impl ReadOptions {
     }
 }
 
-/// Returns whether the name of a map of lengths tells of another quantity than the height, as the amplitude of a cantilever does.
+/// Returns whether the name of a map of lengths is that of another quantity than the height, such as the amplitude of a cantilever.
 fn is_other_quantity(name: &str) -> bool {
     const OTHERS: [&str; 11] = [
         "amplitude",

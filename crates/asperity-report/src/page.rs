@@ -209,13 +209,14 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         Section::new(
             "certainty",
             "How sure, and why",
-            "Brackets are 95 % intervals of what was sampled. They do not contain errors of the model, nor of values that the study states \
-             as exact. Where the truth is known, 93 to 97 % of such intervals contain it; fewer do for the bounds of a Beta distribution \
-             that are fitted to friction (78 to 93 %), Svk of heights that end sharply (86 %), Sku of slightly skewed heights (88 %), the \
-             shape of the friction tail and its return levels (90 to 93 %), and the correlation length of strongly skewed friction (91 %); \
-             in some cases 91 to 93 % do for the standard deviation and skewness of friction, the correlation at a lag, Svk, and quantiles of \
-             the pressure by Latin hypercubes. \
-             Nearly all intervals of small probabilities of vibration contain it, because they allow for regions that no draw reached.",
+            "Brackets are 95 % intervals. They contain the errors of sampling, but not errors of the model or of values that the study \
+             states as exact. Where the truth is known, 93 to 97 % of such intervals contain it. Fewer do for the bounds of a Beta \
+             distribution that are fitted to friction (78 to 93 %), Svk of heights that end sharply (86 %) and Sku of slightly skewed \
+             heights (88 %). The percentage is 90 to 93 % for the shape of the friction tail and its return levels, and 91 % for the \
+             correlation length of strongly skewed friction. In some cases it is 91 to 93 % for the standard deviation and skewness of \
+             friction, the correlation at a lag, Svk, and quantiles of the pressure by Latin hypercubes. \
+             Nearly all intervals of small probabilities of vibration contain the truth, because they allow for regions that no draw \
+             reached.",
             vec![certainty::table(run)],
             Vec::new(),
         ),

@@ -62,7 +62,7 @@ fn of_friction(friction: &FrictionResult) -> Vec<Row> {
         found.levels.get(level)?.at_mean_load.iter().find(|response| response.name == "mean")
     });
     rows.extend(mean.and_then(|mean| {
-        let why = "what the scan leaves open about the surface, see the sensitivity of friction";
+        let why = "the uncertainty of the surface statistics of one scan; see the sensitivity of friction";
         Some(row("μ over surfaces that agree with the scan", shown(Dimension::None, mean.value?, mean.interval), why))
     }));
     rows

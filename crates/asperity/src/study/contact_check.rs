@@ -18,8 +18,8 @@ const MAPS: usize = 2;
 /// Ratio of the areas in contact from which, or below whose reciprocal, it is warned.
 const WARNED: f64 = 1.2;
 
-/// A warning where random maps on the grid of the scan, or on as much of it as is pressed, touch on another area than the scan that is
-/// pressed elastically as hard; none where the scan has missing heights there.
+/// Returns a warning if random maps have another contact area than the scan under the same elastic mean pressure. Both are pressed on a
+/// part of the grid of the scan; there is no warning if heights are missing in this part.
 ///
 /// A Gaussian field under a translation has the spectrum and the heights of a scan, but neither rounded summits over sharp valleys nor
 /// rough plateaus. Such a scan and its random maps differ in contact although their slopes agree.

@@ -92,9 +92,9 @@ impl Limits {
     /// Returns the title of the picture.
     pub(super) fn title(&self) -> &'static str {
         if self.coupled {
-            "Friction: what the machine has and what it bears"
+            "Friction of the machine and its limit"
         } else {
-            "Damping: what the machine has and what it needs"
+            "Damping of the machine and its limit"
         }
     }
 
