@@ -91,11 +91,7 @@ impl Limits {
 
     /// Returns the title of the picture.
     pub(super) fn title(&self) -> &'static str {
-        if self.coupled {
-            "Friction of the machine and its limit"
-        } else {
-            "Damping of the machine and its limit"
-        }
+        if self.coupled { "Friction of the machine and its limit" } else { "Damping of the machine and its limit" }
     }
 
     /// Returns the central damping ratio.
