@@ -49,7 +49,7 @@ fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
 # Solves 1,000 contact problems and checks each solution, compares distributions of the pressure with references, and counts how often the
-# intervals of each kind contain the true value. Takes about an hour.
+# intervals of each kind contain the true value. Takes hours.
 # Runs the validation programs and writes docs/validation.
 validate:
     cargo run --release -p asperity-validation --bin validate_closed_forms > docs/validation/closed-forms.md

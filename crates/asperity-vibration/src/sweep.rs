@@ -37,7 +37,7 @@ pub struct Crossing {
     /// Damping ratio; none if φ does not fall through the level in the range of the search.
     pub damping_ratio: Option<f64>,
     /// 95 % interval: the damping ratios at which the level lies within 1.96 standard errors of the mean over the
-    /// trajectories. An end that the search did not reach is the end of its range.
+    /// trajectories, the larger ones of both sides of the crossing. An end that the search did not reach is the end of its range.
     pub interval: Option<[f64; 2]>,
     /// Reason why there is no crossing.
     pub reason: Option<String>,

@@ -105,3 +105,16 @@ fn quantiles(estimate: &PressureEstimate) -> Vec<PressureQuantile> {
     };
     PROBABILITIES.into_iter().map(quantile).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_has_one_name_in_results_tables_and_tasks() {
+        for method in Method::ALL {
+            let name = method_name(method);
+            assert_eq!([name.name(), serde_json::to_value(name).unwrap().as_str().unwrap()], [method.name(); 2]);
+        }
+    }
+}

@@ -213,15 +213,12 @@ mod tests {
     use crate::monitor::Silent;
     use crate::study::Study;
     use crate::study::verdict::machines::Machine;
-    use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::machines::tests::{LINEAR, stated_window};
     use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     fn variance_beyond_the_expansion_widens_the_intervals_of_the_drivers() {
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
-        let study = Study::parse(text, "study.toml").unwrap();
+        let study = Study::parse(LINEAR, "study.toml").unwrap();
         let window = stated_window(&study);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         // A margin of .2 + .6 x + .8 y, which has the indices .36 and .64.
@@ -241,10 +238,7 @@ mod tests {
 
     #[test]
     fn the_range_narrows_on_average_over_the_known_values() {
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
-        let study = Study::parse(text, "study.toml").unwrap();
+        let study = Study::parse(LINEAR, "study.toml").unwrap();
         let window = stated_window(&study);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         // A margin of y (1 + x/2), whose range is proportional to |1 + x/2| once x is known, and to |y/2| once y is.

@@ -289,6 +289,11 @@ fn scale(table: &mut Table, key: &str, factor: f64) {
 pub(super) mod tests {
     use super::*;
 
+    /// Machine that vibrates if ζ − b/2 < 0.
+    pub(in crate::study::verdict) const LINEAR: &str = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+        nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+        velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
+
     /// Returns the friction that a study states.
     pub(in crate::study::verdict) fn stated_window(study: &Study) -> WindowFriction {
         let vibration = study.vibration.as_ref().unwrap();

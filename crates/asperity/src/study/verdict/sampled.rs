@@ -153,13 +153,8 @@ mod tests {
     use crate::monitor::Silent;
     use crate::random::{standard_normal, stream};
     use crate::study::Study;
-    use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::machines::tests::{LINEAR, stated_window};
     use asperity_testing::covered;
-
-    /// Machine that vibrates if ζ − b/2 < 0.
-    const LINEAR: &str = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-        nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-        velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
 
     #[test]
     fn an_interval_is_narrow_if_each_of_its_probabilities_has_the_half_width() {
