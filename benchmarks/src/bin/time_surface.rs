@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use asperity::correlation::{Autocorrelation, Axis, profile_spectrum, radial_spectrum};
 use asperity::map::HeightMap;
-use asperity::study::CsvTable;
+use asperity::study::Table;
 use asperity::surface::level::Level;
 use asperity::surface::preparation::Preparation;
 use asperity::surface::uncertainty::{Uncertainty, Values};
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(folder) = folder {
         let spectrum = radial_spectrum(&map)?;
         let columns = [("wavenumber_rad_per_m", spectrum.q_rad_per_m.clone()), ("psd_m4", spectrum.psd_m4.clone())];
-        std::fs::write(folder.join("radial_spectrum.csv"), CsvTable::new(columns).to_csv()?)?;
+        std::fs::write(folder.join("radial_spectrum.csv"), Table::new(columns).to_csv()?)?;
     }
     time("profile power spectra along x and y", &|| {
         profile_spectrum(&map, Axis::X)?;

@@ -30,6 +30,11 @@ pub(crate) fn record_warning(message: &str) {
     WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
 }
 
+/// Returns the warnings of the command so far.
+pub(crate) fn warnings() -> Vec<String> {
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
 /// Results in the order of display. Keys end with their SI unit; an undefined number is null.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Answer(Vec<(String, Value)>);
@@ -81,7 +86,12 @@ impl Answer {
 
     /// Returns the answer with the warnings of the command so far, as printed in JSON.
     pub(crate) fn as_object(&self) -> Self {
-        self.with_warnings(&WARNINGS.lock().unwrap_or_else(PoisonError::into_inner))
+        self.with_warnings(&warnings())
+    }
+
+    /// Returns the keys and values, without the warnings of the command.
+    pub(crate) fn entries(&self) -> &[(String, Value)] {
+        &self.0
     }
 
     /// Prints the answer to stdout: one JSON object with the warnings of the command, or an aligned table with units.

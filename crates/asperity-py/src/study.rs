@@ -158,8 +158,8 @@ pub(crate) fn answer(py: Python<'_>, computed: Computed) -> PyResult<Bound<'_, P
         tables.set_item(name, columns)?;
     }
     for (name, field) in outcome.fields {
-        let (dx_m, dy_m) = (field.grid.dx_m(), field.grid.dy_m());
-        fields.set_item(name, (PyArray2::from_owned_array(py, field.values), dx_m, dy_m, field.unit))?;
+        let (dx_m, dy_m, unit) = (field.dx_m(), field.dy_m(), field.unit().to_owned());
+        fields.set_item(name, (PyArray2::from_owned_array(py, field.into_values()), dx_m, dy_m, unit))?;
     }
     let process = outcome.friction_process.as_ref().map(|process| dictionary(py, process)).transpose()?;
     answer.set_item("friction_process", process)?;

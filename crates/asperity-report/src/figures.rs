@@ -6,8 +6,10 @@ pub(crate) mod surface;
 pub(crate) mod verdict;
 pub(crate) mod vibration;
 
+use asperity_results::Table;
+
 use crate::plot::{Chart, ColourBar, Kind, Layout, ONE_COLUMN, Raster, TWO_COLUMNS};
-use crate::{ReportError, Run, Table};
+use crate::{ReportError, Run};
 
 /// A figure with its title, its caption and the files that hold its data.
 #[derive(Debug, Clone)]
@@ -89,7 +91,7 @@ impl From<CaptionedFigure> for Figure {
 
 /// Returns the named columns of a table if all of them hold values.
 pub(crate) fn columns<'a, const N: usize>(table: &'a Table, names: [&str; N]) -> Option<[&'a [f64]; N]> {
-    let found: Vec<&[f64]> = names.iter().filter_map(|name| table.column(name)).collect();
+    let found: Vec<&[f64]> = names.iter().filter_map(|name| table.defined_column(name)).collect();
     found.try_into().ok()
 }
 

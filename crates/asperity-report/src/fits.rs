@@ -1,6 +1,6 @@
 //! Distributions fitted to heights, read from the table `height_fits`.
 
-use crate::Table;
+use asperity_results::Table;
 
 /// Distributions by their name in columns.
 const DISTRIBUTIONS: [&str; 9] =
@@ -22,18 +22,19 @@ pub(crate) struct HeightFit {
 
 /// Returns the rows of known distributions, best first. The columns with parameters identify the distribution of a row.
 pub(crate) fn height_fits(table: &Table) -> Vec<HeightFit> {
-    let rows = table.columns.first().map_or(0, |(_, values)| values.len());
+    let rows = table.columns().first().map_or(0, |(_, values)| values.len());
     let fits = (0..rows).filter_map(|row| {
         let parameters = |distribution: &str| -> Vec<(String, f64)> {
             let own = |(name, values): &(String, Vec<f64>)| {
                 let name = name.strip_prefix(distribution)?.strip_prefix('_')?;
                 Some((name.to_owned(), values.get(row).copied().filter(|value| value.is_finite())?))
             };
-            table.columns.iter().filter_map(own).collect()
+            table.columns().iter().filter_map(own).collect()
         };
         let mut known = DISTRIBUTIONS.into_iter().map(|distribution| (distribution, parameters(distribution)));
         let (distribution, parameters) = known.find(|(_, parameters)| !parameters.is_empty())?;
-        let cell = |name: &str| table.column(name).and_then(|values| values.get(row)).copied().unwrap_or(f64::NAN);
+        let cell =
+            |name: &str| table.defined_column(name).and_then(|values| values.get(row)).copied().unwrap_or(f64::NAN);
         Some(HeightFit {
             rank: row + 1,
             distribution,

@@ -28,12 +28,12 @@ mod words;
 pub use campaign::{CampaignRun, render_campaign};
 pub use error::ReportError;
 pub use figures::Figure;
-pub use motion::render_vibration;
+pub use motion::{CoupledModes, VibrationFigures, render_vibration};
 pub use page::Report;
 pub use page::answers::vibration_answer;
 pub use page::verdict::text::verdict_text;
 pub use record::record_figures;
-pub use run::{Field, Input, Run, Table};
+pub use run::{Input, Run};
 pub use twin::render_twins;
 pub use twin::run::TwinRun;
 pub use verdict::verdict_sentence;
@@ -41,10 +41,8 @@ pub use verdict::verdict_sentence;
 /// Renders the report of a run.
 ///
 /// # Errors
-/// The columns of a table differ in length, a field does not fill its grid or has no pixel size, or the PNG encoder failed.
+/// The PNG encoder failed.
 pub fn render(run: &Run) -> Result<Report, ReportError> {
-    let tables = run.tables.iter().map(|(name, table)| (name.as_str(), table));
-    run::validate(tables, run.fields.iter().map(|(name, field)| (name.as_str(), field)))?;
     Ok(page::of_run(run)?.render())
 }
 #[cfg(doctest)]

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use asperity_results::{MapResult, Pair, Table};
 use serde_json::Value;
 
 use crate::figures::vibration;
@@ -9,27 +10,73 @@ use crate::format::Dimension;
 use crate::page::Page;
 use crate::page::data_table::DataTable;
 use crate::page::section::Section;
-use crate::{Report, ReportError, Table};
+use crate::{Report, ReportError};
 
-/// Renders the page of a vibration command, such as `map`, from the JSON object that `--json` prints and its tables. It is a pure
-/// function.
+/// What the tables of a vibration command show, with the values of its figures that no table holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VibrationFigures {
+    /// Stability map: `map_cells`, `map_contours` and `map_limit`.
+    Map(MapResult),
+    /// Bifurcation diagram over a parameter: `bifurcation_up`, `bifurcation_down`, `bifurcation_marks` and `bifurcation_turnovers`.
+    Bifurcation {
+        /// Name of the parameter and of its columns.
+        parameter: String,
+    },
+    /// Damping ratios along a parameter: `critical_curve`.
+    CriticalCurve {
+        /// Name of the parameter and of its column.
+        parameter: String,
+    },
+    /// Spectrum of the velocity: `sound_spectrum`.
+    Sound {
+        /// Level above that of the limit cycle in decibel.
+        level_db: Option<f64>,
+        /// 95 % interval of the level.
+        level_db_interval: Option<Pair>,
+        /// Period of the limit cycle.
+        cycle_period: Option<f64>,
+    },
+    /// Attractors over the starts: `basin`, `separatrix` and `limit_cycle`.
+    Basin,
+    /// Trajectories: `phase_cloud`, `limit_cycle`, the distributions `reattachment` and `release`, and `survival`, the fraction that
+    /// never left vibration.
+    Ensemble,
+    /// Modes over the friction coefficient, `modes_over_friction`, and the cycle in the plane, `mode_cycle`.
+    ModeCoupling(CoupledModes),
+}
+
+/// Characteristic values of coupled modes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoupledModes {
+    /// Friction coefficient at which the undamped modes meet.
+    pub coalescence: Option<f64>,
+    /// Friction coefficient above which a mode grows.
+    pub critical_friction: Option<f64>,
+    /// Friction coefficient of the machine.
+    pub friction: f64,
+    /// Velocity of the belt; `None` if the cycle is not drawn.
+    pub belt_velocity: Option<f64>,
+    /// Mean growth rate under fluctuating friction.
+    pub mean_growth: Option<f64>,
+}
+
+/// Renders the page of a vibration command, such as `map`, from its figures, the keys and values that `--json` prints, its warnings and its
+/// tables. It is a pure function; absent tables and columns are left out.
 ///
 /// # Errors
-/// The columns of a table differ in length, or the PNG encoder failed.
+/// The PNG encoder failed.
 pub fn render_vibration(
     command: &str,
-    answer: &Value,
+    figures: &VibrationFigures,
+    answer: &[(String, Value)],
+    warnings: &[String],
     tables: &BTreeMap<String, Table>,
 ) -> Result<Report, ReportError> {
-    crate::run::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
-    let warnings: Vec<String> = answer["warnings"]
-        .as_array()
-        .map_or_else(Vec::new, |warnings| warnings.iter().filter_map(Value::as_str).map(str::to_owned).collect());
     let units = "Displacement, time and velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.";
     let source = "answer.json";
     let table = DataTable::properties("Numbers of the answer", rows(answer), source);
     let sections = [
-        Section::new("figures", "Figures", units, Vec::new(), vibration::of_answer(answer, tables)?),
+        Section::new("figures", "Figures", units, Vec::new(), vibration::of_command(figures, tables)?),
         Section::new("answer", "Answer", "", vec![table], Vec::new()),
     ];
     let page = Page {
@@ -37,7 +84,7 @@ pub fn render_vibration(
         intro: "Answer of one vibration command of asperity.",
         first_screen: None,
         answers: Vec::new(),
-        warnings: &warnings,
+        warnings,
         sections: sections.into_iter().flatten().collect(),
         appendix: Vec::new(),
         script: "",
@@ -47,16 +94,16 @@ pub fn render_vibration(
 }
 
 /// Returns the numbers, words and decisions of the answer with their units; lists have tables of their own.
-fn rows(answer: &Value) -> Vec<(String, String)> {
+fn rows(answer: &[(String, Value)]) -> Vec<(String, String)> {
     let value = |dimension: Dimension, value: &Value| match value {
         Value::Bool(holds) => Some(if *holds { "yes" } else { "no" }.to_owned()),
         Value::Number(number) => number.as_f64().map(|number| dimension.show(number)),
         Value::String(text) => Some(text.replace('_', " ")),
         _ => None,
     };
-    let row = |(key, own): (&String, &Value)| {
+    let row = |(key, own): &(String, Value)| {
         let (name, dimension) = Dimension::of_key(key);
         Some((name.replace('_', " "), value(dimension, own)?))
     };
-    answer.as_object().into_iter().flatten().filter_map(row).collect()
+    answer.iter().filter_map(row).collect()
 }

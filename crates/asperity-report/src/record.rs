@@ -2,22 +2,20 @@
 
 use std::collections::BTreeMap;
 
+use asperity_results::Table;
+
+use crate::Figure;
 use crate::figures::CaptionedFigure;
 use crate::figures::friction::{correlation, distribution};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLUE, Chart, Dash, GREEN, Pen, VERMILION, range, stacked};
-use crate::{Figure, ReportError, Table};
 
 /// Word for the data in the figures.
 const DATA: &str = "record";
 
 /// Draws a record with the process fitted to it, from the tables `friction_record`, `friction_histogram`, `friction_pit`,
 /// `friction_qq` and `friction_acf`. It is a pure function; absent tables and columns are left out.
-///
-/// # Errors
-/// The columns of a table differ in length.
-pub fn record_figures(tables: &BTreeMap<String, Table>) -> Result<Vec<Figure>, ReportError> {
-    crate::run::validate(tables.iter().map(|(name, table)| (name.as_str(), table)), [])?;
+pub fn record_figures(tables: &BTreeMap<String, Table>) -> Vec<Figure> {
     let chart = |name: &str, draw: &dyn Fn(&Table) -> Option<Chart>| -> Vec<Chart> {
         tables.get(name).and_then(draw).into_iter().collect()
     };
@@ -57,12 +55,12 @@ pub fn record_figures(tables: &BTreeMap<String, Table>) -> Result<Vec<Figure>, R
     let figures = drawn.into_iter().filter_map(|(name, title, description, charts)| {
         CaptionedFigure::from_charts(name, title, description, 1, &charts, &[])
     });
-    Ok(figures.map(Figure::from).collect())
+    figures.map(Figure::from).collect()
 }
 
 /// Draws the record with its trend, and below it the record without the trend.
 fn record(table: &Table) -> Vec<Chart> {
-    let Some((position, ends)) = table.column("position_m").and_then(|x| Some((x, range(x)?))) else {
+    let Some((position, ends)) = table.defined_column("position_m").and_then(|x| Some((x, range(x)?))) else {
         return Vec::new();
     };
     let panels = [
@@ -70,11 +68,11 @@ fn record(table: &Table) -> Vec<Chart> {
         vec![("without its trend", "mu", GREEN, 0.9, Dash::Solid)],
     ];
     let charts = panels.into_iter().filter_map(|curves| {
-        let y = range(curves.iter().filter_map(|curve| table.column(curve.1)).flatten())?;
+        let y = range(curves.iter().filter_map(|curve| table.defined_column(curve.1)).flatten())?;
         let x = Axis::linear("Sliding distance", Dimension::Length.unit(ends.1), ends);
         let mut chart = Chart::new(x, Axis::padded("Friction coefficient μ", Unit::none(), y, 0.06));
         for (name, column, colour, width, dash) in curves {
-            if let Some(y) = table.column(column) {
+            if let Some(y) = table.defined_column(column) {
                 chart.line(name, position, y, Pen::new(colour, width, dash));
             }
         }

@@ -30,10 +30,8 @@ const REFERENCES: [&str; 4] = [
 /// Renders the page of a scan and its twins. It is a pure function; absent tables and fields are left out.
 ///
 /// # Errors
-/// The columns of a table differ in length, a field does not fill its grid or has no pixel size, or the PNG encoder failed.
+/// The PNG encoder failed.
 pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
-    let fields = run.scan.iter().map(|scan| ("scan", scan)).chain(run.twins.iter().map(|twin| ("twin", twin)));
-    crate::run::validate(run.tables.iter().map(|(name, table)| (name.as_str(), table)), fields)?;
     let comparison = &run.comparison;
     let lead = format!(
         "Twins were evaluated as the scan was: its missing points were masked out of them and the form was removed. {}",

@@ -1,7 +1,7 @@
 //! The results of asperity as plain types: the content of `results.json` of runs and campaigns, `provenance.json` and
 //! `comparison.json`.
 //!
-//! A program that reads a run folder needs this crate alone; it computes nothing. Numbers are SI with the unit in the name, an
+//! A program that reads a run folder needs this crate alone; it computes nothing. [`Table`] and [`Field`] are the data behind the figures. Numbers are SI with the unit in the name, an
 //! undefined number is `None` (`null` in the file), and an interval is [low, high] at 95 %. Results hold no clock, host or number of
 //! threads, so equal studies give equal bytes.
 
@@ -9,6 +9,7 @@ mod campaign;
 mod companions;
 mod comparison;
 mod cutoff;
+mod field;
 mod friction;
 mod mode_coupling;
 mod pressure;
@@ -16,6 +17,7 @@ mod provenance;
 mod run;
 mod schema;
 mod surface;
+mod table;
 mod uncertainty;
 mod verdict;
 mod verdict_tables;
@@ -30,6 +32,7 @@ pub use campaign::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, 
 pub use companions::{Companions, PooledResult, SpreadResult};
 pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticComparison, TwinModel};
 pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
+pub use field::Field;
 pub use friction::{
     AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
     GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, RoughBodyResult,
@@ -49,6 +52,7 @@ pub use surface::{
     CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface,
     PartStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,
 };
+pub use table::{Table, TableError};
 pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };

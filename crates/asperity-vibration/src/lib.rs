@@ -180,6 +180,13 @@ pub enum VibrationError {
     Cancelled(#[from] Cancelled),
 }
 
+impl VibrationError {
+    /// Returns whether a search or a simulation ended without result, and no parameter is invalid.
+    pub fn is_not_converged(&self) -> bool {
+        matches!(self, Self::NotFound { .. } | Self::Stalled { .. } | Self::TooFewValid { .. })
+    }
+}
+
 /// Formats a number, very small and very large ones with an exponent.
 fn shown(value: f64) -> String {
     if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }

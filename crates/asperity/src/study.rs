@@ -72,21 +72,20 @@ pub use plausibility::{implausible_damping, implausible_friction, implausible_ma
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
 pub use result::{
-    BandMethod, CampaignResults, Comparison, CurveComparison, Outcome, Provenance, Results, StatisticComparison,
-    TwinModel,
+    BandMethod, CampaignResults, Comparison, CurveComparison, Field, Outcome, Provenance, Results, StatisticComparison,
+    Table, TableError, TwinModel,
 };
 pub use run_machine::RunMachine;
 pub use schema::study_schema;
-pub use series::{CsvTable, QuantityMap, TableError};
 pub use specimen::{Sampler, Specimen, draw_map};
 pub use stage::Stage;
-pub use store::{Staging, StoreError, StoredField, StoredRun, file_hash, json_bytes};
+pub use store::{Staging, StoreError, StoredRun, file_hash, json_bytes};
 pub use surface_result::{covariance_result, part_statistics, surface_statistics};
 pub use system::{forget_peak_memory, free_memory_bytes, machine, peak_memory_bytes};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
 pub use verdict::VERDICT_SAMPLES;
 pub use vibration_stage::{
-    clipping_warning, cloud_table, points_table, portrait_table, stability_map_tables, survival_table,
+    clipping_warning, cloud_table, map_result, points_table, portrait_table, stability_map_tables, survival_table,
 };
 pub use write_run::{provenance, resolved_study, result_files, write_run};

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use asperity::study::{CsvTable, Stage, VERDICT_SAMPLES, folder_of};
+use asperity::study::{Stage, Table, VERDICT_SAMPLES, folder_of};
 use asperity_report::{verdict_sentence, verdict_text};
 use clap::Args;
 
@@ -50,7 +50,7 @@ impl Verdict {
             return Err(Failure::new(Kind::Runtime, "the study has no verdict"));
         };
         if let Some(file) = &self.export_samples {
-            let samples = outcome.tables.get(VERDICT_SAMPLES).map_or(Ok(Vec::new()), CsvTable::to_csv);
+            let samples = outcome.tables.get(VERDICT_SAMPLES).map_or(Ok(Vec::new()), Table::to_csv);
             let text = String::from_utf8(samples.map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?)
                 .map_err(|e| Failure::new(Kind::Runtime, e.to_string()))?;
             // The table names its rows after the kind of motion.

@@ -61,9 +61,7 @@ impl Vibration {
 impl From<VibrationError> for Failure {
     fn from(error: VibrationError) -> Self {
         match error {
-            VibrationError::NotFound { .. } | VibrationError::Stalled { .. } | VibrationError::TooFewValid { .. } => {
-                Self::new(Kind::NotConverged, error.to_string())
-            }
+            error if error.is_not_converged() => Self::new(Kind::NotConverged, error.to_string()),
             VibrationError::Cancelled(cancelled) => cancelled.into(),
             error => Self::usage(error),
         }

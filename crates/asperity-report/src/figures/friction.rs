@@ -8,12 +8,12 @@ mod trace;
 mod uncertainty;
 mod windows;
 
-use asperity_results::FrictionResult;
+use asperity_results::{FrictionResult, Table};
 
 use crate::figures::CaptionedFigure;
 use crate::plot::Chart;
 use crate::words::distribution_name;
-use crate::{ReportError, Run, Table};
+use crate::{ReportError, Run};
 
 /// Draws the figures of the friction coefficient.
 pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {

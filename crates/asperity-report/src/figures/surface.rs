@@ -8,8 +8,10 @@ mod structure;
 
 use self::scan::scan_sentence;
 use super::{CaptionedFigure, field_map, raster_map};
+use asperity_results::Field;
+
 use crate::plot::{Kind, Raster};
-use crate::{Field, ReportError, Run};
+use crate::{ReportError, Run};
 
 /// Draws the figures for which the run holds data.
 ///
@@ -33,7 +35,7 @@ fn maps(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
         ("counterface_sample", "The counterface of that realisation, seen from outside"),
     ];
     // A field without any value has no image.
-    let defined = |field: &&Field| field.values.iter().any(|value| value.is_finite());
+    let defined = |field: &&Field| field.values().iter().any(|value| value.is_finite());
     let shown: Vec<_> = names.iter().filter_map(|map| Some((map, run.fields.get(map.0).filter(defined)?))).collect();
     let rasters = Raster::with_common_scale(shown.iter().map(|(_, field)| *field), Kind::Height)?;
     let common =

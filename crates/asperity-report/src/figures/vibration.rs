@@ -12,11 +12,11 @@ mod sound;
 pub(super) mod stability_map;
 mod survival;
 
-use serde_json::Value;
+use asperity_results::ModeCouplingResult;
 
 use self::curves::Tables;
-use self::modes::Marks;
 use super::CaptionedFigure;
+use crate::motion::{CoupledModes, VibrationFigures};
 use crate::{ReportError, Run};
 
 /// Draws the figures for which the run holds data.
@@ -31,35 +31,32 @@ pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
 
 /// Draws the modes of a run over the friction coefficient.
 pub(crate) fn coupled_figures(run: &Run) -> Vec<CaptionedFigure> {
-    let marks = run.results.mode_coupling.as_ref().map(Marks::from);
-    marks.and_then(|marks| modes::over_friction(&marks, &run.tables)).into_iter().collect()
+    let modes = run.results.mode_coupling.as_ref().map(|result| {
+        let &ModeCouplingResult { coalescence, critical_friction, friction, .. } = result;
+        CoupledModes { coalescence, critical_friction, friction, belt_velocity: None, mean_growth: None }
+    });
+    modes.and_then(|modes| modes::over_friction(&modes, &run.tables)).into_iter().collect()
 }
 
-/// Draws the answer of a vibration command. The names of the tables determine the figures:
-///
-/// - `map_cells`, `map_contours`, `map_limit`: a stability map over the parameters in the keys `x` and `y`;
-/// - `bifurcation_up`, `bifurcation_down`, `bifurcation_marks`, `bifurcation_turnovers`: a bifurcation diagram, and
-///   `critical_curve`, a curve of critical damping, over the key `parameter`;
-/// - `sound_spectrum`: a spectrum, with the keys `level_db` and `cycle_period`;
-/// - `phase_cloud`, `trajectory`, `limit_cycle`: a phase portrait; with `basin` and `separatrix` a map of attractors;
-/// - `reattachment`, `release`: distributions of points, and `survival`, the fraction of trajectories that never left vibration;
-/// - `modes_over_friction` and `mode_cycle`: modes over the friction coefficient, with the keys `coalescence`,
-///   `critical_friction` and `friction`, and the cycle in the plane.
+/// Draws the figures of a vibration command.
 ///
 /// # Errors
 /// The PNG encoder failed.
-pub(crate) fn of_answer(answer: &Value, tables: &Tables) -> Result<Vec<CaptionedFigure>, ReportError> {
-    let drawn = [
-        stability_map::figure(answer, tables)?,
-        bifurcation::figure(answer, tables),
-        critical_curve::figure(answer, tables),
-        sound::figure(answer, tables),
-        basin::figure(tables)?,
-        portrait::figure(tables),
-        points::figure(tables),
-        survival::figure(tables),
-        modes::over_friction(&Marks::of_answer(answer), tables),
-        modes::cycle(answer, tables),
-    ];
+pub(crate) fn of_command(figures: &VibrationFigures, tables: &Tables) -> Result<Vec<CaptionedFigure>, ReportError> {
+    let drawn = match figures {
+        VibrationFigures::Map(map) => vec![stability_map::drawn(map, tables)?],
+        VibrationFigures::Bifurcation { parameter } => vec![bifurcation::figure(parameter, tables)],
+        VibrationFigures::CriticalCurve { parameter } => vec![critical_curve::figure(parameter, tables)],
+        VibrationFigures::Sound { level_db, level_db_interval, cycle_period } => {
+            vec![sound::figure(level_db.map(|level| (level, *level_db_interval)), *cycle_period, tables)]
+        }
+        VibrationFigures::Basin => vec![basin::figure(tables)?],
+        VibrationFigures::Ensemble => {
+            vec![portrait::figure(tables), points::figure(tables), survival::figure(tables)]
+        }
+        VibrationFigures::ModeCoupling(modes) => {
+            vec![modes::over_friction(modes, tables), modes::cycle(modes, tables)]
+        }
+    };
     Ok(drawn.into_iter().flatten().collect())
 }

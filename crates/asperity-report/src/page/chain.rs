@@ -1,14 +1,14 @@
 //! The strip below the verdict: one number of every link of the chain, with a small picture.
 
-use asperity_results::{ModelResult, SurfaceResult};
+use asperity_results::{Field, ModelResult, SurfaceResult};
 
+use crate::Run;
 use crate::cells::{DASH, percent};
 use crate::format::{Dimension, significant, with_error};
 use crate::markup::{Html, html};
 use crate::plot::range;
 use crate::verdict::noun as kind_of_motion;
 use crate::words::between;
-use crate::{Field, Run};
 
 /// Size of a picture.
 const WIDTH: f64 = 100.0;
@@ -54,9 +54,9 @@ fn surface(run: &Run) -> Option<Link> {
     let (metre, words) = rms_height(result)?;
     let field = ["height_levelled", "surface_sample"].into_iter().find_map(|name| run.fields.get(name));
     let picture = field.and_then(|field| {
-        let row = &field.values[field.ny / 2 * field.nx..][..field.nx];
+        let row = field.values().row(field.ny() / 2).to_vec();
         let places: Vec<f64> = (0..row.len()).map(|place| place as f64).collect();
-        curve(&places, row)
+        curve(&places, &row)
     });
     Some(Link { section: "surface", number: format!("Sq {}", Dimension::Length.show_short(metre)), words, picture })
 }
@@ -92,8 +92,8 @@ fn pressure(run: &Run) -> Option<Link> {
     let pressure = run.results.pressure.as_ref()?;
     let probability = with_error(pressure.contact_probability, pressure.contact_probability_se.unwrap_or(f64::NAN));
     let picture = run.tables.get("pressure_cdf").and_then(|table| {
-        let distribution = ["default", "reference"].into_iter().find_map(|name| table.column(name))?;
-        curve(table.column("pressure_pa")?, distribution)
+        let distribution = ["default", "reference"].into_iter().find_map(|name| table.defined_column(name))?;
+        curve(table.defined_column("pressure_pa")?, distribution)
     });
     let words = "contact at a point of the patch".into();
     Some(Link { section: "pressure", number: format!("P {probability}"), words, picture })
@@ -108,9 +108,9 @@ fn friction(run: &Run) -> Option<Link> {
     };
     let point = &friction.operating_point;
     let picture = run.tables.get("friction_trace").and_then(|table| {
-        let column = ["mu_load"].into_iter().chain(table.columns.iter().map(|(name, _)| name.as_str()));
-        let mu = column.filter(|name| name.starts_with("mu")).find_map(|name| table.column(name))?;
-        curve(table.column("position_m")?, mu)
+        let column = ["mu_load"].into_iter().chain(table.columns().iter().map(|(name, _)| name.as_str()));
+        let mu = column.filter(|name| name.starts_with("mu")).find_map(|name| table.defined_column(name))?;
+        curve(table.defined_column("position_m")?, mu)
     });
     Some(Link {
         section: "friction",
@@ -123,7 +123,8 @@ fn friction(run: &Run) -> Option<Link> {
 fn vibration(run: &Run) -> Option<Link> {
     let verdict = run.results.verdict.as_ref()?;
     let cycle = run.tables.get("limit_cycle");
-    let picture = cycle.and_then(|table| curve(table.column("displacement")?, table.column("velocity")?));
+    let picture =
+        cycle.and_then(|table| curve(table.defined_column("displacement")?, table.defined_column("velocity")?));
     let (number, words) = match &verdict.if_vibrating {
         Some(machines) => {
             let hertz = machines.frequency_hz.map(|hertz| between(Dimension::Frequency, hertz).0);
@@ -160,13 +161,13 @@ fn curve(x: &[f64], y: &[f64]) -> Option<Html> {
 
 /// Draws the cells in contact of a part of a field; `None` without any.
 fn patches(field: &Field) -> Option<Html> {
-    let rows = field.ny.min(48);
-    let columns = field.nx.min(5 * rows / 2);
+    let rows = field.ny().min(48);
+    let columns = field.nx().min(5 * rows / 2);
     let (dx, dy) = (WIDTH / columns.max(1) as f64, HEIGHT / rows.max(1) as f64);
     let mut path = String::new();
     for row in 0..rows {
         for column in 0..columns {
-            if field.values[row * field.nx + column] > 0.0 {
+            if field.values()[[row, column]] > 0.0 {
                 path += &format!("M{:.1} {:.1}h{dx:.1}v{dy:.1}h-{dx:.1}z", column as f64 * dx, row as f64 * dy);
             }
         }

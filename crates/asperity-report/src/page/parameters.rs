@@ -1,14 +1,14 @@
 //! The parameters of a measured surface, in groups, and the distributions fitted to its heights.
 
-use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics};
+use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics, Table};
 
+use crate::Run;
 use crate::cells::DASH;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
 use crate::words::in_words;
-use crate::{Run, Table};
 
 /// Key, symbol and meaning of a parameter.
 type Parameter = (&'static str, &'static str, &'static str);
@@ -262,7 +262,7 @@ pub(super) fn distributions(run: &Run) -> Option<DataTable> {
             ]
         })
         .collect();
-    let size = table.column("effective_heights").and_then(|values| values.first()).filter(|n| n.is_finite());
+    let size = table.defined_column("effective_heights").and_then(|values| values.first()).filter(|n| n.is_finite());
     let size = size.map_or(String::new(), |n| {
         format!("; effective sample size of the correlated heights: {}", significant(*n, 2))
     });

@@ -1,12 +1,14 @@
 //! Maps as images: fields become indexed PNGs with a colour bar.
 
+use asperity_results::Field;
+
+use crate::ReportError;
 use crate::format::Dimension;
 use crate::plot::axis::Axis;
 use crate::plot::chart::mark::Mark;
 use crate::plot::chart::{Backdrop, Chart};
 use crate::plot::image::{ColourBar, indexed, scale_palette, shade};
 use crate::plot::palette::{MISSING, NO_CONTACT};
-use crate::{Field, ReportError};
 
 /// Larger fields are averaged over blocks before they are embedded.
 const MAX_POINTS: usize = 640 * 640;
@@ -54,14 +56,14 @@ pub(crate) struct Raster {
 /// Averages the present points of blocks of k × k points. A block without a majority of present points is missing.
 fn averaged(field: &Field, block: usize) -> (usize, usize, Vec<f64>) {
     if block == 1 {
-        return (field.nx, field.ny, field.values.clone());
+        return (field.nx(), field.ny(), field.values().iter().copied().collect());
     }
-    let (nx, ny) = (field.nx.div_ceil(block), field.ny.div_ceil(block));
+    let (nx, ny) = (field.nx().div_ceil(block), field.ny().div_ceil(block));
     let mean = |place: usize| {
         let (row, column) = (place / nx * block, place % nx * block);
         let (mut sum, mut present, mut all) = (0.0, 0usize, 0usize);
-        for y in row..(row + block).min(field.ny) {
-            for value in &field.values[y * field.nx + column..y * field.nx + (column + block).min(field.nx)] {
+        for y in row..(row + block).min(field.ny()) {
+            for value in field.values().row(y).iter().skip(column).take(block) {
                 all += 1;
                 if value.is_finite() {
                     sum += value;
@@ -91,7 +93,7 @@ impl<'a> Pixels<'a> {
     /// Reduces a field; `None` if no value is present.
     fn new(field: &'a Field, kind: Kind) -> Option<Self> {
         let fits = |block: &usize| {
-            let (nx, ny) = (field.nx.div_ceil(*block), field.ny.div_ceil(*block));
+            let (nx, ny) = (field.nx().div_ceil(*block), field.ny().div_ceil(*block));
             nx * ny <= MAX_POINTS && nx.max(ny) <= MAX_ALONG
         };
         let block = (1..).find(fits)?;
@@ -113,7 +115,7 @@ impl<'a> Pixels<'a> {
             Kind::Error => (0.0, largest),
         };
         // A flat field lies in the middle of a small scale.
-        let magnitude = field.values.iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
+        let magnitude = field.values().iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
         let scale = match kind {
             Kind::Height if high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
             Kind::Pressure | Kind::Error if high <= 0.0 => (0.0, 1.0),
@@ -134,11 +136,11 @@ impl<'a> Pixels<'a> {
         let (label, dimension) = kind.label();
         Ok(Raster {
             data_uri: indexed(nx, ny, &indices, scale_palette())?,
-            width_m: field.nx as f64 * field.dx_m,
-            height_m: field.ny as f64 * field.dy_m,
+            width_m: field.nx() as f64 * field.dx_m(),
+            height_m: field.ny() as f64 * field.dy_m(),
             colour_bar: ColourBar::new(Axis::linear(label, dimension.unit(low.abs().max(high.abs())), (low, high)))?,
             block,
-            missing: field.values.iter().filter(|v| !v.is_finite()).count(),
+            missing: field.values().iter().filter(|v| !v.is_finite()).count(),
             no_contact: kind == Kind::Pressure && self.values.iter().any(|value| *value <= 0.0),
         })
     }
@@ -214,6 +216,8 @@ mod tests {
     use base64::Engine as _;
     use base64::engine::general_purpose::STANDARD;
 
+    use ndarray::{Array2, array};
+
     use super::*;
 
     fn decoded(raster: &Raster) -> (u32, u32, Vec<u8>) {
@@ -229,8 +233,7 @@ mod tests {
 
     #[test]
     fn missing_and_contact_free_points_have_colours_of_their_own() {
-        let values = vec![0.0, 1.0, f64::NAN, 0.5, 0.0, 1.0];
-        let field = Field { nx: 3, ny: 2, dx_m: 1.0, dy_m: 1.0, values };
+        let field = Field::new([1.0, 1.0], "Pa", array![[0.0, 1.0, f64::NAN], [0.5, 0.0, 1.0]]);
         let raster = Raster::new(&field, Kind::Pressure).unwrap().unwrap();
         let (width, height, pixels) = decoded(&raster);
         assert_eq!((width, height), (3, 2));
@@ -244,8 +247,7 @@ mod tests {
     #[test]
     fn a_large_field_is_averaged_and_keeps_its_size_in_metre() {
         let (nx, ny) = (2000, 1000);
-        let values = (0..nx * ny).map(|i| (i % nx) as f64).collect();
-        let field = Field { nx, ny, dx_m: 1e-6, dy_m: 2e-6, values };
+        let field = Field::new([1e-6, 2e-6], "m", Array2::from_shape_fn((ny, nx), |(_, column)| column as f64));
         let raster = Raster::new(&field, Kind::Height).unwrap().unwrap();
         let (width, height, pixels) = decoded(&raster);
         assert_eq!(raster.block, 3);
@@ -256,13 +258,13 @@ mod tests {
 
     #[test]
     fn a_field_without_values_has_no_image() {
-        let field = Field { nx: 2, ny: 2, dx_m: 1.0, dy_m: 1.0, values: vec![f64::NAN; 4] };
+        let field = Field::new([1.0, 1.0], "m", Array2::from_elem((2, 2), f64::NAN));
         assert!(Raster::new(&field, Kind::Height).unwrap().is_none());
     }
 
     #[test]
     fn a_flat_field_is_drawn_in_one_colour_on_a_scale_around_zero() {
-        let field = Field { nx: 2, ny: 2, dx_m: 1.0, dy_m: 1.0, values: vec![0.1; 4] };
+        let field = Field::new([1.0, 1.0], "m", Array2::from_elem((2, 2), 0.1));
         let raster = Raster::new(&field, Kind::Height).unwrap().unwrap();
         assert_eq!(raster.colour_bar.axis.ends(), (-1e-9, 1e-9));
         assert!(decoded(&raster).2.iter().all(|&pixel| pixel == 128 || pixel == 129));

@@ -1,10 +1,12 @@
 //! Maps side by side, parameters of the scan among those of the twins, and functions with their bands.
 
+use asperity_results::Table;
+
+use crate::ReportError;
 use crate::figures::{CaptionedFigure, columns, positive, raster_panels};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Kind, Mark, Pen, Raster, SKY, Shape, VERMILION, range};
 use crate::twin::run::{TwinRun, distance, inside_share, named, percent, statistics};
-use crate::{ReportError, Table};
 
 /// Draws the figures for which the run holds data.
 ///
@@ -84,7 +86,7 @@ impl<'a> Banded<'a> {
         let table: &Table = run.tables.get(table)?;
         let [x, scan] = columns(table, [abscissa, &format!("scan{unit}")])?;
         let band = columns(table, [&format!("twins_low{unit}"), &format!("twins_high{unit}")]);
-        Some(Self { x, scan, mean: table.column(&format!("twins_mean{unit}")), band })
+        Some(Self { x, scan, mean: table.defined_column(&format!("twins_mean{unit}")), band })
     }
 
     /// Returns all values in the figure.

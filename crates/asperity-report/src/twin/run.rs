@@ -2,12 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{Comparison, Provenance, StatisticComparison};
+use asperity_results::{Comparison, Field, Provenance, StatisticComparison, Table};
 
 use crate::format::{Dimension, fixed};
 use crate::page::parameters::parameter;
-use crate::{Field, Table};
-
 /// The data of the page of a comparison.
 #[derive(Debug, Clone, Default)]
 pub struct TwinRun {

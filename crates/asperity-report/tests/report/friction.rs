@@ -1,10 +1,11 @@
 //! The sections of the friction coefficient and of the quotient F/N.
 
+use asperity_results::{LevelResult, Table};
+
 use crate::documents::{text, words};
 use crate::stages::friction;
-use crate::synthetic::{example, full_run};
-use asperity_report::{Run, Table, render};
-use asperity_results::LevelResult;
+use crate::synthetic::{edit, example, full_run};
+use asperity_report::{Run, render};
 
 #[test]
 fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
@@ -59,11 +60,13 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
         no_variance: Some("58 % of the windows hold fewer than 30 contact cells".into()),
         ..lead.clone()
     };
-    for column in &mut heavy.tables.get_mut("friction_levels").unwrap().columns {
-        if column.0.starts_with("std") && !column.0.contains("load") {
-            column.1[5] = f64::NAN;
+    edit(&mut heavy.tables, "friction_levels", |columns| {
+        for (name, values) in columns {
+            if name.starts_with("std") && !name.contains("load") {
+                values[5] = f64::NAN;
+            }
         }
-    }
+    });
     let drawn = page(&heavy);
     assert!(drawn.contains("Level at 3 MPa: F/N has no variance") && drawn.contains("58 % of the windows"), "{drawn}");
     assert!(!drawn.contains("exceeded once") && !drawn.contains("empirical ()"));
@@ -71,8 +74,7 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     // Moments at the mean load that equal the quotient's are not drawn; free strips are called so.
     friction(&mut run).mean_compliance_m_per_pa = None;
     assert!(page(&run).contains("75 µm wide (free)."));
-    let levels = run.tables.get_mut("friction_levels").unwrap();
-    levels.columns.retain(|(name, _)| !name.contains("at_mean_load"));
+    edit(&mut run.tables, "friction_levels", |columns| columns.retain(|(name, _)| !name.contains("at_mean_load")));
     assert!(!words(&run, "friction_levels").contains(&"at the mean load".to_owned()));
 }
 
@@ -114,7 +116,7 @@ fn uncertain_parameters_have_a_band_and_their_indices() {
         ("mean_high", vec![0.23, 0.24, 0.0]),
     ];
     let columns = columns.map(|(name, values)| (name.to_owned(), values)).to_vec();
-    run.tables.insert("friction_uncertainty".into(), Table { columns });
+    run.tables.insert("friction_uncertainty".into(), Table::new(columns));
     let drawn = words(&run, "friction_sensitivity");
     for wanted in ["Mean of μ", "Correlation length of μ", "rms height", "Sobol’ index; 98 % explained"] {
         assert!(drawn.iter().any(|text| text == wanted), "{wanted:?} in {drawn:?}");

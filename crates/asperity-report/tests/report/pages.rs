@@ -1,10 +1,11 @@
 //! The report of a complete run: figures, sections, and escaping.
 
+use asperity_results::ScanOfPart;
+
 use crate::documents::{elements, resources, text, without_scripts};
 use crate::stages::{friction, surface};
-use crate::synthetic::{example, full_run, surface_run};
+use crate::synthetic::{edit, example, full_run, surface_run};
 use asperity_report::{Input, Run, render};
-use asperity_results::ScanOfPart;
 
 #[test]
 fn a_complete_run_has_every_figure_and_every_section() {
@@ -212,9 +213,8 @@ fn hostile_strings_are_escaped_everywhere() {
     surface(&mut run).measured = example::part(vec![scan(), scan()]);
     surface(&mut run).marginal = example::law(EVIL, &[(EVIL, 1.0)]);
     surface(&mut run).covariance.as_mut().unwrap().model = EVIL.into();
-    let cdf = run.tables.get_mut("pressure_cdf").unwrap();
-    cdf.columns[2].0 = EVIL.into();
-    run.tables.get_mut("friction_trace").unwrap().columns[1].0 = format!("mu_{EVIL}");
+    edit(&mut run.tables, "pressure_cdf", |columns| columns[2].0 = EVIL.into());
+    edit(&mut run.tables, "friction_trace", |columns| columns[1].0 = format!("mu_{EVIL}"));
     let report = render(&run).unwrap();
     assert!(!without_scripts(&report.html).contains("<img"));
     assert!(report.html.contains("&lt;script&gt;"));

@@ -1,10 +1,11 @@
 //! The section of the contact pressure.
 
+use asperity_results::{MethodEntry, PressureMethod};
+
 use crate::documents::{text, words};
 use crate::stages::pressure;
-use crate::synthetic::full_run;
+use crate::synthetic::{edit, edit_field, full_run};
 use asperity_report::{Run, render};
-use asperity_results::{MethodEntry, PressureMethod};
 
 #[test]
 fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
@@ -54,10 +55,9 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     assert!(
         scalars.iter().any(|word| word.contains("Mean gap")) && !scalars.iter().any(|word| word.contains("Stiffness"))
     );
-    let columns = &mut run.tables.get_mut("pressure_scalar_laws").unwrap().columns;
-    let gaps = columns.iter().find(|(name, _)| name == "mean_gap_m").unwrap();
-    let stiffness = gaps.1.iter().map(|gap| 5e19 * gap).collect();
-    columns.push(("stiffness_pa_per_m".into(), stiffness));
+    let gaps = run.tables["pressure_scalar_laws"].column("mean_gap_m").unwrap();
+    let stiffness = gaps.iter().map(|gap| 5e19 * gap).collect();
+    edit(&mut run.tables, "pressure_scalar_laws", |columns| columns.push(("stiffness_pa_per_m".into(), stiffness)));
     let scalars = words(&run, "pressure_scalars");
     assert!(scalars.iter().any(|word| word == "Stiffness (MPa/µm)"), "{scalars:?}");
     // Older runs have no bands.
@@ -98,8 +98,9 @@ fn maps_of_all_cells_have_their_accuracy() {
     assert!(!names(&bare).iter().any(|name| name == "pressure_quantiles" || name == "contact_probability"));
     // A patch without contact has its legend.
     let mut free = full_run();
-    free.fields.get_mut("pressure_mean").unwrap().values.fill(0.0);
-    free.fields.get_mut("pressure_quantile_90").unwrap().values.fill(0.0);
+    for name in ["pressure_mean", "pressure_quantile_90"] {
+        edit_field(free.fields.get_mut(name).unwrap(), |values| values.fill(0.0));
+    }
     for wanted in ["Median", "no contact (p = 0)"] {
         assert!(words(&free, "pressure_quantiles").iter().any(|word| word == wanted), "{wanted}");
     }

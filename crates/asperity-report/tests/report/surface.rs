@@ -1,10 +1,11 @@
 //! The surface section.
 
+use asperity_results::{MeasuredSurface, ScanOfPart, SurfaceStatistics};
+
 use crate::documents::{text, words};
 use crate::stages::surface;
-use crate::synthetic::{example, full_run};
+use crate::synthetic::{edit, edit_field, example, full_run};
 use asperity_report::render;
-use asperity_results::{MeasuredSurface, ScanOfPart, SurfaceStatistics};
 
 #[test]
 fn parameters_are_in_groups_with_their_intervals() {
@@ -60,8 +61,8 @@ fn correlation_is_shown_up_to_six_lengths_with_its_bands() {
     let apart = words(&run, "height_acf");
     assert_eq!(apart.iter().filter(|word| *word == "Lag (µm)").count(), 2);
     assert!(!apart.contains(&"80".to_owned()));
-    let table = run.tables.get_mut("height_acf").unwrap();
-    table.columns.retain(|(name, _)| !name.ends_with("_low") && !name.ends_with("_high"));
+    let is_bound = |name: &str| name.ends_with("_low") || name.ends_with("_high");
+    edit(&mut run.tables, "height_acf", |columns| columns.retain(|(name, _)| !is_bound(name)));
     assert!(!words(&run, "height_acf").iter().any(|word| word.starts_with("95 %")));
 }
 
@@ -82,7 +83,7 @@ fn spectra_have_bands_and_a_marked_reliable_range() {
 #[test]
 fn levelled_heights_and_their_realisation_share_a_colour_scale() {
     let mut run = full_run();
-    run.fields.get_mut("surface_sample").unwrap().values.iter_mut().for_each(|z| *z *= 10.0);
+    edit_field(run.fields.get_mut("surface_sample").unwrap(), |values| *values *= 10.0);
     let ticks = |name: &str| {
         let drawn = words(&run, name);
         drawn[drawn.iter().position(|word| word == "x (µm)").unwrap()..].to_owned()

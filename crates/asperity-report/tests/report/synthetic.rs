@@ -7,8 +7,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
-use asperity_report::{Field, Input, Run, Table};
-use asperity_results::{Machine, Program, Provenance, Results};
+use asperity_report::{Input, Run};
+use asperity_results::{Field, Machine, Program, Provenance, Results, Table};
+use ndarray::Array2;
 
 /// A reproducible number in [0, 1) for texture (a hash of the index, no statistics are drawn from it).
 fn noise(index: u64) -> f64 {
@@ -33,12 +34,36 @@ fn rough(x: f64, y: f64, longest: f64, shortest: f64, seed: u64) -> f64 {
 
 fn field(nx: usize, ny: usize, width_m: f64, height_m: f64, value: impl Fn(f64, f64) -> f64) -> Field {
     let (dx_m, dy_m) = (width_m / nx as f64, height_m / ny as f64);
-    let values = (0..nx * ny).map(|i| value(((i % nx) as f64 + 0.5) * dx_m, ((i / nx) as f64 + 0.5) * dy_m)).collect();
-    Field { nx, ny, dx_m, dy_m, values }
+    let at = |(row, column)| value((column as f64 + 0.5) * dx_m, (row as f64 + 0.5) * dy_m);
+    Field::new([dx_m, dy_m], "", Array2::from_shape_fn((ny, nx), at))
 }
 
 fn table(columns: &[(&str, Vec<f64>)]) -> Table {
-    Table { columns: columns.iter().map(|(name, values)| ((*name).to_owned(), values.clone())).collect() }
+    Table::new(columns.iter().map(|(name, values)| (*name, values.clone())))
+}
+
+/// Returns a table with changed columns.
+pub(crate) fn changed(table: &Table, change: impl FnOnce(&mut Vec<(String, Vec<f64>)>)) -> Table {
+    let mut columns = table.columns().to_vec();
+    change(&mut columns);
+    Table::new(columns)
+}
+
+/// Changes the columns of one of the tables.
+pub(crate) fn edit(
+    tables: &mut BTreeMap<String, Table>,
+    name: &str,
+    change: impl FnOnce(&mut Vec<(String, Vec<f64>)>),
+) {
+    let table = changed(&tables[name], change);
+    tables.insert(name.to_owned(), table);
+}
+
+/// Changes the values of a field.
+pub(crate) fn edit_field(field: &mut Field, change: impl FnOnce(&mut Array2<f64>)) {
+    let mut values = field.values().clone();
+    change(&mut values);
+    *field = Field::new([field.dx_m(), field.dy_m()], field.unit(), values);
 }
 
 fn grid(low: f64, high: f64, count: usize) -> Vec<f64> {
@@ -156,8 +181,8 @@ fn surface(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, F
         let columns =
             [("psd", psd.clone()), ("psd_low", spread(-1.0)), ("psd_high", spread(1.0)), ("psd_model", model)];
         let named = columns.map(|(column, values)| (format!("{column}_{unit}"), values));
-        let all = std::iter::once(("wavenumber_rad_per_m".to_owned(), q.clone())).chain(named).collect();
-        tables.insert(format!("height_psd_{name}"), Table { columns: all });
+        let all = std::iter::once(("wavenumber_rad_per_m".to_owned(), q.clone())).chain(named);
+        tables.insert(format!("height_psd_{name}"), Table::new(all));
     }
 }
 

@@ -1,21 +1,25 @@
 //! The page of a scan and its twins, complete, partial and hostile.
 
-use crate::documents::{elements, resources, text, without_scripts};
-use asperity_report::{Field, ReportError, Table, TwinRun, render_twins};
 use asperity_results::{
-    BandMethod, Comparison, CovarianceResult, CurveComparison, LawResult, Provenance, StatisticComparison, TwinModel,
+    BandMethod, Comparison, CovarianceResult, CurveComparison, Field, LawResult, Provenance, StatisticComparison,
+    Table, TwinModel,
 };
+use ndarray::Array2;
+
+use crate::documents::{elements, resources, text, without_scripts};
+use crate::synthetic::{edit, edit_field};
+use asperity_report::{TwinRun, render_twins};
 
 fn field(nx: usize, ny: usize, phase: f64) -> Field {
-    let height = |i: usize| 1e-6 * (0.3 * (i % nx) as f64 + phase).sin() * (0.2 * (i / nx) as f64).cos();
-    Field { nx, ny, dx_m: 1e-6, dy_m: 1e-6, values: (0..nx * ny).map(height).collect() }
+    let height = |(row, column)| 1e-6 * (0.3 * column as f64 + phase).sin() * (0.2 * row as f64).cos();
+    Field::new([1e-6, 1e-6], "m", Array2::from_shape_fn((ny, nx), height))
 }
 
 fn table(abscissa: &str, unit: &str, x: Vec<f64>, scan: impl Fn(f64) -> f64) -> Table {
     let values = |factor: f64| x.iter().map(|x| factor * scan(*x)).collect::<Vec<f64>>();
     let columns = [("scan", 1.0), ("twins_mean", 0.95), ("twins_low", 0.7), ("twins_high", 1.2)];
     let named = columns.map(|(name, factor)| (format!("{name}{unit}"), values(factor)));
-    Table { columns: std::iter::once((abscissa.to_owned(), x.clone())).chain(named).collect() }
+    Table::new(std::iter::once((abscissa.to_owned(), x.clone())).chain(named))
 }
 
 fn statistic(target: f64, mean: f64, std: f64) -> StatisticComparison {
@@ -80,7 +84,7 @@ fn run(nx: usize, ny: usize) -> TwinRun {
     let heights: Vec<f64> = (-20..=20).map(|i| f64::from(i) * 1e-7).collect();
     let spectrum = |q: f64| 1e-18 / (1.0 + (q * 3e-6).powi(2));
     let mut scan = field(nx, ny, 0.0);
-    scan.values[5] = f64::NAN;
+    edit_field(&mut scan, |values| values[[0, 5]] = f64::NAN);
     TwinRun {
         name: "bench.x3p".into(),
         comparison: comparison(nx, ny),
@@ -187,12 +191,11 @@ fn absent_and_undefined_data_are_left_out() {
     assert!(empty.figures.is_empty() && empty.html.contains("</html>"));
     let full = run(12, 12);
     for name in full.tables.keys() {
-        let mut one = TwinRun { tables: [(name.clone(), full.tables[name].clone())].into(), ..TwinRun::default() };
+        let one = TwinRun { tables: [(name.clone(), full.tables[name].clone())].into(), ..TwinRun::default() };
         assert_eq!(render_twins(&one).unwrap().figures.len(), 1, "{name}");
         for hidden in 0..5 {
-            let mut table = full.tables[name].clone();
-            table.columns[hidden].1.fill(f64::NAN);
-            one.tables.insert(name.clone(), table);
+            let mut one = one.clone();
+            edit(&mut one.tables, name, |columns| columns[hidden].1.fill(f64::NAN));
             for figure in render_twins(&one).unwrap().figures {
                 elements(&figure.svg);
                 assert!(!figure.svg.contains("NaN"), "{name}, column {hidden}");
@@ -225,6 +228,4 @@ fn hostile_strings_are_escaped_and_bad_fields_refused() {
         elements(&figure.svg);
         assert!(!figure.svg.contains("<script") && !figure.svg.contains("<img"));
     }
-    run.twins[0].values.pop();
-    assert!(matches!(render_twins(&run), Err(ReportError::FieldShape { .. })));
 }

@@ -1,7 +1,7 @@
 //! The verdict in words and on the page.
 
-use asperity_report::{Run, Table, render, verdict_sentence, verdict_text};
-use asperity_results::{InputKind, InputValue, Remedy, RestsOn, VerdictResult};
+use asperity_report::{Run, render, verdict_sentence, verdict_text};
+use asperity_results::{InputKind, InputValue, Remedy, RestsOn, Table, VerdictResult};
 
 use crate::documents::{elements, resources, text, without_scripts};
 use crate::synthetic::{example, full_run};
@@ -51,7 +51,7 @@ fn sampled(probability: f64, low: f64, high: f64) -> String {
     run.results.verdict = Some(verdict);
     let margins = (0..1000).map(|i| low + (high - low) * (f64::from(i) + 0.5) / 1000.0).collect();
     let columns = vec![("vibration.stribeck".to_owned(), vec![4.2; 1000]), ("damping_margin".to_owned(), margins)];
-    run.tables.insert("verdict_samples".into(), Table { columns });
+    run.tables.insert("verdict_samples".into(), Table::new(columns));
     text(&render(&run).unwrap().html)
 }
 

@@ -3,18 +3,25 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use asperity_results::{MapResolutionResult, MapResult, Table};
+
 use crate::documents::{elements, resources, text, without_scripts};
-use asperity_report::{Figure, Report, ReportError, Table, render_vibration};
-use serde_json::{Value, json};
+use crate::synthetic::edit;
+use asperity_report::{CoupledModes, Figure, Report, VibrationFigures, render_vibration};
+use serde_json::json;
 
 type Tables = BTreeMap<String, Table>;
-/// An answer with its tables.
-type Given = (Value, Tables);
+/// Figures with their tables.
+type Given = (VibrationFigures, Tables);
 /// The name of a figure and words in it.
 type Wanted = (&'static str, Vec<&'static str>);
 
 fn table(columns: &[(&str, Vec<f64>)]) -> Table {
-    Table { columns: columns.iter().map(|(name, values)| ((*name).to_owned(), values.clone())).collect() }
+    Table::new(columns.iter().map(|(name, values)| (*name, values.clone())))
+}
+
+fn drawn(figures: &VibrationFigures, tables: &Tables) -> Vec<Figure> {
+    render_vibration("map", figures, &[], &[], tables).unwrap().figures
 }
 
 fn grid(count: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -51,8 +58,9 @@ fn map() -> Given {
     ]);
     let limit =
         table(&[("line", vec![0.0, 0.0]), ("damping_ratio", vec![0.2048, 0.19]), ("belt_velocity", vec![0.0, 0.1])]);
-    let answer = json!({"x": "damping_ratio", "y": "belt_velocity"});
-    (answer, tables(vec![("map_cells", cells), ("map_contours", contours), ("map_limit", limit)]))
+    let resolution = MapResolutionResult { x: 0.05, y: 0.05, unresolved_share: 0.0 };
+    let map = MapResult { x: "damping_ratio".into(), y: "belt_velocity".into(), resolution };
+    (VibrationFigures::Map(map), tables(vec![("map_cells", cells), ("map_contours", contours), ("map_limit", limit)]))
 }
 
 fn bifurcation() -> Given {
@@ -86,7 +94,7 @@ fn bifurcation() -> Given {
         ("bifurcation_marks", marks),
         ("bifurcation_turnovers", turns),
     ];
-    (json!({"parameter": "damping_ratio"}), tables(all))
+    (VibrationFigures::Bifurcation { parameter: "damping_ratio".into() }, tables(all))
 }
 
 fn curve() -> Given {
@@ -96,7 +104,7 @@ fn curve() -> Given {
         ("hopf_damping_ratio", grid(30, |t| 0.2 - 0.06 * t)),
         ("detachment_phase", vec![f64::NAN; 30]),
     ]);
-    (json!({"parameter": "belt_velocity"}), tables(vec![("critical_curve", curve)]))
+    (VibrationFigures::CriticalCurve { parameter: "belt_velocity".into() }, tables(vec![("critical_curve", curve)]))
 }
 
 fn sound() -> Given {
@@ -106,8 +114,8 @@ fn sound() -> Given {
         ("density_low", grid(40, |t| if t == 0.0 { 0.0 } else { 0.8e-8 / (0.01 + (t - 0.66).powi(2)) })),
         ("density_high", grid(40, |t| 1.3e-8 / (0.01 + (t - 0.66).powi(2)))),
     ]);
-    let answer = json!({"level_db": -0.22, "level_db_interval": [-0.32, -0.13], "cycle_period": TAU});
-    (answer, tables(vec![("sound_spectrum", spectrum)]))
+    let (level_db, level_db_interval, cycle_period) = (Some(-0.22), Some([-0.32, -0.13]), Some(TAU));
+    (VibrationFigures::Sound { level_db, level_db_interval, cycle_period }, tables(vec![("sound_spectrum", spectrum)]))
 }
 
 fn ensemble() -> Given {
@@ -135,7 +143,7 @@ fn ensemble() -> Given {
         ("release", law),
         ("survival", survival),
     ];
-    (json!({}), tables(all))
+    (VibrationFigures::Ensemble, tables(all))
 }
 
 fn basin() -> Given {
@@ -148,7 +156,7 @@ fn basin() -> Given {
         ("attractor", places().map(attractor).collect()),
     ]);
     let all = vec![("basin", basin), ("separatrix", circle(8.0)), ("limit_cycle", circle(12.0))];
-    (json!({"sliding_share": 0.2}), tables(all))
+    (VibrationFigures::Basin, tables(all))
 }
 
 fn modes() -> Given {
@@ -167,12 +175,17 @@ fn modes() -> Given {
         ("normal_velocity", grid(80, |t| (TAU * t).cos())),
         ("contact", grid(80, |t| (3.0 * t).floor().min(2.0))),
     ]);
-    let answer = json!({"coalescence": 0.75, "critical_friction": 0.7506, "friction": 0.8, "belt_velocity": 0.5,
-                        "growth_rate_mean": 0.07});
-    (answer, tables(vec![("modes_over_friction", scan), ("mode_cycle", cycle)]))
+    let modes = CoupledModes {
+        coalescence: Some(0.75),
+        critical_friction: Some(0.7506),
+        friction: 0.8,
+        belt_velocity: Some(0.5),
+        mean_growth: Some(0.07),
+    };
+    (VibrationFigures::ModeCoupling(modes), tables(vec![("modes_over_friction", scan), ("mode_cycle", cycle)]))
 }
 
-/// Answers and tables with the figures that they make and words in each.
+/// Figures and tables with the files that they make and words in each.
 fn all() -> Vec<(Given, Vec<Wanted>)> {
     vec![
         (
@@ -245,67 +258,44 @@ fn is_well_formed_and_loads_nothing(figure: &Figure) {
 }
 
 #[test]
-fn every_answer_becomes_its_labelled_figures() {
-    for ((answer, tables), wanted) in all() {
-        let figures = render_vibration("map", &answer, &tables).unwrap().figures;
+fn every_command_has_its_labelled_figures() {
+    for ((given, tables), wanted) in all() {
+        let figures = drawn(&given, &tables);
         assert_eq!(
             figures.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(),
             wanted.iter().map(|w| w.0).collect::<Vec<_>>()
         );
         for (figure, (name, words)) in figures.iter().zip(wanted) {
             is_well_formed_and_loads_nothing(figure);
-            let drawn = text(&figure.svg);
+            let shown = text(&figure.svg);
             for word in words {
-                assert!(drawn.contains(word), "{name}: {word:?}");
+                assert!(shown.contains(word), "{name}: {word:?}");
             }
         }
-        assert_eq!(
-            figures,
-            render_vibration("map", &answer, &tables).unwrap().figures,
-            "equal tables give equal bytes"
-        );
+        assert_eq!(figures, drawn(&given, &tables), "equal tables give equal bytes");
     }
 }
 
 #[test]
-fn absent_and_undefined_data_are_left_out_and_ragged_tables_are_refused() {
-    assert!(render_vibration("map", &json!({}), &Tables::new()).unwrap().figures.is_empty());
-    for ((answer, tables), _) in all() {
-        for (name, table) in &tables {
-            for hidden in 0..table.columns.len() {
-                let mut without = tables.clone();
-                without.get_mut(name).unwrap().columns[hidden].1.fill(f64::NAN);
-                render_vibration("map", &answer, &without)
-                    .unwrap()
-                    .figures
-                    .iter()
-                    .for_each(is_well_formed_and_loads_nothing);
+fn absent_and_undefined_data_are_left_out() {
+    for ((given, tables), _) in all() {
+        assert!(drawn(&given, &Tables::new()).is_empty());
+        let check = |tables: &Tables| drawn(&given, tables).iter().for_each(is_well_formed_and_loads_nothing);
+        for name in tables.keys() {
+            let mut without = tables.clone();
+            without.remove(name);
+            check(&without);
+            for hidden in 0..tables[name].columns().len() {
                 let mut holed = tables.clone();
-                holed.get_mut(name).unwrap().columns[hidden].1[0] = f64::NAN;
-                render_vibration("map", &json!({}), &holed)
-                    .unwrap()
-                    .figures
-                    .iter()
-                    .for_each(is_well_formed_and_loads_nothing);
-                render_vibration("map", &answer, &holed)
-                    .unwrap()
-                    .figures
-                    .iter()
-                    .for_each(is_well_formed_and_loads_nothing);
+                edit(&mut holed, name, |columns| columns[hidden].1[0] = f64::NAN);
+                check(&holed);
                 let mut absent = tables.clone();
-                absent.get_mut(name).unwrap().columns.remove(hidden);
-                render_vibration("map", &answer, &absent)
-                    .unwrap()
-                    .figures
-                    .iter()
-                    .for_each(is_well_formed_and_loads_nothing);
+                edit(&mut absent, name, |columns| drop(columns.remove(hidden)));
+                check(&absent);
             }
             let mut empty = tables.clone();
-            empty.get_mut(name).unwrap().columns.iter_mut().for_each(|(_, values)| values.clear());
-            render_vibration("map", &answer, &empty).unwrap().figures.iter().for_each(is_well_formed_and_loads_nothing);
-            let mut ragged = tables.clone();
-            ragged.get_mut(name).unwrap().columns[0].1.pop();
-            assert!(matches!(render_vibration("map", &answer, &ragged), Err(ReportError::RaggedTable { .. })));
+            edit(&mut empty, name, |columns| columns.iter_mut().for_each(|(_, values)| values.clear()));
+            check(&empty);
         }
     }
 }
@@ -314,9 +304,11 @@ fn absent_and_undefined_data_are_left_out_and_ragged_tables_are_refused() {
 fn names_of_parameters_are_escaped() {
     let (_, mut tables) = curve();
     let hostile = "<script>\"&";
-    tables.get_mut("critical_curve").unwrap().columns[0].0 = hostile.into();
-    let Report { html, figures } =
-        render_vibration(hostile, &json!({"parameter": hostile, hostile: hostile}), &tables).unwrap();
+    edit(&mut tables, "critical_curve", |columns| columns[0].0 = hostile.into());
+    let answer = [("parameter".to_owned(), json!(hostile)), (hostile.to_owned(), json!(hostile))];
+    let figures = VibrationFigures::CriticalCurve { parameter: hostile.into() };
+    let warnings = [hostile.to_owned()];
+    let Report { html, figures } = render_vibration(hostile, &figures, &answer, &warnings, &tables).unwrap();
     assert!(!without_scripts(&html).contains("<script") && html.contains("&lt;script"));
     assert_eq!(figures.len(), 1);
     elements(&figures[0].svg);
@@ -325,18 +317,17 @@ fn names_of_parameters_are_escaped() {
 
 #[test]
 fn the_curve_under_forcing_is_the_fold_of_the_locked_cycle() {
-    let (answer, mut tables) = curve();
-    tables.get_mut("critical_curve").unwrap().columns[3].1.fill(1.0);
-    let drawn = text(&render_vibration("map", &answer, &tables).unwrap().figures[0].svg);
+    let (figures, mut tables) = curve();
+    edit(&mut tables, "critical_curve", |columns| columns[3].1.fill(1.0));
+    let drawn = text(&drawn(&figures, &tables)[0].svg);
     assert!(drawn.contains("the locked cycle ends (fold)") && !drawn.contains("coexist"));
 }
 
 #[test]
 fn a_sparse_cloud_is_drawn_as_points() {
-    let (answer, mut tables) = ensemble();
-    let count =
-        |tables: &Tables| render_vibration("map", &answer, tables).unwrap().figures[0].svg.matches("<circle").count();
+    let (figures, mut tables) = ensemble();
+    let count = |tables: &Tables| drawn(&figures, tables)[0].svg.matches("<circle").count();
     assert!(count(&tables) < 10);
-    tables.get_mut("phase_cloud").unwrap().columns[1].1.iter_mut().for_each(|tau| *tau *= 100.0);
+    edit(&mut tables, "phase_cloud", |columns| columns[1].1.iter_mut().for_each(|tau| *tau *= 100.0));
     assert!(count(&tables) >= 120);
 }

@@ -6,7 +6,7 @@ use crate::study::file::ContactSpring;
 use crate::study::motion_entries::{coupled_cycle_result, instability_result};
 use crate::study::output::StageOutput;
 use crate::study::result::{CoupledCycleResult, CoupledMotion, KindResult, ModeCouplingResult};
-use crate::study::{CsvTable, StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::vibration::mode_coupling::{
     CoupledRegime, EigenvalueScan, Mode, Model, SCAN_POINTS, eigenvalue_scan, instability, limit_cycle, modes, onset,
     scan_end,
@@ -34,9 +34,9 @@ fn motion(
 }
 
 /// Returns a table of the modes over the friction coefficient.
-pub fn modes_table(scan: &EigenvalueScan) -> CsvTable {
+pub fn modes_table(scan: &EigenvalueScan) -> Table {
     let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         ("friction", scan.friction.clone()),
         ("growth_1", of(&|modes| modes[0].growth)),
         ("frequency_1", of(&|modes| modes[0].frequency)),

@@ -228,8 +228,8 @@ impl StudyError {
             Self::Pressure(PressureError::TooFewValid { .. })
             | Self::Clipped { computed: true, .. }
             | Self::Friction { .. }
-            | Self::Verdict(_)
-            | Self::Vibration(VibrationError::TooFewValid { .. }) => FailureKind::NotConverged,
+            | Self::Verdict(_) => FailureKind::NotConverged,
+            Self::Vibration(error) if error.is_not_converged() => FailureKind::NotConverged,
             Self::Law(_)
             | Self::Grid { .. }
             | Self::Contact { .. }

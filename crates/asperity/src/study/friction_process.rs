@@ -4,20 +4,15 @@ use std::fs;
 use std::path::Path;
 
 use crate::friction::process::{FittedProcess, ProcessError};
-use crate::study::{CsvTable, StudyError};
+use crate::study::{StudyError, Table};
 
 /// Simulates a record of a process: `position_m`, `mu` and `fluctuation`, the deviation of μ from its mean.
 ///
 /// # Errors
 /// See [`FittedProcess::simulate`].
-pub fn simulated_record(
-    process: &FittedProcess,
-    length_m: f64,
-    step_m: f64,
-    seed: u64,
-) -> Result<CsvTable, ProcessError> {
+pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, seed: u64) -> Result<Table, ProcessError> {
     let mu = process.simulate(length_m, step_m, seed, 0)?;
-    Ok(CsvTable::new([
+    Ok(Table::new([
         ("position_m", (0..mu.len()).map(|index| index as f64 * step_m).collect()),
         ("fluctuation", mu.iter().map(|mu| mu - process.mean).collect()),
         ("mu", mu),

@@ -17,8 +17,9 @@ use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
 use crate::study::result::{FrictionResult, LevelResult, RoughBodyResult};
+use crate::study::series::map_field;
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{QuantityMap, Study, StudyError};
+use crate::study::{Study, StudyError};
 use crate::surface::model::XiOrder;
 
 /// Default nominal area: a brake pad at 3 MPa under 2.5 kN.
@@ -122,7 +123,7 @@ pub(super) fn run(
         output.warnings.extend(words::correlation(&levels[lead]));
     }
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
-        output.fields.push(("pressure_strip", QuantityMap { grid, unit: "Pa", values: pressure_pa.clone() }));
+        output.fields.push(("pressure_strip", map_field(grid, "Pa", pressure_pa.clone())));
     }
     if stated_area.is_none() {
         let assumed =

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use crate::friction::process::FittedProcess;
 use crate::study::result::{Outcome, Results};
 use crate::study::run_machine::RunMachine;
-use crate::study::{CsvTable, QuantityMap, sentence};
+use crate::study::{Field, Table, sentence};
 
 /// Tables, fields and sentences of one stage.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StageOutput {
-    pub(super) tables: Vec<(&'static str, CsvTable)>,
-    pub(super) fields: Vec<(&'static str, QuantityMap)>,
+    pub(super) tables: Vec<(&'static str, Table)>,
+    pub(super) fields: Vec<(&'static str, Field)>,
     /// Assumptions, in sentences.
     pub(super) assumptions: Vec<String>,
     /// Warnings, in sentences.
@@ -43,8 +43,8 @@ pub(super) fn left_out(what: &str, failed: usize, of: usize) -> Option<String> {
 #[derive(Default)]
 pub(super) struct Gathered {
     pub(super) results: Results,
-    tables: BTreeMap<String, CsvTable>,
-    fields: BTreeMap<String, QuantityMap>,
+    tables: BTreeMap<String, Table>,
+    fields: BTreeMap<String, Field>,
     pub(super) friction_process: Option<FittedProcess>,
     pub(super) machine: Option<RunMachine>,
 }

@@ -16,7 +16,8 @@ use crate::study::check::PressureStudy;
 use crate::study::half_space::half_space;
 use crate::study::output::{StageOutput, left_out};
 use crate::study::result::PressureResult;
-use crate::study::{QuantityMap, StudyError, sentence};
+use crate::study::series::map_field;
+use crate::study::{Field, StudyError, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::model::{CompositeModel, Generated};
 use entries::Prescribed;
@@ -152,7 +153,7 @@ fn expansion_sentence(study: &PressureStudy, surface: &dyn RandomSurface) -> Str
 }
 
 /// Returns one random surface, with its counterface if that is rough, and its pressure, as an example.
-fn sample_fields(problem: &Problem<'_>, seed: u64) -> Result<Vec<(&'static str, QuantityMap)>, StudyError> {
+fn sample_fields(problem: &Problem<'_>, seed: u64) -> Result<Vec<(&'static str, Field)>, StudyError> {
     let surface = problem.surface();
     let xi = random::standard_normal(&mut random::stream(seed, "pressure/sample", 0), surface.xi_len());
     let map = surface.generate(&xi);
@@ -162,8 +163,8 @@ fn sample_fields(problem: &Problem<'_>, seed: u64) -> Result<Vec<(&'static str, 
         ContactProblem::new(half_space, map.heights_m(), control, problem.hardness_pa()).map_err(prescribed)?;
     let solution = problem.solver().solve(&contact).map_err(prescribed)?;
     let grid = map.grid();
-    let heights = |map: HeightMap| QuantityMap { grid, unit: "m", values: map.heights_m().clone() };
-    let pressure = ("pressure_sample", QuantityMap { grid, unit: "Pa", values: solution.pressure_pa().clone() });
+    let heights = |map: HeightMap| map_field(grid, "m", map.heights_m().clone());
+    let pressure = ("pressure_sample", map_field(grid, "Pa", solution.pressure_pa().clone()));
     Ok(match surface.bodies(&xi) {
         None => vec![("surface_sample", heights(map)), pressure],
         Some([own, counterface]) => {

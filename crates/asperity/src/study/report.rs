@@ -1,26 +1,20 @@
 //! Report of a run.
 
-use std::collections::BTreeMap;
-
-use asperity_report::{Field, Figure, Input, Report, ReportError, Run, render};
+use asperity_report::{Figure, Input, Report, ReportError, Run, render};
 use asperity_results::Provenance;
 
-use crate::study::{CsvTable, Outcome, StoredRun};
+use crate::study::{Outcome, StoredRun};
 
 /// Files of a report, by their path in the run folder.
 pub type ReportFiles = Vec<(String, Vec<u8>)>;
 
 /// Renders the report of a run that was just computed; `study` is the text of the resolved study.
 pub(super) fn new_report(study: &str, outcome: &Outcome, provenance: &Provenance) -> Result<ReportFiles, ReportError> {
-    let fields = outcome.fields.iter().map(|(name, field)| {
-        let ((dx_m, dy_m), values) = ((field.grid.dx_m(), field.grid.dy_m()), &field.values);
-        (name.clone(), report_field(dx_m, dy_m, values))
-    });
     render_files(Run {
         name: provenance.study.clone(),
         results: outcome.results.clone(),
-        tables: report_tables(&outcome.tables),
-        fields: fields.collect(),
+        tables: outcome.tables.clone(),
+        fields: outcome.fields.clone(),
         inputs: inputs(study),
         provenance: Some(provenance.clone()),
         machine: outcome.machine.as_ref().and_then(|machine| serde_json::to_string(machine).ok()),
@@ -33,14 +27,11 @@ impl StoredRun {
     /// # Errors
     /// A figure or the page could not be drawn.
     pub fn report(&self) -> Result<ReportFiles, ReportError> {
-        let fields = self.fields.iter();
         render_files(Run {
             name: self.provenance.study.clone(),
             results: self.results.clone(),
-            tables: report_tables(&self.tables),
-            fields: fields
-                .map(|(name, field)| (name.clone(), report_field(field.dx_m, field.dy_m, &field.values)))
-                .collect(),
+            tables: self.tables.clone(),
+            fields: self.fields.clone(),
             inputs: inputs(&self.study),
             provenance: Some(self.provenance.clone()),
             machine: self.machine.as_ref().and_then(|machine| serde_json::to_string(machine).ok()),
@@ -52,16 +43,6 @@ fn render_files(run: Run) -> Result<ReportFiles, ReportError> {
     let Report { html, figures } = render(&run)?;
     let figures = figures.iter().flat_map(Figure::files).map(|(path, svg)| (path, svg.as_bytes().to_vec()));
     Ok(figures.chain([("report.html".to_owned(), html.into_bytes())]).collect())
-}
-
-fn report_tables(tables: &BTreeMap<String, CsvTable>) -> BTreeMap<String, asperity_report::Table> {
-    let columns = |table: &CsvTable| asperity_report::Table { columns: table.columns().to_vec() };
-    tables.iter().map(|(name, table)| (name.clone(), columns(table))).collect()
-}
-
-fn report_field(dx_m: f64, dy_m: f64, values: &ndarray::Array2<f64>) -> Field {
-    let (ny, nx) = values.dim();
-    Field { nx, ny, dx_m, dy_m, values: values.iter().copied().collect() }
 }
 
 /// Returns every key of a study with its value as written in the file, by section.

@@ -8,7 +8,6 @@ use crate::distribution::Marginal;
 use crate::friction::process::FittedProcess;
 use crate::stats::Interval;
 use crate::study::run_machine::RunMachine;
-use crate::study::{CsvTable, QuantityMap};
 
 /// All results of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,9 +15,9 @@ pub struct Outcome {
     /// Scalar results.
     pub results: Results,
     /// Tables by name.
-    pub tables: BTreeMap<String, CsvTable>,
+    pub tables: BTreeMap<String, Table>,
     /// Fields by name.
-    pub fields: BTreeMap<String, QuantityMap>,
+    pub fields: BTreeMap<String, Field>,
     /// Friction process at the operating point.
     pub friction_process: Option<FittedProcess>,
     /// Machine on a belt, unless its friction has no course along the path.

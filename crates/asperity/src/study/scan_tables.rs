@@ -6,7 +6,7 @@ use crate::distribution::fit::{Family, Ranking};
 use crate::map::HeightMap;
 use crate::stats::{Histogram, Interval, Moments};
 use crate::study::spectra::{binned_tables, structure_table};
-use crate::study::{CsvTable, StudyError};
+use crate::study::{StudyError, Table};
 use crate::surface::HeightFits;
 use crate::surface::model::{SurfaceCovariance, SurfaceModelError};
 use crate::surface::scanned::{ScannedSurface, uncertainty};
@@ -21,7 +21,7 @@ pub(super) fn scan_tables(
     scan: &ScannedSurface,
     covariance: Option<&SurfaceCovariance>,
     marginal: &Marginal,
-) -> Result<Vec<(&'static str, CsvTable)>, StudyError> {
+) -> Result<Vec<(&'static str, Table)>, StudyError> {
     let fits = HeightFits::new(&scan.map, &scan.correlation);
     let mut tables = vec![("height_pdf", densities(&fits, marginal)?), ("height_acf", acf_table(scan, covariance)?)];
     tables.extend(fits_table(&fits).map(|table| ("height_fits", table)));
@@ -33,7 +33,7 @@ pub(super) fn scan_tables(
 
 /// Returns table `height_pdf`: the histogram, the normal distribution of equal moments, and the best fits in columns named after
 /// their distributions. Column `fitted` is the distribution that the study states, or the best fit if it uses the measured heights.
-fn densities(fits: &HeightFits, marginal: &Marginal) -> Result<CsvTable, StudyError> {
+fn densities(fits: &HeightFits, marginal: &Marginal) -> Result<Table, StudyError> {
     let histogram = Histogram::new(&fits.sorted_m).map_err(StudyError::Heights)?;
     let moments = Moments::new(&fits.sorted_m);
     let normal = Marginal::normal(moments.mean, moments.std)?;
@@ -52,12 +52,12 @@ fn densities(fits: &HeightFits, marginal: &Marginal) -> Result<CsvTable, StudyEr
     columns.extend(stated.map(|law| ("study_density_per_m".to_owned(), density(Some(law)))));
     let drawn = fits.ranking.fits.iter().take(DRAWN).filter(|fit| fit.family != Family::Normal);
     columns.extend(drawn.map(|fit| (format!("{}_density_per_m", fit.marginal.name()), density(Some(&fit.marginal)))));
-    Ok(CsvTable::new(columns))
+    Ok(Table::new(columns))
 }
 
 /// Returns table `height_fits`: one row per fitted distribution in the order of Akaike's criterion, with its parameters in columns
 /// named after it; `None` if no distribution could be fitted.
-fn fits_table(fits: &HeightFits) -> Option<CsvTable> {
+fn fits_table(fits: &HeightFits) -> Option<Table> {
     let Ranking { fits, goodness, effective_size, .. } = &fits.ranking;
     let least = fits.first()?.aic_correlated(*effective_size);
     let delta: Vec<f64> = fits.iter().map(|fit| fit.aic_correlated(*effective_size) - least).collect();
@@ -81,7 +81,7 @@ fn fits_table(fits: &HeightFits) -> Option<CsvTable> {
             columns.push((name, values));
         }
     }
-    Some(CsvTable::new(columns))
+    Some(Table::new(columns))
 }
 
 /// Returns the unit of a parameter of a distribution as the end of a column's name.
@@ -94,7 +94,7 @@ fn unit_suffix(parameter: &str) -> &'static str {
 
 /// Returns table `height_acf`: the correlation at the lags of both axes up to half a side, with 95 % limits of the correlation of
 /// the surface if the map contains enough correlation lengths.
-fn acf_table(scan: &ScannedSurface, covariance: Option<&SurfaceCovariance>) -> Result<CsvTable, StudyError> {
+fn acf_table(scan: &ScannedSurface, covariance: Option<&SurfaceCovariance>) -> Result<Table, StudyError> {
     let grid = scan.map.grid();
     let sides = [
         Side { acf: scan.correlation.along(Axis::X), pitch_m: grid.dx_m(), points: grid.nx() },
@@ -118,11 +118,11 @@ fn acf_table(scan: &ScannedSurface, covariance: Option<&SurfaceCovariance>) -> R
         columns.push(("fit_y", lags.iter().map(|lag| covariance.correlation(0.0, *lag)).collect()));
     }
     columns.push(("lag_m", lags));
-    Ok(CsvTable::new(columns).with_first("lag_m"))
+    Ok(Table::new(columns).with_first("lag_m"))
 }
 
 /// Returns table `height_psd`: profile spectra at the wavenumbers of both axes; an axis without a complete profile is empty.
-fn psd_table(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Option<CsvTable> {
+fn psd_table(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Option<Table> {
     let [x, y] = [Axis::X, Axis::Y].map(|axis| profile_spectrum(map, axis).ok());
     let of_both = [&x, &y].into_iter().flatten().flat_map(|spectrum| spectrum.q_rad_per_m.iter().copied());
     let wavenumbers = merged(of_both.filter(|q| *q > 0.0));
@@ -142,7 +142,7 @@ fn psd_table(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Option<
         columns.push(("psd_model_x_m3", wavenumbers.iter().map(|q| covariance.profile_psd_x_m3(*q)).collect()));
     }
     columns.push(("wavenumber_rad_per_m", wavenumbers));
-    Some(CsvTable::new(columns).with_first("wavenumber_rad_per_m"))
+    Some(Table::new(columns).with_first("wavenumber_rad_per_m"))
 }
 
 /// Correlation along one axis.

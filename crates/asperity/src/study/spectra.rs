@@ -2,12 +2,12 @@
 
 use crate::correlation::{Axis, BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 use crate::map::HeightMap;
-use crate::study::{CsvTable, StudyError};
+use crate::study::{StudyError, Table};
 use crate::surface::fractal::{self, ProfileScaling, StructureFunction};
 use crate::surface::model::{SurfaceCovariance, SurfaceModelError};
 
 /// Tables `height_psd_radial`, `height_psd_x` and `height_psd_y`; those of spectra that do not exist are left out.
-pub(super) fn binned_tables(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Vec<(&'static str, CsvTable)> {
+pub(super) fn binned_tables(map: &HeightMap, covariance: Option<&SurfaceCovariance>) -> Vec<(&'static str, Table)> {
     let mut tables = vec![];
     if let Ok(spectrum) = binned_radial_spectrum(map) {
         let model = covariance.map(|covariance| move |q: &[f64]| covariance.radial_psd_m4(q));
@@ -27,7 +27,7 @@ pub(super) fn binned_tables(map: &HeightMap, covariance: Option<&SurfaceCovarian
     tables
 }
 
-fn table(spectrum: BinnedSpectrum, unit: &str, model: Option<impl Fn(&[f64]) -> Vec<f64>>) -> CsvTable {
+fn table(spectrum: BinnedSpectrum, unit: &str, model: Option<impl Fn(&[f64]) -> Vec<f64>>) -> Table {
     let model = model.map(|model| model(&spectrum.q_rad_per_m));
     let coefficients = spectrum.coefficients.iter().map(|count| *count as f64).collect();
     let mut columns = vec![
@@ -39,14 +39,14 @@ fn table(spectrum: BinnedSpectrum, unit: &str, model: Option<impl Fn(&[f64]) -> 
         ("coefficients".to_owned(), coefficients),
     ];
     columns.extend(model.map(|model| (format!("psd_model_{unit}"), model)));
-    CsvTable::new(columns)
+    Table::new(columns)
 }
 
 /// Structure functions along x and y, and the power laws fitted to them over the lags of the fit.
 ///
 /// # Errors
 /// The map is flat.
-pub(super) fn structure_table(map: &HeightMap) -> Result<CsvTable, StudyError> {
+pub(super) fn structure_table(map: &HeightMap) -> Result<Table, StudyError> {
     let scaling = fractal::scaling(map, None).map_err(SurfaceModelError::from)?;
     let axes = [(Axis::X, scaling.and_then(|s| s.x)), (Axis::Y, scaling.and_then(|s| s.y))]
         .map(|(axis, scaling)| (StructureFunction::new(map, axis), scaling));
@@ -67,7 +67,7 @@ pub(super) fn structure_table(map: &HeightMap) -> Result<CsvTable, StudyError> {
         ("fit_y_m2", fit_y),
         ("lag_m", lags_m.clone()),
     ];
-    Ok(CsvTable::new(columns).with_first("lag_m"))
+    Ok(Table::new(columns).with_first("lag_m"))
 }
 
 /// The power law of exponent 2H through the mean of the logarithms within the range of the fit, NaN beyond it.

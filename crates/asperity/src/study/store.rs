@@ -16,9 +16,9 @@ use asperity_formats::{FormatError, refusal, remove_abandoned_files, replace_fil
 use thiserror::Error;
 
 use crate::friction::process::ProcessError;
-use crate::study::result::{Provenance, Results, SCHEMA_VERSION};
+use crate::study::result::{Field, Provenance, Results, SCHEMA_VERSION, Table, TableError};
 use crate::study::run_machine::RunMachine;
-use crate::study::{CsvTable, TableError};
+
 use manifest::{MANIFEST, Manifest};
 pub use staging::Staging;
 
@@ -206,19 +206,6 @@ pub fn file_hash(file: &Path) -> Result<String, StoreError> {
     manifest::hash(file).map_err(|source| StoreError::Input { path: file.into(), source })
 }
 
-/// Map read from a run folder.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StoredField {
-    /// Pitch along x in metre.
-    pub dx_m: f64,
-    /// Pitch along y in metre.
-    pub dy_m: f64,
-    /// SI unit of the values.
-    pub unit: String,
-    /// Values, shape `[ny, nx]`, NaN where undefined.
-    pub values: ndarray::Array2<f64>,
-}
-
 /// Finished run, read from its folder.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
@@ -229,9 +216,9 @@ pub struct StoredRun {
     /// `provenance.json`.
     pub provenance: Provenance,
     /// Tables by name.
-    pub tables: BTreeMap<String, CsvTable>,
+    pub tables: BTreeMap<String, Table>,
     /// Fields by name.
-    pub fields: BTreeMap<String, StoredField>,
+    pub fields: BTreeMap<String, Field>,
     /// `machine.json`, if the run has one.
     pub machine: Option<RunMachine>,
 }
@@ -275,7 +262,7 @@ impl StoredRun {
                 let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
                 if let (Some(name), true) = (name, path.extension().is_some_and(|extension| extension == "csv")) {
                     let bytes = fs::read(&path).map_err(at(&path))?;
-                    let table = CsvTable::from_csv(&bytes).map_err(|error| corrupt(&name, error.to_string()))?;
+                    let table = Table::from_csv(&bytes).map_err(|error| corrupt(&name, error.to_string()))?;
                     tables.insert(name, table);
                 }
             }
@@ -288,7 +275,11 @@ impl StoredRun {
             let FieldEntry { dx_m, dy_m, unit } = entry;
             let values = asperity_formats::read_npz(&read(&relative)?, &array_name(&name, &unit))
                 .map_err(|error| corrupt(&relative, error.to_string()))?;
-            fields.insert(name, StoredField { dx_m, dy_m, unit, values });
+            if !Field::is_pitch([dx_m, dy_m]) {
+                let reason = format!("the pitches {dx_m} and {dy_m} of {name} are not positive and finite");
+                return Err(corrupt(FIELD_INDEX, reason));
+            }
+            fields.insert(name, Field::new([dx_m, dy_m], unit, values));
         }
         let machine = if dir.join(MACHINE).is_file() {
             let machine = serde_json::from_slice(&read(MACHINE)?);

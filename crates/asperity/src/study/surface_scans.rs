@@ -4,7 +4,8 @@ use asperity_formats::Scan;
 
 use crate::map::HeightMap;
 use crate::study::output::StageOutput;
-use crate::study::{QuantityMap, StudyError, sentence};
+use crate::study::series::map_field;
+use crate::study::{StudyError, sentence};
 use crate::surface::level::Level;
 use crate::surface::model::SurfaceModelError;
 use crate::surface::preparation::{Preparation, Prepared};
@@ -65,10 +66,8 @@ pub(super) fn measure(
     let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
     let prepared = preparation.apply(&raw).map_err(SurfaceModelError::from)?;
     let map = &prepared.map;
-    output.fields.push(("height_raw", QuantityMap { grid: raw.grid(), unit: "m", values: raw.heights_m().clone() }));
-    output
-        .fields
-        .push(("height_levelled", QuantityMap { grid: map.grid(), unit: "m", values: map.heights_m().clone() }));
+    output.fields.push(("height_raw", map_field(raw.grid(), "m", raw.heights_m().clone())));
+    output.fields.push(("height_levelled", map_field(map.grid(), "m", map.heights_m().clone())));
     let grid = map.grid();
     output.assumptions.push(format!(
         "The scan {file} {}. Its statistics hold for pixels of {} on a field of {}. {} of {} points are missing and stay \

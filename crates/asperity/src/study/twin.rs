@@ -26,7 +26,7 @@ use crate::study::result::{BandMethod, Comparison, TwinModel, law_result};
 use crate::study::surface_model::model_of;
 use crate::study::surface_result::covariance_result;
 use crate::study::surface_scans::measure;
-use crate::study::{CsvTable, StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
 use crate::surface::model::SurfaceModelError;
@@ -49,7 +49,7 @@ const LARGE_FORM_FRACTION: f64 = 0.25;
 const SPIKE_KURTOSIS: f64 = 20.0;
 
 /// Functions with their bands, and the statistics of every twin, by the name of the table.
-pub type TwinTables = Vec<(&'static str, CsvTable)>;
+pub type TwinTables = Vec<(&'static str, Table)>;
 
 /// Error of comparing twins; `E` is the error of the caller that stores them.
 #[derive(Debug, Error)]

@@ -10,7 +10,7 @@ pub use self::clipping::clipping_warning;
 use self::ensembles::Ensembles;
 pub(super) use self::ensembles::refuse_clipping;
 use self::entries::cycle_result;
-pub use self::map::stability_map_tables;
+pub use self::map::{map_result, stability_map_tables};
 use self::tables::damping_table;
 pub use self::tables::{cloud_table, points_table, portrait_table, survival_table};
 
@@ -20,11 +20,9 @@ use crate::study::StudyError;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::motion_entries::kind_result;
 use crate::study::output::StageOutput;
-use crate::study::result::{MapResolutionResult, MapResult, VibrationResult, law_result};
+use crate::study::result::{VibrationResult, law_result};
 use crate::study::run_machine::RunMachine;
-use crate::vibration::{
-    CONSTANT_STD, MapResolution, VibrationError, critical_damping, limit_cycle, limit_damping, smallest_kick,
-};
+use crate::vibration::{CONSTANT_STD, VibrationError, critical_damping, limit_cycle, limit_damping, smallest_kick};
 
 /// Output of the vibration stage.
 pub(super) struct VibrationStage {
@@ -71,9 +69,7 @@ pub(super) fn run(
         let found = ensembles.map(plan, monitor)?;
         let [x, y] = plan.over.axes();
         tables.extend(stability_map_tables(&found, [x, y]));
-        let MapResolution { x: width, y: height, unresolved_share } = found.resolution;
-        let resolution = MapResolutionResult { x: width, y: height, unresolved_share };
-        map = Some(MapResult { x: x.into(), y: y.into(), resolution });
+        map = Some(map_result(&found, [x, y]));
     }
     let (assumptions, machine) = (ensembles.sentences(), has_path.then(|| ensembles.machine()));
     let result = VibrationResult {

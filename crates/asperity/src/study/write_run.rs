@@ -8,7 +8,7 @@ use asperity_results::Provenance;
 use crate::study::store::{
     FIELD_INDEX, FRICTION_PROCESS, FieldEntry, MACHINE, PROVENANCE, RESULTS, STUDY, array_name, file_hash,
 };
-use crate::study::{Outcome, QuantityMap, Staging, StoreError, Study, StudyFile, json_bytes};
+use crate::study::{Field, Outcome, Staging, StoreError, Study, StudyFile, json_bytes};
 
 /// Returns the provenance of a computation from the files `inputs`: version, name, seed and the hash of every file.
 ///
@@ -106,10 +106,10 @@ pub fn result_files(
     }
     let mut index = BTreeMap::new();
     for (name, field) in &outcome.fields {
-        let entry = FieldEntry { dx_m: field.grid.dx_m(), dy_m: field.grid.dy_m(), unit: field.unit.into() };
-        index.insert(name.clone(), entry);
-        let pitch_m = (field.grid.dx_m(), field.grid.dy_m());
-        write(&format!("fields/{name}.vti"), &asperity_formats::write_vtk_fields(pitch_m, &[(name, &field.values)])?)?;
+        let (dx_m, dy_m) = (field.dx_m(), field.dy_m());
+        index.insert(name.clone(), FieldEntry { dx_m, dy_m, unit: field.unit().into() });
+        let vtk = asperity_formats::write_vtk_fields((dx_m, dy_m), &[(name, field.values())])?;
+        write(&format!("fields/{name}.vti"), &vtk)?;
         let archive =
             npz(name, field).map_err(|source| StoreError::Io { path: format!("fields/{name}.npz").into(), source })?;
         write(&format!("fields/{name}.npz"), &archive)?;
@@ -118,10 +118,10 @@ pub fn result_files(
 }
 
 /// Returns a NumPy archive of a field and its pitch. The name of the array ends with the unit.
-fn npz(name: &str, field: &QuantityMap) -> std::io::Result<Vec<u8>> {
-    let values = asperity_formats::write_npy(&asperity_formats::Scan::new(field.values.clone(), None));
-    let [dx, dy] = [field.grid.dx_m(), field.grid.dy_m()].map(|pitch_m| asperity_formats::write_series(&[pitch_m]));
-    asperity_formats::write_npz(&[(&array_name(name, field.unit), values), ("dx_m", dx), ("dy_m", dy)])
+fn npz(name: &str, field: &Field) -> std::io::Result<Vec<u8>> {
+    let values = asperity_formats::write_npy(&asperity_formats::Scan::new(field.values().clone(), None));
+    let [dx, dy] = [field.dx_m(), field.dy_m()].map(|pitch_m| asperity_formats::write_series(&[pitch_m]));
+    asperity_formats::write_npz(&[(&array_name(name, field.unit()), values), ("dx_m", dx), ("dy_m", dy)])
 }
 
 /// Returns the study file with each path replaced by `name`.

@@ -206,7 +206,7 @@ fn two_scans_are_pooled_into_one_surface() {
     let [std_m, sq_m] = [&of_both["covariance"]["std_m"], &of_both["Sq_m"]].map(|value| value.as_f64().unwrap());
     assert!((std_m / sq_m - 1.0).abs() < 1e-12, "{std_m} {sq_m}");
     // Maps and tables show the first scan.
-    let bits = |o: &Outcome| o.fields["height_levelled"].values.iter().map(|z| z.to_bits()).collect::<Vec<u64>>();
+    let bits = |o: &Outcome| o.fields["height_levelled"].values().iter().map(|z| z.to_bits()).collect::<Vec<u64>>();
     assert!(bits(&both) == bits(&a) && bits(&both) != bits(&b));
     assert_eq!(both.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
     assert_ne!(b.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
@@ -360,8 +360,10 @@ fn a_run_folder_appears_complete_and_reads_back() {
     assert_eq!((&stored.results, &stored.provenance), (&outcome.results, &origin));
     assert_eq!(stored.tables["height_acf"].column("lag_m"), outcome.tables["height_acf"].column("lag_m"));
     let (back, field) = (&stored.fields["height_levelled"], &outcome.fields["height_levelled"]);
-    assert_eq!((back.dx_m, back.unit.as_str()), (2e-6, "m"));
-    assert!(back.values.iter().zip(&field.values).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()));
+    assert_eq!((back.dx_m(), back.unit()), (2e-6, "m"));
+    assert!(
+        back.values().iter().zip(field.values()).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan())
+    );
     assert!(Staging::open(&out, false, &[]).is_err(), "a finished run is not overwritten unasked");
     // Inputs are never deleted.
     let scan = out.join("results.json");

@@ -13,7 +13,7 @@ use asperity::friction::measured::{
 };
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::ProcessEstimate;
-use asperity::study::{CsvTable, json_bytes};
+use asperity::study::{Table, json_bytes};
 use asperity_report::{Figure, record_figures};
 use clap::Args;
 use serde_json::{Value, json};
@@ -233,13 +233,11 @@ impl FitRecord {
         write("fit.json", &json_bytes(&answer.as_object()).map_err(|e| store_failure(&e))?)?;
         let mut drawn = BTreeMap::new();
         for (name, columns) in fitted.tables(prepared) {
-            let table = CsvTable::new(columns);
+            let table = Table::new(columns);
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
-            drawn.insert(name.to_owned(), asperity_report::Table { columns: table.columns().to_vec() });
+            drawn.insert(name.to_owned(), table);
         }
-        let figures = record_figures(&drawn)
-            .map_err(|e| Failure::new(Kind::Runtime, format!("the figures could not be drawn: {}", chain(&e))))?;
-        for (path, svg) in figures.iter().flat_map(Figure::files) {
+        for (path, svg) in record_figures(&drawn).iter().flat_map(Figure::files) {
             write(&path, svg.as_bytes())?;
         }
         staging.commit_unmarked().map_err(|e| store_failure(&e))

@@ -1,6 +1,5 @@
 //! Random twins of a measured surface, and their comparison with it.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use asperity::correlation::CorrelationFamily;
@@ -9,6 +8,7 @@ use asperity::map::BoundaryKind;
 use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;
 use asperity::quantity::Length;
+use asperity::study::Field;
 use asperity::study::Provenance;
 use asperity::study::file::SurfaceSection;
 use asperity::study::{
@@ -18,7 +18,7 @@ use asperity::surface::model::SurfaceModelError;
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 use asperity::translation::TranslationKind;
 use asperity_formats::{Format, Scan};
-use asperity_report::{Field, Figure, Report, Table, TwinRun, render_twins};
+use asperity_report::{Figure, Report, TwinRun, render_twins};
 use clap::Args;
 
 use super::convert::format_failure;
@@ -304,15 +304,11 @@ fn page(
     tables: &TwinTables,
     provenance: &Provenance,
 ) -> Result<Report, Failure> {
-    let tables = tables.iter().map(|(name, table)| {
-        let columns = table.columns().to_vec();
-        ((*name).to_owned(), Table { columns })
-    });
     let shown = (0..comparison.count.min(2)).map(|index| field(&twins.draw(index as u64)));
     render_twins(&TwinRun {
         name: name.to_owned(),
         comparison: comparison.clone(),
-        tables: tables.collect::<BTreeMap<_, _>>(),
+        tables: tables.iter().map(|(name, table)| ((*name).to_owned(), table.clone())).collect(),
         scan: Some(field(twins.scan())),
         twins: shown.collect(),
         provenance: Some(provenance.clone()),
@@ -322,8 +318,7 @@ fn page(
 
 fn field(map: &HeightMap) -> Field {
     let grid = map.grid();
-    let values = map.heights_m().iter().copied().collect();
-    Field { nx: grid.nx(), ny: grid.ny(), dx_m: grid.dx_m(), dy_m: grid.dy_m(), values }
+    Field::new([grid.dx_m(), grid.dy_m()], "m", map.heights_m().clone())
 }
 
 /// Formats the statistics as lines: name, scan, mean of the twins, band, and whether the scan lies outside.

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use asperity::study::{CsvTable, portrait_table};
+use asperity::study::{Table, portrait_table};
 use asperity::vibration::{
     self, Basin as Found, BasinBox, MapAxis, MotionKind, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
     slip_cycles,
 };
+use asperity_report::VibrationFigures;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -71,7 +72,7 @@ impl Basin {
             let mut tables = vec![("basin", table(&found))];
             tables.extend(border.map(|border| ("separatrix", portrait_table(&border.points))));
             tables.extend(series::cycle(&oscillator)?);
-            self.folder.write("basin", &inputs, &whole, tables, monitor)?;
+            self.folder.write("basin", &VibrationFigures::Basin, &inputs, &whole, tables, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.without("slip_cycles").print(false) }
     }
@@ -114,10 +115,10 @@ fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
         .with("separatrix_area", border.map(Separatrix::area))
 }
 
-fn table(found: &Found) -> CsvTable {
+fn table(found: &Found) -> Table {
     let [columns, rows] = found.area.cells;
     let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| found.area.centre(column, row)));
-    CsvTable::new([
+    Table::new([
         ("displacement", places().map(|place| place[0]).collect()),
         ("velocity", places().map(|place| place[1]).collect()),
         ("attractor", found.attractors.iter().map(|attractor| code(*attractor)).collect::<Vec<f64>>()),

@@ -1,8 +1,9 @@
 //! Attractors of the machine without fluctuation along a parameter.
 
-use asperity::study::CsvTable;
+use asperity::study::Table;
 use asperity::vibration::CurveParameter;
 use asperity::vibration::{BifurcationDiagram, BifurcationPoint, BifurcationSettings, MarkKind, bifurcation_diagram};
+use asperity_report::VibrationFigures;
 use clap::Args;
 
 use super::critical_curve::{check_over, parameter};
@@ -56,8 +57,10 @@ impl Bifurcation {
         let has_folder = self.folder.is_requested(&inputs)?;
         let diagram = bifurcation_diagram(&oscillator, self.over, &settings, monitor)?;
         if has_folder {
+            let figures = VibrationFigures::Bifurcation { parameter: self.over.name().to_owned() };
             self.folder.write(
                 "bifurcation",
+                &figures,
                 &inputs,
                 &Answer::new(&diagram)?,
                 tables(&diagram, self.over.name()),
@@ -90,7 +93,7 @@ impl Bifurcation {
 }
 
 /// Returns the tables: attractors in both directions, marks, and the turns of motions that have several in a period.
-fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, CsvTable)> {
+fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, Table)> {
     let marks = |kind: MarkKind| {
         let value = move |mark: &asperity::vibration::Mark| if mark.kind == kind { mark.parameter } else { f64::NAN };
         diagram.marks.iter().map(value).collect::<Vec<f64>>()
@@ -100,7 +103,7 @@ fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, C
         ("bifurcation_down", attractors(&diagram.downward, parameter)),
         (
             "bifurcation_marks",
-            CsvTable::new([
+            Table::new([
                 ("hopf", marks(MarkKind::Hopf)),
                 ("fold", marks(MarkKind::Fold)),
                 ("locked_fold", marks(MarkKind::LockedFold)),
@@ -114,9 +117,9 @@ fn tables(diagram: &BifurcationDiagram, parameter: &str) -> Vec<(&'static str, C
     tables
 }
 
-fn attractors(points: &[BifurcationPoint], parameter: &str) -> CsvTable {
+fn attractors(points: &[BifurcationPoint], parameter: &str) -> Table {
     let column = |of: fn(&BifurcationPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         (parameter, column(|p| p.parameter)),
         ("attractor", column(|p| code(p.attractor))),
         ("multiplicity", column(|p| p.multiplicity.map_or(f64::NAN, |m| m as f64))),
@@ -129,7 +132,7 @@ fn attractors(points: &[BifurcationPoint], parameter: &str) -> CsvTable {
 }
 
 /// Tabulates every turn in both directions, up (0) and down (1).
-fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> CsvTable {
+fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> Table {
     let mut columns = [(); 5].map(|()| Vec::new());
     for (way, points) in ways {
         for point in *points {
@@ -140,5 +143,5 @@ fn turnovers(ways: &[(f64, &Vec<BifurcationPoint>)], parameter: &str) -> CsvTabl
             }
         }
     }
-    CsvTable::new(["way", parameter, "duration", "reattachment_displacement", "velocity_min"].into_iter().zip(columns))
+    Table::new(["way", parameter, "duration", "reattachment_displacement", "velocity_min"].into_iter().zip(columns))
 }

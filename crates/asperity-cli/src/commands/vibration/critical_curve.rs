@@ -1,9 +1,10 @@
 //! Damping ratio at which stick-slip ends, along a parameter.
 
-use asperity::study::CsvTable;
+use asperity::study::Table;
 use asperity::vibration::{
     Branch, BranchPoint, CurveParameter, CurveSettings, Oscillator, critical_curve, locked_curve,
 };
+use asperity_report::VibrationFigures;
 use clap::Args;
 
 use super::folder::Folder;
@@ -74,15 +75,16 @@ impl CriticalCurve {
         let branch = curve(&oscillator, self.over, &settings, monitor)?;
         if has_folder {
             let tables = vec![("critical_curve", branch_columns(&branch, self.over.name()))];
-            self.folder.write("critical-curve", &inputs, &Answer::new(&branch)?, tables, monitor)?;
+            let figures = VibrationFigures::CriticalCurve { parameter: self.over.name().to_owned() };
+            self.folder.write("critical-curve", &figures, &inputs, &Answer::new(&branch)?, tables, monitor)?;
         }
         if self.json { Answer::new(&branch)?.print(true) } else { table(&branch) }
     }
 }
 
-fn branch_columns(branch: &Branch, parameter: &str) -> CsvTable {
+fn branch_columns(branch: &Branch, parameter: &str) -> Table {
     let column = |of: fn(&BranchPoint) -> f64| branch.points.iter().map(of).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         (parameter, column(|p| p.parameter)),
         ("critical_damping_ratio", column(|p| p.critical_damping_ratio)),
         ("hopf_damping_ratio", column(|p| p.hopf_damping_ratio)),

@@ -4,6 +4,7 @@ use asperity::study::{cloud_table, points_table, survival_table};
 use asperity::vibration::Drive;
 use asperity::vibration::Integrator;
 use asperity::vibration::{self, EnsembleSettings};
+use asperity_report::VibrationFigures;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -71,7 +72,7 @@ impl Ensemble {
             for (name, points) in [("reattachment", &ensemble.reattachments), ("release", &ensemble.releases)] {
                 tables.extend(points_table(points).map(|table| (name, table)));
             }
-            self.folder.write("ensemble", &inputs, &answer, tables, monitor)?;
+            self.folder.write("ensemble", &VibrationFigures::Ensemble, &inputs, &answer, tables, monitor)?;
         }
         answer.print(self.json)
     }

@@ -1,15 +1,14 @@
 //! Report folder of a command: answer, tables and figures.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{CsvTable, json_bytes};
-use asperity_report::{Figure, Report, render_vibration};
+use asperity::study::{Table, json_bytes};
+use asperity_report::{Figure, Report, VibrationFigures, render_vibration};
 use clap::Args;
 
 use crate::failure::{Failure, Kind, chain};
 use crate::monitor::Terminal;
-use crate::output::Answer;
+use crate::output::{Answer, warnings};
 use crate::resources::require_disk;
 use crate::run_folder::{begin_folder, store_failure};
 
@@ -41,9 +40,10 @@ impl Folder {
     pub(super) fn write(
         &self,
         command: &str,
+        figures: &VibrationFigures,
         inputs: &[&Path],
         answer: &Answer,
-        tables: Vec<(&str, CsvTable)>,
+        tables: Vec<(&str, Table)>,
         monitor: &Terminal,
     ) -> Result<(), Failure> {
         let Some(folder) = &self.report else { return Ok(()) };
@@ -53,7 +53,7 @@ impl Folder {
         for (name, table) in &tables {
             write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
         }
-        let report = rendered(command, answer, tables)?;
+        let report = rendered(command, figures, answer, tables)?;
         for (path, svg) in report.figures.iter().flat_map(Figure::files) {
             write(&path, svg.as_bytes())?;
         }
@@ -65,12 +65,13 @@ impl Folder {
     }
 }
 
-fn rendered(command: &str, answer: &Answer, tables: Vec<(&str, CsvTable)>) -> Result<Report, Failure> {
-    let failed =
-        |e: &dyn std::error::Error| Failure::new(Kind::Runtime, format!("the report could not be drawn: {}", chain(e)));
-    let answer = serde_json::to_value(answer).map_err(|e| failed(&e))?;
-    let table = |table: CsvTable| asperity_report::Table { columns: table.columns().to_vec() };
-    let tables: BTreeMap<String, asperity_report::Table> =
-        tables.into_iter().map(|(name, columns)| (name.to_owned(), table(columns))).collect();
-    render_vibration(command, &answer, &tables).map_err(|e| failed(&e))
+fn rendered(
+    command: &str,
+    figures: &VibrationFigures,
+    answer: &Answer,
+    tables: Vec<(&str, Table)>,
+) -> Result<Report, Failure> {
+    let tables = tables.into_iter().map(|(name, table)| (name.to_owned(), table)).collect();
+    render_vibration(command, figures, answer.entries(), &warnings(), &tables)
+        .map_err(|e| Failure::new(Kind::Runtime, format!("the report could not be drawn: {}", chain(&e))))
 }

@@ -1,8 +1,9 @@
 //! Probability of sustained vibration over two parameters.
 
 use asperity::friction::process::FrictionProcess;
-use asperity::study::stability_map_tables;
+use asperity::study::{map_result, stability_map_tables};
 use asperity::vibration::{MapAxis, MapOver, MapResolution, MapSettings, stability_map};
+use asperity_report::VibrationFigures;
 use clap::Args;
 
 use super::folder::Folder;
@@ -130,7 +131,8 @@ impl Map {
             let answer = Answer::default().with("x", names[0]).with("y", names[1]).and(Answer::new(&map)?);
             let answer = answer.with("clipped_fraction", clipped);
             if has_folder {
-                self.folder.write("map", &inputs, &answer, stability_map_tables(&map, names), monitor)?;
+                let figures = VibrationFigures::Map(map_result(&map, names));
+                self.folder.write("map", &figures, &inputs, &answer, stability_map_tables(&map, names), monitor)?;
             }
             if self.json {
                 return answer.print(true);

@@ -6,13 +6,14 @@ use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
 use asperity::stats::VALID_FRACTION;
-use asperity::study::{CsvTable, implausible_damping, implausible_friction, modes_table};
+use asperity::study::{Table, implausible_damping, implausible_friction, modes_table};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
     Contact, CoupledEnsemble, CoupledEnsembleSettings, CoupledParameters, CoupledRegime, CoupledTrajectory,
-    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthSettings, Model, Point, SCAN_POINTS, eigenvalue_scan,
-    growth_rates, limit_cycle, modes, scan_end,
+    CoupledTrajectorySettings, Damping, EigenvalueScan, GrowthRates, GrowthSettings, Model, Point, SCAN_POINTS,
+    eigenvalue_scan, growth_rates, limit_cycle, modes, scan_end,
 };
+use asperity_report::{CoupledModes, VibrationFigures};
 use clap::Args;
 use clap::builder::ArgPredicate;
 
@@ -173,12 +174,22 @@ impl ModeCoupling {
             monitor.note(note);
         }
         let mut answer = modes_answer.and(answer::motion_answer(&regime));
+        let mut mean_growth = None;
         if let (Some(noise), Some(fluctuation)) = (&self.noise, &self.fluctuation) {
-            answer = answer.and(noise.answer(fluctuation, &model, &regime, monitor)?);
+            let (growth, fluctuating) = noise.answer(fluctuation, &model, &regime, monitor)?;
+            mean_growth = Some(growth.mean);
+            answer = answer.and(fluctuating);
         }
         let whole = answer.clone().with("scan", answer::scan(&scan));
         if has_folder {
-            self.folder.write("mode-coupling", &inputs, &whole, tables(&model, &scan, &regime)?, monitor)?;
+            let figures = VibrationFigures::ModeCoupling(CoupledModes {
+                coalescence: scan.coalescence,
+                critical_friction: scan.critical.map(|critical| critical.friction),
+                friction: model.sliding_friction(),
+                belt_velocity: Some(model.belt_velocity()),
+                mean_growth,
+            });
+            self.folder.write("mode-coupling", &figures, &inputs, &whole, tables(&model, &scan, &regime)?, monitor)?;
         }
         if self.json { whole.print(true) } else { answer.print(false) }
     }
@@ -200,14 +211,14 @@ impl ModeCoupling {
 }
 
 impl Noise {
-    /// Simulates the motion with a fluctuation of friction and returns its growth and its vibration.
+    /// Simulates the motion with a fluctuation of friction. Returns its growth, and the answer on growth and vibration.
     fn answer(
         &self,
         fluctuation: &Fluctuation,
         model: &Model,
         regime: &CoupledRegime,
         monitor: &Terminal,
-    ) -> Result<Answer, Failure> {
+    ) -> Result<(GrowthRates, Answer), Failure> {
         let process = FrictionProcess::new(fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
         let (trajectories, duration, seed) = (self.trajectories, self.duration, self.seed);
         let threshold = match (self.threshold, regime.cycle()) {
@@ -230,7 +241,8 @@ impl Noise {
             let failed = ensemble.failures.len();
             monitor.warn(&format!("{failed} of {trajectories} trajectories failed, the first: {}", first.reason));
         }
-        Ok(answer::fluctuation_answer(&growth, threshold, &ensemble))
+        let answer = answer::fluctuation_answer(&growth, threshold, &ensemble);
+        Ok((growth, answer))
     }
 }
 
@@ -239,7 +251,7 @@ fn tables(
     model: &Model,
     scan: &EigenvalueScan,
     regime: &CoupledRegime,
-) -> Result<Vec<(&'static str, CsvTable)>, VibrationError> {
+) -> Result<Vec<(&'static str, Table)>, VibrationError> {
     let mut tables = vec![("modes_over_friction", modes_table(scan))];
     if let Some(cycle) = regime.cycle() {
         let settings = CoupledTrajectorySettings { duration: cycle.period, start: Some(cycle.start) };
@@ -249,9 +261,9 @@ fn tables(
     Ok(tables)
 }
 
-fn portrait(points: &[Point]) -> CsvTable {
+fn portrait(points: &[Point]) -> Table {
     let column = |of: fn(&Point) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         ("tau", column(|p| p.tau)),
         ("tangential", column(|p| p.state.tangential)),
         ("tangential_velocity", column(|p| p.state.tangential_velocity)),

@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use asperity::study::CsvTable;
+use asperity::study::Table;
 use asperity::vibration::{self, Drive, Integrator, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
+use asperity_report::VibrationFigures;
 use clap::Args;
 
 use super::folder::Folder;
@@ -79,7 +80,16 @@ impl Sound {
         let clipped = process.model().clipped_fraction();
         let answer = Answer::new(&sound)?.with("cycle_period", period).with("clipped_fraction", clipped);
         if has_folder {
-            self.folder.write("sound", &inputs, &answer, vec![("sound_spectrum", spectrum(&sound))], monitor)?;
+            let &vibration::Sound { level_db, level_db_interval, .. } = &sound;
+            let figures = VibrationFigures::Sound { level_db, level_db_interval, cycle_period: period };
+            self.folder.write(
+                "sound",
+                &figures,
+                &inputs,
+                &answer,
+                vec![("sound_spectrum", spectrum(&sound))],
+                monitor,
+            )?;
         }
         self.wav.write(wave.as_ref(), monitor)?;
         if self.json {
@@ -102,8 +112,8 @@ fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f6
     Ok(regime.cycle().map(|cycle| cycle.period))
 }
 
-fn spectrum(sound: &vibration::Sound) -> CsvTable {
-    CsvTable::new([
+fn spectrum(sound: &vibration::Sound) -> Table {
+    Table::new([
         ("frequency", sound.frequency.clone()),
         ("density", sound.density.clone()),
         ("density_low", sound.density_low.clone()),

@@ -1,17 +1,17 @@
 //! The correlation of friction over the lag and over the frequency, and the correlation of contact area with load.
 
-use crate::Table;
+use asperity_results::Table;
+
 use crate::figures::{columns, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREEN, GREY, Pen, VERMILION, pen, range};
 use crate::words::in_words;
-
 /// Draws the autocorrelation with that of the window alone and with the models fitted to it; `data` names the data.
 pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {
     let [lag] = columns(table, ["lag_m"])?;
-    let named = table.columns.iter().filter(|(name, _)| name != "lag_m");
+    let named = table.columns().iter().filter(|(name, _)| name != "lag_m");
     let mut curves: Vec<(&str, &[f64])> =
-        named.filter_map(|(name, _)| Some((&name[..], table.column(name)?))).collect();
+        named.filter_map(|(name, _)| Some((&name[..], table.defined_column(name)?))).collect();
     // Further models are in the table.
     curves.truncate(CURVES);
     let (low, high) = range(curves.iter().flat_map(|(_, values)| *values))?;
@@ -21,7 +21,7 @@ pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {
     let mut chart = Chart::new(x, y);
     chart.horizontal("", 0.0, Pen::new(GREY, 1.0, Dash::Solid));
     // Beside the exponential of the paper other models are thin.
-    let (first, width) = if table.column("fit").is_some() { (4, 1.1) } else { (1, 1.8) };
+    let (first, width) = if table.defined_column("fit").is_some() { (4, 1.1) } else { (1, 1.8) };
     let mut others = (first..).map(|index| Pen { width, ..pen(index) });
     for (name, values) in curves {
         let (label, pen) = match name {
@@ -54,7 +54,7 @@ pub(super) fn spectrum(table: &Table) -> Option<Chart> {
         ("window_only_m", "window alone", Pen::new(BLACK, 1.5, Dash::Dotted)),
     ];
     for (column, name, pen) in curves {
-        if let Some(y) = table.column(column) {
+        if let Some(y) = table.defined_column(column) {
             chart.line(name, frequency, y, pen);
         }
     }

@@ -1,11 +1,11 @@
 //! Mean friction over the shortest wavelength of the surface.
 
-use asperity_results::CutoffResult;
+use asperity_results::{CutoffResult, Table};
 
+use crate::Run;
 use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
-use crate::{Run, Table};
 
 const NAME: &str = "friction_cutoff";
 

@@ -1,16 +1,18 @@
 //! The distribution of a friction coefficient and its goodness of fit; `data` names the data: windows or a record.
 
-use crate::Table;
+use asperity_results::Table;
+
 use crate::figures::columns;
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREY, Pen, VERMILION, pen, range};
 use crate::words::in_words;
-
 /// Draws the histogram with the chosen distribution and the other fitted ones; Beta stands out.
 pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart> {
     let [mu, density] = columns(table, ["mu", "density"])?;
-    let named =
-        table.columns.iter().filter_map(|(name, _)| Some((name.strip_suffix("_density")?, table.column(name)?)));
+    let named = table
+        .columns()
+        .iter()
+        .filter_map(|(name, _)| Some((name.strip_suffix("_density")?, table.defined_column(name)?)));
     let mut fits: Vec<(&str, &[f64])> = named.collect();
     // The prominent curves come first in the legend.
     fits.sort_by_key(|(name, _)| match *name {

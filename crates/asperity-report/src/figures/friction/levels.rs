@@ -1,10 +1,12 @@
 //! Moments and load over penetration (Fig. 3 of the paper).
 
+use asperity_results::Table;
+
+use crate::Run;
 use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 use crate::words::conditions;
-use crate::{Run, Table};
 
 /// A band this much wider than the curves is cut off.
 const WIDE: f64 = 4.0;
@@ -22,7 +24,7 @@ impl Curve {
     fn new(table: &Table, column: &str, order: &[usize]) -> Option<Self> {
         let limits = columns(table, [&format!("{column}_low"), &format!("{column}_high")]);
         let limits = limits.map(|limits| limits.map(|end| ordered(end, order)));
-        Some(Self { y: ordered(table.column(column)?, order), limits })
+        Some(Self { y: ordered(table.defined_column(column)?, order), limits })
     }
 
     fn values(&self) -> impl Iterator<Item = &f64> {
@@ -100,8 +102,8 @@ fn parameter_band(table: &Table, column: &str) -> Option<(Vec<f64>, Limits)> {
 /// Draws the moments of the quotient, and the moments at the mean load where they differ visibly. `uncertain` holds the moments over
 /// the uncertain parameters of the surface. Also reports whether a band was cut off.
 fn charts(table: &Table, uncertain: Option<&Table>, panels: [(&str, &str, &str); 2]) -> (Vec<Chart>, bool) {
-    let order = by_depth(table.column("penetration_m").unwrap_or_default());
-    let x = ordered(table.column("penetration_m").unwrap_or_default(), &order);
+    let order = by_depth(table.defined_column("penetration_m").unwrap_or_default());
+    let x = ordered(table.defined_column("penetration_m").unwrap_or_default(), &order);
     let Some(x_range) = range(&x) else { return (Vec::new(), false) };
     let (mut charts, mut clipped) = (Vec::new(), false);
     for (label, column, other) in panels {
@@ -164,7 +166,7 @@ fn variation_at_mean_load(table: &Table, order: &[usize]) -> Option<Curve> {
 }
 
 fn name_levels(chart: &mut Chart, table: &Table, order: &[usize], x: &[f64], y: &[f64]) {
-    let percentiles = table.column("percentile").map(|values| ordered(values, order));
+    let percentiles = table.defined_column("percentile").map(|values| ordered(values, order));
     for (row, (&x, &y)) in x.iter().zip(y).enumerate() {
         let percentile = percentiles.as_ref().map_or(f64::NAN, |values| values[row]);
         let text =
@@ -182,7 +184,7 @@ pub(super) fn load_curve(run: &Run) -> Option<CaptionedFigure> {
     let x = ordered(penetration, &order);
     let x_range = range(&x)?;
     let panel = |label: &str, column: &str, band: Option<[&str; 2]>, dimension: Dimension, colour: Colour| {
-        let y = ordered(table.column(column)?, &order);
+        let y = ordered(table.defined_column(column)?, &order);
         let limits = band.and_then(|names| columns(table, names)).map(|limits| limits.map(|end| ordered(end, &order)));
         let ends = range(positive(&y).chain(limits.iter().flatten().flat_map(|end| positive(end))))?;
         let y_axis = Axis::logarithmic(label, dimension.unit(ends.1), (ends.0 / 1.3, ends.1 * 1.3));

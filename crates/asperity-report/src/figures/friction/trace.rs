@@ -1,9 +1,11 @@
 //! Friction along the track, below the pressure on the strip.
 
+use asperity_results::Table;
+
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, Chart, Kind, Pen, Raster, pen, range};
-use crate::{ReportError, Run, Table};
+use crate::{ReportError, Run};
 
 const NAME: &str = "friction_trace";
 const TITLE: &str = "Pressure along the track and the friction coefficient of a sliding window";
@@ -42,8 +44,9 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
 
 /// Selects at most [`MAX_LEVELS`] columns of friction, evenly over all.
 fn levels(table: &Table) -> Vec<(&str, &[f64])> {
-    let named = table.columns.iter().filter(|(name, _)| name.starts_with("mu"));
-    let all: Vec<(&str, &[f64])> = named.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?))).collect();
+    let named = table.columns().iter().filter(|(name, _)| name.starts_with("mu"));
+    let all: Vec<(&str, &[f64])> =
+        named.filter_map(|(name, _)| Some((name.as_str(), table.defined_column(name)?))).collect();
     let shown = all.len().min(MAX_LEVELS);
     (0..shown).map(|place| all[place * (all.len() - 1) / (shown - 1).max(1)]).collect()
 }
@@ -87,8 +90,10 @@ fn with_strip(strip: &Raster, chart: Option<Chart>, trace: &str) -> Option<Capti
 
 #[cfg(test)]
 mod tests {
+    use ndarray::Array2;
+
     use super::*;
-    use crate::Field;
+    use asperity_results::Field;
 
     #[test]
     fn columns_of_the_trace_are_named_by_their_percentile() {
@@ -105,11 +110,10 @@ mod tests {
 
     #[test]
     fn windows_across_the_end_of_a_periodic_strip_are_drawn_at_its_beginning() {
-        let field = Field { nx: 4, ny: 1, dx_m: 1e-3, dy_m: 1e-3, values: vec![1.0; 4] };
+        let field = Field::new([1e-3, 1e-3], "m", Array2::from_elem((1, 4), 1.0));
         let strip = Raster::new(&field, Kind::Pressure).unwrap().unwrap();
-        let table = Table {
-            columns: vec![row("position_m", &[1.5e-3, 2.5e-3, 3.5e-3, 4.5e-3]), row("mu", &[1.0, 2.0, 3.0, 4.0])],
-        };
+        let table =
+            Table::new([row("position_m", &[1.5e-3, 2.5e-3, 3.5e-3, 4.5e-3]), row("mu", &[1.0, 2.0, 3.0, 4.0])]);
         let chart = trace_chart(&table, Some(&strip)).unwrap();
         let crate::plot::Mark::Line { x, y, .. } = &chart.series[0].mark else { panic!("a curve") };
         assert!(x.iter().zip([0.5e-3, 1.5e-3, 2.5e-3, 3.5e-3]).all(|(x, wanted)| (x - wanted).abs() < 1e-12), "{x:?}");
@@ -119,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_first_the_last_and_some_levels_between_are_drawn() {
-        let table = |count: usize| Table { columns: (0..count).map(|i| row(&format!("mu_p{i}"), &[0.2])).collect() };
+        let table = |count: usize| Table::new((0..count).map(|i| row(&format!("mu_p{i}"), &[0.2])));
         let named = |count| levels(&table(count)).into_iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
         assert_eq!(named(8), ["mu_p0", "mu_p1", "mu_p3", "mu_p5", "mu_p7"]);
         assert_eq!((named(2), named(1).len(), named(0).len()), (vec!["mu_p0".into(), "mu_p1".into()], 1, 0));

@@ -1,12 +1,10 @@
 //! Correlation length and standard deviation of friction through several windows.
 
-use asperity_results::LevelResult;
+use asperity_results::{LevelResult, Table};
 
-use crate::Table;
 use crate::figures::{columns, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Pen, VERMILION, range, stacked};
-
 /// ℓ/W of the e^{−s/ℓ} that is closest to the triangle 1 − s/W of the window alone, by least squares over 0 < s < W.
 const TRIANGLE_LENGTH: f64 = 0.614_290_278;
 /// Lengths below this fraction of the narrowest window are drawn at the end of the axis.
@@ -22,7 +20,7 @@ pub(super) const CAPTION: &str = "Every point is a window of length W over the s
 
 /// Draws two charts over the length of the window.
 pub(super) fn charts(table: &Table, level: Option<&LevelResult>) -> Vec<Chart> {
-    let window = table.column("window_m").unwrap_or_default();
+    let window = table.defined_column("window_m").unwrap_or_default();
     let Some((first, last)) = range(positive(window)) else { return Vec::new() };
     let axis = || Axis::logarithmic("Window W", Dimension::Length.unit(last), (first / 1.2, last * 1.2));
     let charts = [lengths(table, window, axis(), level), deviations(table, window, axis())];
@@ -31,8 +29,8 @@ pub(super) fn charts(table: &Table, level: Option<&LevelResult>) -> Vec<Chart> {
 
 fn lengths(table: &Table, window: &[f64], x_axis: Axis, level: Option<&LevelResult>) -> Option<Chart> {
     let (first, last) = x_axis.ends();
-    let fitted = table.column("correlation_length_m");
-    let own = table.column("own_length_m");
+    let fitted = table.defined_column("correlation_length_m");
+    let own = table.defined_column("own_length_m");
     let band = columns(table, ["own_length_low_m", "own_length_high_m"]);
     let joint = level.and_then(|level| level.correlation_length_without_window_m).unwrap_or(f64::NAN);
     let lowest = SHORTEST * first;
@@ -66,7 +64,7 @@ fn lengths(table: &Table, window: &[f64], x_axis: Axis, level: Option<&LevelResu
 
 fn deviations(table: &Table, window: &[f64], x_axis: Axis) -> Option<Chart> {
     let [std] = columns(table, ["std"])?;
-    let expected = table.column("expected_std");
+    let expected = table.defined_column("expected_std");
     let (low, high) = range(positive(std).chain(positive(expected.unwrap_or_default())))?;
     let mut chart = Chart::new(x_axis, Axis::logarithmic("Std of μ", Unit::none(), (low / 1.2, high * 1.2)));
     if let Some(expected) = expected {

@@ -2,14 +2,14 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, PI};
 
-use asperity_results::{MethodEntry, PressureMethod, PressureResult};
+use asperity_results::{MethodEntry, PressureMethod, PressureResult, Table};
 
+use crate::Run;
 use crate::figures::pressure::style::style;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
 use crate::words::method_name;
-use crate::{Run, Table};
 
 /// Larger errors are not drawn: such a distribution is unrelated to the true one.
 const LARGEST: f64 = 3.0;
@@ -139,7 +139,7 @@ mod tests {
     fn the_expected_distance_of_one_uniform_sample_equals_its_closed_form() {
         // ∫√(2u(1 − u)/π) du = √(2/π) π/8, and the standard deviation is 1/√12.
         let u: Vec<f64> = (0..=4000).map(|i| f64::from(i) / 4000.0).collect();
-        let table = Table { columns: vec![("pressure_pa".into(), u.clone()), ("reference".into(), u)] };
+        let table = Table::new([("pressure_pa", u.clone()), ("reference", u)]);
         let wanted = FRAC_2_PI.sqrt() * PI / 8.0 * 12_f64.sqrt();
         assert!((wasserstein_of_one(&table).unwrap() / wanted - 1.0).abs() < 1e-3);
     }

@@ -76,11 +76,12 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let table = run.tables.get(NAME)?;
     let [pressure] = columns(table, ["pressure_pa"])?;
     // The other methods are compared with the reference, which is drawn below them.
-    let reference =
-        ["reference", PressureMethod::MonteCarlo.name()].into_iter().find_map(|name| Some((name, table.column(name)?)));
+    let reference = ["reference", PressureMethod::MonteCarlo.name()]
+        .into_iter()
+        .find_map(|name| Some((name, table.defined_column(name)?)));
     let is_reference = |name: &str| reference.is_some_and(|(own, _)| own == name);
-    let others = table.columns.iter().filter(|(name, _)| name != "pressure_pa" && !is_reference(name));
-    let others = others.filter_map(|(name, _)| Some((name.as_str(), table.column(name)?)));
+    let others = table.columns().iter().filter(|(name, _)| name != "pressure_pa" && !is_reference(name));
+    let others = others.filter_map(|(name, _)| Some((name.as_str(), table.defined_column(name)?)));
     let mut methods: Vec<Method<'_>> = reference.into_iter().chain(others).collect();
     let mut hidden = Vec::new();
     for extra in EXTRA {

@@ -1,11 +1,11 @@
 //! Distributions of the pressure at all cells: contact probability, mean, quantiles, and the error of an expansion.
 
-use asperity_results::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, PressureResult};
+use asperity_results::{Field, GlobalExpansionEntry, HomogeneityEntry, MapsEntry, PressureResult};
 
 use crate::figures::{CaptionedFigure, field_map, raster_panels};
 use crate::format::{Dimension, significant};
 use crate::plot::{Kind, Raster};
-use crate::{Field, ReportError, Run};
+use crate::{ReportError, Run};
 
 /// Mean and quantiles with their titles.
 const STATISTICS: [(&str, &str); 4] = [
@@ -74,7 +74,7 @@ fn expansion_caption(pressure: Option<&PressureResult>) -> String {
 
 /// Draws mean and quantiles side by side on one colour scale. Constant fields are in the caption only.
 fn statistics(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> {
-    let defined = |field: &&Field| field.values.iter().any(|value| value.is_finite());
+    let defined = |field: &&Field| field.values().iter().any(|value| value.is_finite());
     let all: Vec<Panel<'_>> = STATISTICS
         .iter()
         .filter_map(|(name, title)| Some((*name, *title, run.fields.get(*name).filter(defined)?)))
@@ -117,6 +117,6 @@ fn caption(run: &Run, hidden: &[Panel<'_>]) -> String {
 
 /// Returns the value of a constant field.
 fn constant(field: &Field) -> Option<f64> {
-    let first = field.values.first().copied()?;
-    field.values.iter().all(|value| *value == first).then_some(first)
+    let first = field.values().first().copied()?;
+    field.values().iter().all(|value| *value == first).then_some(first)
 }

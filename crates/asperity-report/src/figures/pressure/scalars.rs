@@ -13,7 +13,7 @@ const TABLE: &str = "pressure_scalar_laws";
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let table = run.tables.get(TABLE)?;
     let [probability] = columns(table, ["probability"])?;
-    let stiffness = table.column("stiffness_pa_per_m").is_some();
+    let stiffness = table.defined_column("stiffness_pa_per_m").is_some();
     let properties = [
         ("contact_fraction", "Contact area / nominal"),
         ("mean_pressure_pa", "Mean pressure"),
@@ -21,14 +21,19 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         ("stiffness_pa_per_m", "Stiffness"),
     ];
     let properties =
-        properties.into_iter().filter_map(|(name, label)| Some((name, label, range(table.column(name)?)?)));
+        properties.into_iter().filter_map(|(name, label)| Some((name, label, range(table.defined_column(name)?)?)));
     // Two by two with the stiffness, otherwise in a row.
     let (per_row, height) = if stiffness { (2, 230.0) } else { (3, 250.0) };
     let charts = properties.enumerate().filter_map(|(number, (name, label, ends))| {
         let unit = Dimension::of_key(name).1.unit(ends.0.abs().max(ends.1.abs()));
         let y = if number % per_row == 0 { "CDF" } else { "" };
         let mut chart = Chart::new(Axis::padded(label, unit, ends, 0.05), Axis::linear(y, Unit::none(), (0.0, 1.0)));
-        chart.line("distribution by the default", table.column(name)?, probability, Pen::new(BLUE, 1.8, Dash::Solid));
+        chart.line(
+            "distribution by the default",
+            table.defined_column(name)?,
+            probability,
+            Pen::new(BLUE, 1.8, Dash::Solid),
+        );
         for &ScalarQuantile { value: x, probability: y, value_interval: [from, to] } in quantiles(run, name) {
             chart.add("10, 50 and 90 % quantiles", Mark::Symbol { x, y, shape: Shape::Ring, colour: BLACK });
             let pen = Pen::new(VERMILION, 2.6, Dash::Solid);

@@ -1,10 +1,12 @@
 //! Autocorrelation along x and y with its bands, the model, and the correlation lengths.
 
+use asperity_results::Table;
+
+use crate::Run;
 use crate::figures::surface::scan::{scan, scan_sentence};
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
-use crate::{Run, Table};
 
 const NAME: &str = "height_acf";
 /// Longest lag in the figure, in correlation lengths.
@@ -29,9 +31,9 @@ impl<'a> Side<'a> {
         let length_m = scan(run).and_then(|scan| scan.number(&format!("correlation_length_{axis}_m")));
         Some(Self {
             axis,
-            measured: table.column(&format!("acf_{axis}"))?,
+            measured: table.defined_column(&format!("acf_{axis}"))?,
             band: columns(table, [&format!("acf_{axis}_low"), &format!("acf_{axis}_high")]),
-            model: table.column(&format!("fit_{axis}")),
+            model: table.defined_column(&format!("fit_{axis}")),
             length_m: length_m.filter(|length| *length > 0.0),
             shape,
             pens,

@@ -1,12 +1,14 @@
 //! Density of heights with the distributions that fit best.
 
+use asperity_results::Table;
+
+use crate::Run;
 use crate::figures::surface::scan::scan_sentence;
 use crate::figures::{CaptionedFigure, columns};
 use crate::fits::{HeightFit, height_fits};
 use crate::format::Dimension;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Mark, ORANGE, PURPLE, Pen, VERMILION, range};
 use crate::words::in_words;
-use crate::{Run, Table};
 
 const NAME: &str = "height_pdf";
 /// Number of fits in the figure, the best first.
@@ -30,7 +32,7 @@ fn curves(table: &Table, fits: &[HeightFit]) -> Vec<(String, String, Pen)> {
     }
     let study = Pen::new(ORANGE, 2.2, Dash::Long);
     curves.push(("study_density_per_m".into(), "distribution of the study".into(), study));
-    curves.retain(|(column, _, _)| table.column(column).is_some());
+    curves.retain(|(column, _, _)| table.defined_column(column).is_some());
     curves
 }
 
@@ -44,7 +46,8 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let largest = |values: &[f64]| values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
     let of_data = largest(measured);
     // A density that diverges at an end of its support must not flatten the rest.
-    let of_fits = curves.iter().filter_map(|(column, _, _)| table.column(column)).map(largest).fold(0.0, f64::max);
+    let of_fits =
+        curves.iter().filter_map(|(column, _, _)| table.defined_column(column)).map(largest).fold(0.0, f64::max);
     let highest = of_data.max(of_fits.min(1.5 * of_data));
     let lowest = measured.iter().copied().filter(|v| *v > 0.0).fold(highest, f64::min).max(highest * 1e-7);
     if highest <= 0.0 {
@@ -60,12 +63,12 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let dots = Mark::Dots { x: x.to_vec(), y: measured.to_vec(), radius: 1.8, colour: BLUE, opacity: 0.55 };
     logarithmic.add("measured (right)", dots);
     for (column, label, pen) in &curves {
-        if let Some(y) = table.column(column) {
+        if let Some(y) = table.defined_column(column) {
             linear.line(label, x, y, *pen);
             logarithmic.line(label, x, y, *pen);
         }
     }
-    let stated = table.column("study_density_per_m").is_some();
+    let stated = table.defined_column("study_density_per_m").is_some();
     let fitted = match fits.is_empty() {
         true => "the fitted distribution",
         false => "the distributions that fit best by Akaike’s criterion, numbered by rank,",

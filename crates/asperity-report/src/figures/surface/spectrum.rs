@@ -28,14 +28,14 @@ impl<'a> Spectrum<'a> {
         let table = run.tables.get(table)?;
         let [q, psd] = columns(table, ["wavenumber_rad_per_m", &format!("psd_{unit}")])?;
         let band = columns(table, [&format!("psd_low_{unit}"), &format!("psd_high_{unit}")]);
-        Some(Self { q, psd, band, model: table.column(&format!("psd_model_{unit}")), name, pens })
+        Some(Self { q, psd, band, model: table.defined_column(&format!("psd_model_{unit}")), name, pens })
     }
 
     /// Reads the table at all wavenumbers.
     fn profile(run: &'a Run, axis: &'static str, pens: [Pen; 2]) -> Option<Self> {
         let table = run.tables.get(ALL)?;
         let [q, psd] = columns(table, ["wavenumber_rad_per_m", &format!("psd_{axis}_m3")])?;
-        let model = table.column(&format!("psd_model_{axis}_m3"));
+        let model = table.defined_column(&format!("psd_model_{axis}_m3"));
         Some(Self { q, psd, band: None, model, name: axis, pens })
     }
 

@@ -29,7 +29,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     ];
     for (column, name, pen) in curves {
         // Lags of the other axis leave gaps.
-        let values = table.column(column).unwrap_or_default();
+        let values = table.defined_column(column).unwrap_or_default();
         let (x, y): (Vec<f64>, Vec<f64>) = lag.iter().zip(values).filter(|(_, v)| v.is_finite()).unzip();
         if !x.is_empty() {
             chart.line(name, &x, &y, pen);

@@ -32,7 +32,8 @@ pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
     let mut chart = Chart::new(axis(&map.x, x), axis(&map.y, y));
     chart.backdrop = Some(Backdrop { data_uri: image(map)?, x, y, aspect: None });
     let table = run.tables.get(CONTOURS);
-    let mut levels: Vec<f64> = table.and_then(|table| table.column("level")).map_or_else(Vec::new, <[f64]>::to_vec);
+    let mut levels: Vec<f64> =
+        table.and_then(|table| table.defined_column("level")).map_or_else(Vec::new, <[f64]>::to_vec);
     levels.sort_by(f64::total_cmp);
     levels.dedup();
     let mut dashes = DASHES.into_iter().cycle();

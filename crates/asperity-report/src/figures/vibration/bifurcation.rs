@@ -1,26 +1,24 @@
 //! Attractors of the motion over a parameter that rises, and then falls.
 
-use serde_json::Value;
+use asperity_results::Table;
 
-use crate::Table;
 use crate::figures::vibration::curves::{ATTRACTORS, Tables, axis_label};
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
-
 /// Directions of the parameter: table and name, and width and opacity of the lines. A broad pale line upwards lies under a thin
 /// line downwards, so that both are visible where they agree.
 const DIRECTIONS: [(&str, &str, f64, f64); 2] =
     [("bifurcation_up", "upwards", 6.0, 0.38), ("bifurcation_down", "downwards", 1.6, 1.0)];
 
-pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
-    let parameter = answer["parameter"].as_str()?;
+pub(super) fn figure(parameter: &str, tables: &Tables) -> Option<CaptionedFigure> {
     let found: Vec<&Table> = DIRECTIONS.iter().filter_map(|direction| tables.get(direction.0)).collect();
-    let ends = range(found.iter().filter_map(|table| table.column(parameter)).flatten())?;
+    let ends = range(found.iter().filter_map(|table| table.defined_column(parameter)).flatten())?;
     let charts = [("Velocity dX/dτ", "velocity"), ("Displacement X", "displacement")];
     let charts = charts.into_iter().filter_map(|(label, quantity)| {
         let names = [format!("{quantity}_min"), format!("{quantity}_max")];
-        let values = found.iter().flat_map(|table| names.iter().filter_map(|name| table.column(name))).flatten();
+        let values =
+            found.iter().flat_map(|table| names.iter().filter_map(|name| table.defined_column(name))).flatten();
         let x = Axis::padded(&axis_label(parameter), Unit::none(), ends, 0.02);
         let mut chart = Chart::new(x, Axis::padded(label, Unit::none(), range(values)?, 0.08));
         draw_marks(&mut chart, tables, parameter);
@@ -45,7 +43,7 @@ fn draw_curves(chart: &mut Chart, tables: &Tables, parameter: &str, names: &[Str
             if !attractor.contains(&kind) {
                 continue;
             }
-            for column in names.iter().filter_map(|name| tables[table].column(name)) {
+            for column in names.iter().filter_map(|name| tables[table].defined_column(name)) {
                 let y: Vec<f64> =
                     column.iter().zip(attractor).map(|(y, found)| if *found == kind { *y } else { f64::NAN }).collect();
                 let pen = Pen { opacity, ..Pen::new(colour, width, dash) };
@@ -55,7 +53,7 @@ fn draw_curves(chart: &mut Chart, tables: &Tables, parameter: &str, names: &[Str
                 chart.line(if legend { name } else { "" }, x, &y, pen);
             }
         }
-        let attractor = |direction: &(&str, &str, f64, f64)| tables.get(direction.0)?.column("attractor");
+        let attractor = |direction: &(&str, &str, f64, f64)| tables.get(direction.0)?.defined_column("attractor");
         if !named && DIRECTIONS.iter().filter_map(attractor).flatten().any(|found| *found == kind) {
             chart.add(name, Mark::Patch { colour });
         }
@@ -93,7 +91,7 @@ fn draw_marks(chart: &mut Chart, tables: &Tables, parameter: &str) {
         ("locked_fold", "locked cycle ends", "ζ", Dash::Dashed),
     ];
     for (column, name, symbol, dash) in kinds {
-        let values = tables.get("bifurcation_marks").and_then(|table| table.column(column)).unwrap_or_default();
+        let values = tables.get("bifurcation_marks").and_then(|table| table.defined_column(column)).unwrap_or_default();
         for value in values.iter().filter(|value| value.is_finite()) {
             let at = if parameter == "damping_ratio" { format!(", {symbol} = ") } else { " at ".into() };
             chart.vertical(format!("{name}{at}{}", significant(*value, 4)), *value, Pen::new(BLACK, 1.6, dash));

@@ -1,7 +1,5 @@
 //! The damping ratios at which the cycle ends and sliding becomes stable, along a parameter.
 
-use serde_json::Value;
-
 use crate::figures::vibration::curves::{Tables, axis_label};
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
@@ -10,12 +8,11 @@ use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, ORANGE, Pen, VERMILION, range,
 /// Least ratio of the ends of a parameter for a logarithmic axis.
 const WIDE: f64 = 4.0;
 
-pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
-    let parameter = answer["parameter"].as_str()?;
+pub(super) fn figure(parameter: &str, tables: &Tables) -> Option<CaptionedFigure> {
     let table = tables.get("critical_curve")?;
     let [x, critical, hopf] = columns(table, [parameter, "critical_damping_ratio", "hopf_damping_ratio"])?;
     // Only the locked cycle of a forced machine has a phase at detachment.
-    let locked = table.column("detachment_phase").is_some();
+    let locked = table.defined_column("detachment_phase").is_some();
     let (ends, y) = (range(x)?, range(critical.iter().chain(hopf))?);
     let axis = || {
         let label = axis_label(parameter);

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::Table;
-use crate::plot::{BLUE, Chart, Colour, Dash, GREEN, ORANGE, Pen, VERMILION, WHITE};
+use asperity_results::Table;
 
+use crate::plot::{BLUE, Chart, Colour, Dash, GREEN, ORANGE, Pen, VERMILION, WHITE};
 /// The tables of a command or of a run, by name.
 pub(crate) type Tables = BTreeMap<String, Table>;
 

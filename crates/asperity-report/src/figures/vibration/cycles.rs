@@ -1,11 +1,11 @@
 //! Cycles and vibration lost to roughness over damping.
 
-use asperity_results::VibrationResult;
+use asperity_results::{Table, VibrationResult};
 
+use crate::Run;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, GREY, Pen, VERMILION, range, stacked};
-use crate::{Run, Table};
 
 const NAME: &str = "cycles_over_damping";
 
@@ -81,7 +81,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn column(&self, (prefix, ..): Upscaling, column: &str) -> Option<&[f64]> {
-        self.table.column(&format!("{prefix}_{column}"))
+        self.table.defined_column(&format!("{prefix}_{column}"))
     }
 
     /// Draws band and curve of an upscaling.
@@ -108,7 +108,7 @@ impl<'a> Sweep<'a> {
     /// Draws the number of cycles.
     fn cycles(&self) -> Option<Chart> {
         let means = UPSCALINGS.map(|upscaling| self.column(upscaling, "cycles_mean"));
-        let deterministic = self.table.column("cycles_deterministic");
+        let deterministic = self.table.defined_column("cycles_deterministic");
         let y = range(means.iter().chain([&deterministic]).copied().flatten().flatten())?;
         let mut chart = self.chart(Axis::padded("Cycles M", Unit::none(), (y.0.min(0.0), y.1), 0.08));
         if let Some(counts) = deterministic {
@@ -146,7 +146,7 @@ impl<'a> Sweep<'a> {
 
     /// Draws the number of cycles per natural period.
     fn rate(&self, duration: f64) -> Option<Chart> {
-        let deterministic = self.table.column("cycles_deterministic")?;
+        let deterministic = self.table.defined_column("cycles_deterministic")?;
         let scaled =
             |counts: &[f64]| counts.iter().map(|count| count * std::f64::consts::TAU / duration).collect::<Vec<f64>>();
         let less = |difference: &[f64]| {

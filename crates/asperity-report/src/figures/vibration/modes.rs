@@ -1,11 +1,9 @@
 //! Mode coupling: growth and frequency of the modes over the friction coefficient, and the cycle in the plane.
 
-use asperity_results::ModeCouplingResult;
-use serde_json::Value;
-
 use crate::figures::vibration::curves::Tables;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Unit, significant};
+use crate::motion::CoupledModes;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, Shape, VERMILION, range, stacked};
 
 /// Contact states of the mass: number in tables, name and pen.
@@ -16,43 +14,14 @@ const CONTACTS: [(f64, &str, Pen); 4] = [
     (3.0, "off the belt", Pen::new(PURPLE, 2.0, Dash::Dotted)),
 ];
 
-/// Values in the figure of the modes.
-pub(super) struct Marks {
-    coalescence: Option<f64>,
-    critical_friction: Option<f64>,
-    friction: Option<f64>,
-    /// Mean growth rate under fluctuating friction.
-    mean_growth: Option<f64>,
-}
-
-impl Marks {
-    /// Reads the answer of a command.
-    pub(super) fn of_answer(answer: &Value) -> Self {
-        let number = |key: &str| answer[key].as_f64();
-        Self {
-            coalescence: number("coalescence"),
-            critical_friction: number("critical_friction"),
-            friction: number("friction"),
-            mean_growth: number("growth_rate_mean"),
-        }
-    }
-}
-
-impl From<&ModeCouplingResult> for Marks {
-    fn from(result: &ModeCouplingResult) -> Self {
-        let &ModeCouplingResult { coalescence, critical_friction, friction, .. } = result;
-        Self { coalescence, critical_friction, friction: Some(friction), mean_growth: None }
-    }
-}
-
 /// Draws the growth above the frequency.
-pub(super) fn over_friction(marks: &Marks, tables: &Tables) -> Option<CaptionedFigure> {
+pub(super) fn over_friction(marks: &CoupledModes, tables: &Tables) -> Option<CaptionedFigure> {
     let table = tables.get("modes_over_friction")?;
-    let friction = table.column("friction")?;
+    let friction = table.defined_column("friction")?;
     let ends = range(friction)?;
     let charts =
         [("Growth rate", "growth"), ("Frequency ω/ω₀", "frequency")].into_iter().filter_map(|(label, quantity)| {
-            let modes = [1, 2].map(|mode| table.column(&format!("{quantity}_{mode}")));
+            let modes = [1, 2].map(|mode| table.defined_column(&format!("{quantity}_{mode}")));
             let (low, high) = range(modes.iter().flatten().copied().flatten())?;
             let grows = quantity == "growth";
             // Without any growth the axis still contains zero.
@@ -70,9 +39,11 @@ pub(super) fn over_friction(marks: &Marks, tables: &Tables) -> Option<CaptionedF
                 mode.into_iter().for_each(|y| chart.line(name, friction, y, pen));
             }
             draw_values(&mut chart, marks, ends.1);
-            if let Some((x, y)) = marks.friction.zip(marks.mean_growth).filter(|_| grows) {
-                chart
-                    .add("mean growth under fluctuation", Mark::Symbol { x, y, shape: Shape::Diamond, colour: PURPLE });
+            if let Some(y) = marks.mean_growth.filter(|_| grows) {
+                chart.add(
+                    "mean growth under fluctuation",
+                    Mark::Symbol { x: marks.friction, y, shape: Shape::Diamond, colour: PURPLE },
+                );
             }
             Some(chart)
         });
@@ -83,11 +54,11 @@ pub(super) fn over_friction(marks: &Marks, tables: &Tables) -> Option<CaptionedF
 }
 
 /// Draws vertical lines at the characteristic friction coefficients.
-fn draw_values(chart: &mut Chart, marks: &Marks, last: f64) {
+fn draw_values(chart: &mut Chart, marks: &CoupledModes, last: f64) {
     let values = [
         (marks.coalescence, "undamped modes meet, μ", Pen::new(GREY, 1.8, Dash::Dotted)),
         (marks.critical_friction, "critical μ", Pen::new(BLACK, 1.8, Dash::Alternating)),
-        (marks.friction, "stated machine, μ", Pen::new(GREEN, 1.6, Dash::Long)),
+        (Some(marks.friction), "stated machine, μ", Pen::new(GREEN, 1.6, Dash::Long)),
     ];
     for (value, name, pen) in values {
         if let Some(x) = value {
@@ -98,10 +69,10 @@ fn draw_values(chart: &mut Chart, marks: &Marks, last: f64) {
 }
 
 /// Draws the path of the mass, and its velocity along the belt.
-pub(super) fn cycle(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
+pub(super) fn cycle(marks: &CoupledModes, tables: &Tables) -> Option<CaptionedFigure> {
     let names = ["tangential", "tangential_velocity", "normal", "contact"];
     let [x, u, y, contact] = columns(tables.get("mode_cycle")?, names)?;
-    let belt = answer["belt_velocity"].as_f64();
+    let belt = marks.belt_velocity;
     let panels = [("Into the belt, y", y, None), ("Velocity along the belt, dx/dτ", u, belt)];
     let charts = panels.into_iter().filter_map(|(label, values, belt)| {
         let ends = range(values.iter().chain(belt.as_slice()))?;

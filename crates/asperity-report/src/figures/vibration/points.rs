@@ -1,10 +1,12 @@
 //! Distributions of the points at which the mass sticks again and at which it leaves the belt.
 
+use asperity_results::Table;
+
+use crate::Run;
 use crate::figures::vibration::curves::Tables;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, ORANGE, Pen, range};
-use crate::{Run, Table};
 
 /// Draws the re-attachment points of a run.
 pub(super) fn of_run(run: &Run) -> Option<CaptionedFigure> {
@@ -37,7 +39,7 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
 
 fn histogram(table: &Table, axis: &str, bars: &str, colour: Colour) -> Option<Chart> {
     let [x, density] = columns(table, ["displacement", "density"])?;
-    let normal = table.column("normal_density");
+    let normal = table.defined_column("normal_density");
     let (_, highest) = range(density.iter().chain(normal.into_iter().flatten())).filter(|(_, top)| *top > 0.0)?;
     let axis = Axis::padded(axis, Unit::none(), range(x)?, 0.03);
     let mut chart = Chart::new(axis, Axis::linear("Density", Unit::none(), (0.0, 1.06 * highest))).with_height(270.0);

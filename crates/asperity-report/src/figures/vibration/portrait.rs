@@ -29,7 +29,7 @@ pub(super) fn of_run(run: &Run) -> Option<CaptionedFigure> {
 
 /// Draws the portrait of a command. A map of attractors includes the cycle.
 pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
-    let (chart, _) = portrait(tables, "deterministic limit cycle").filter(|_| !tables.contains_key("basin"))?;
+    let (chart, _) = portrait(tables, "deterministic limit cycle")?;
     let caption = "Displacement and velocity of many trajectories, each for about one period at the end of its time, and the limit \
                    cycle without fluctuation over them. On the flat upper side the mass sticks to the belt.";
     CaptionedFigure::from_charts("phase_portrait", "Phase portrait", caption, 1, &[chart], &[])

@@ -2,14 +2,19 @@
 
 use std::f64::consts::TAU;
 
-use serde_json::Value;
+use asperity_results::Pair;
 
 use crate::figures::vibration::curves::Tables;
 use crate::figures::{CaptionedFigure, columns, positive};
 use crate::format::{Unit, fixed, show_range, significant};
 use crate::plot::{Axis, BLUE, Chart, Dash, Pen, VERMILION, range};
 
-pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure> {
+/// Draws the spectrum with the level and its interval in the title, and a line at the frequency of the limit cycle.
+pub(super) fn figure(
+    level: Option<(f64, Option<Pair>)>,
+    cycle_period: Option<f64>,
+    tables: &Tables,
+) -> Option<CaptionedFigure> {
     let table = tables.get("sound_spectrum")?;
     let [frequency, density] = columns(table, ["frequency", "density"])?;
     let band = columns(table, ["density_low", "density_high"]);
@@ -25,12 +30,12 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
         chart.band("95 % band", frequency, [&low, high], BLUE);
     }
     chart.line("velocity of the mass", frequency, density, Pen::new(BLUE, 2.0, Dash::Solid));
-    if let Some(period) = answer["cycle_period"].as_f64().filter(|period| *period > 0.0) {
+    if let Some(period) = cycle_period.filter(|period| *period > 0.0) {
         let name = format!("limit cycle, ω/ω₀ = {}", significant(TAU / period, 4));
         chart.vertical(name, TAU / period, Pen::new(VERMILION, 1.8, Dash::Dashed));
     }
-    if let Some(level) = level(answer) {
-        chart = chart.with_title(&level);
+    if let Some((level, interval)) = level {
+        chart = chart.with_title(&sentence(level, interval));
     }
     let caption = "One-sided power spectral density of the velocity dX/dτ over the frequency relative to the natural frequency; its \
                    integral is the variance.";
@@ -38,9 +43,7 @@ pub(super) fn figure(answer: &Value, tables: &Tables) -> Option<CaptionedFigure>
 }
 
 /// Returns the level in a sentence.
-fn level(answer: &Value) -> Option<String> {
-    let level = answer["level_db"].as_f64()?;
-    let interval = answer["level_db_interval"][0].as_f64().zip(answer["level_db_interval"][1].as_f64());
-    let interval = interval.map_or(String::new(), |(low, high)| format!(" {}", show_range(low, high)));
-    Some(format!("Level over the limit cycle without fluctuation: {} dB{interval}", fixed(level, 2)))
+fn sentence(level: f64, interval: Option<Pair>) -> String {
+    let interval = interval.map_or(String::new(), |[low, high]| format!(" {}", show_range(low, high)));
+    format!("Level over the limit cycle without fluctuation: {} dB{interval}", fixed(level, 2))
 }

@@ -1,7 +1,6 @@
 //! The probability of sustained vibration over two parameters.
 
-use asperity_results::MapResolutionResult;
-use serde_json::Value;
+use asperity_results::{MapResolutionResult, MapResult, Table};
 
 use crate::figures::vibration::curves::{Tables, axis_label, outlined, separated};
 use crate::figures::{CaptionedFigure, columns, present};
@@ -9,7 +8,7 @@ use crate::format::{Unit, significant};
 use crate::plot::{
     Axis, BLACK, Backdrop, Chart, ColourBar, Dash, Pen, VERMILION, indexed, range, scale_palette, shade,
 };
-use crate::{ReportError, Run, Table};
+use crate::{ReportError, Run};
 
 /// Largest number of pixels of the image along an axis.
 const MAX_ALONG: f64 = 1024.0;
@@ -29,23 +28,15 @@ pub(super) fn of_run(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> 
         return Ok(None);
     };
     let sources = present(run, &["map_cells", "map_contours", "map_limit"]);
-    Ok(drawn([&map.x, &map.y], Some(&map.resolution), &run.tables)?.map(|figure| figure.with_tables(&sources)))
+    Ok(drawn(map, &run.tables)?.map(|figure| figure.with_tables(&sources)))
 }
 
-/// Draws the map of a command.
-pub(super) fn figure(answer: &Value, tables: &Tables) -> Result<Option<CaptionedFigure>, ReportError> {
-    let (Some(x), Some(y)) = (answer["x"].as_str(), answer["y"].as_str()) else { return Ok(None) };
-    let resolution = serde_json::from_value(answer["resolution"].clone()).ok();
-    drawn([x, y], resolution.as_ref(), tables)
-}
-
-/// Describes the map, and, if its resolution is known, the part of it whose cells are wider than the transition.
-fn caption(resolution: Option<&MapResolutionResult>) -> String {
-    let Some(&MapResolutionResult { x: width, y: height, unresolved_share: unresolved }) =
-        resolution.filter(|resolution| resolution.unresolved_share > 0.0)
-    else {
+/// Describes the map, and the part of it whose cells are wider than the transition.
+fn caption(resolution: &MapResolutionResult) -> String {
+    let &MapResolutionResult { x: width, y: height, unresolved_share: unresolved } = resolution;
+    if unresolved <= 0.0 {
         return CAPTION.into();
-    };
+    }
     let along = if unresolved >= 1.0 {
         "the whole front".into()
     } else {
@@ -59,11 +50,9 @@ fn caption(resolution: Option<&MapResolutionResult>) -> String {
     )
 }
 
-fn drawn(
-    [x, y]: [&str; 2],
-    resolution: Option<&MapResolutionResult>,
-    tables: &Tables,
-) -> Result<Option<CaptionedFigure>, ReportError> {
+/// Draws a map from its tables.
+pub(super) fn drawn(map: &MapResult, tables: &Tables) -> Result<Option<CaptionedFigure>, ReportError> {
+    let MapResult { x, y, resolution } = map;
     let Some(cells) = tables.get("map_cells").and_then(|table| Cells::new(table, x, y)) else { return Ok(None) };
     let axis = |name: &str, ends| Axis::linear(&axis_label(name), Unit::none(), ends);
     let mut chart = Chart::new(axis(x, cells.x), axis(y, cells.y));
@@ -98,7 +87,7 @@ pub(in crate::figures) fn with_colour_bar(
 /// Returns the lines of a table, of one level if stated; `None` without points.
 pub(in crate::figures) fn lines(table: &Table, [x, y]: [&str; 2], level: Option<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
     let [line, x, y] = columns(table, ["line", x, y])?;
-    let levels = table.column("level");
+    let levels = table.defined_column("level");
     let wanted = |i: &usize| level.is_none_or(|level| levels.is_some_and(|l| (l[*i] - level).abs() < 1e-9));
     let of = |values: &[f64]| (0..line.len()).filter(wanted).map(|i| values[i]).collect::<Vec<f64>>();
     Some(separated(&of(line), &of(x), &of(y))).filter(|(x, _)| !x.is_empty())
@@ -155,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_caption_states_transitions_that_are_narrower_than_a_cell() {
-        let at = |unresolved_share| caption(Some(&MapResolutionResult { x: 0.0125, y: 0.001, unresolved_share }));
+        let at = |unresolved_share| caption(&MapResolutionResult { x: 0.0125, y: 0.001, unresolved_share });
         assert_eq!(at(0.0), CAPTION);
         assert!(at(1.0).contains("Along the whole front") && at(0.4).contains("Along 40 % of the front"));
         assert!(at(0.4).contains("0.013 × 0.001)") && at(0.4).contains("not resolved"), "{}", at(0.4));

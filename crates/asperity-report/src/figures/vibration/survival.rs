@@ -1,10 +1,12 @@
 //! Duration of vibration.
 
+use asperity_results::Table;
+
+use crate::Run;
 use crate::figures::vibration::curves::Tables;
 use crate::figures::{CaptionedFigure, columns, present};
 use crate::format::Unit;
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, Pen, VERMILION, range};
-use crate::{Run, Table};
 
 /// A table with the name, colour and dash of its curve.
 type Curve<'a> = (&'a Table, &'static str, Colour, Dash);
@@ -26,7 +28,7 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
 }
 
 fn drawn(curves: &[Curve<'_>]) -> Option<CaptionedFigure> {
-    let times = curves.iter().filter_map(|curve| curve.0.column("tau")).flatten();
+    let times = curves.iter().filter_map(|curve| curve.0.defined_column("tau")).flatten();
     let x = Axis::linear("Time τ", Unit::none(), range(times)?);
     let mut chart =
         Chart::new(x, Axis::linear("Fraction in vibration", Unit::none(), (-0.04, 1.04))).with_height(300.0);

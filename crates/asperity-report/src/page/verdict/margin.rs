@@ -63,7 +63,7 @@ impl Limits {
             _ => verdict.nominal.limit_damping_ratio.unwrap_or(0.0) + verdict.nominal.damping_margin,
         };
         let table = run.tables.get(SAMPLES);
-        let sampled = table.and_then(|table| table.column("damping_margin"));
+        let sampled = table.and_then(|table| table.defined_column("damping_margin"));
         let sampled: Option<Vec<f64>> =
             sampled.map(|column| column.iter().copied().filter(|m| m.is_finite()).collect());
         let samples = sampled.as_ref().map_or(0, Vec::len);
@@ -72,7 +72,7 @@ impl Limits {
         sorted.sort_by(f64::total_cmp);
         let name = "vibration.damping_ratio";
         let uncertain_damping = match table {
-            Some(table) => table.column(name).is_some(),
+            Some(table) => table.defined_column(name).is_some(),
             None => verdict.drivers.iter().any(|driver| driver.input == name),
         };
         let mut limits = Self { central, sorted, split: central, samples, uncertain_damping, coupled };

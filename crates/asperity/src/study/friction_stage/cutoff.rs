@@ -9,7 +9,7 @@ use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{CsvTable, StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::surface::model::XiOrder;
 
 /// Fraction of contact cells at the hardness from which on yielding explains why shorter waves change nothing.
@@ -105,10 +105,10 @@ pub(super) fn run(
     Ok((Some(result), output))
 }
 
-fn table(result: &CutoffResult) -> CsvTable {
+fn table(result: &CutoffResult) -> Table {
     let column = |value: &dyn Fn(&CutoffPoint) -> f64| result.points.iter().map(value).collect::<Vec<f64>>();
     let end = |point: &CutoffPoint, end: usize| point.mean_interval.map_or(f64::NAN, |interval| interval[end]);
-    CsvTable::new([
+    Table::new([
         ("cutoff_m", column(&|p| p.cutoff_m)),
         ("mean", column(&|p| p.mean)),
         ("mean_low", column(&|p| end(p, 0))),

@@ -8,9 +8,9 @@ use crate::friction::load_curve::LoadPoint;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::stats::{Histogram, ProcessEstimate, sorted_present};
-use crate::study::CsvTable;
+use crate::study::Table;
 
-type Tables = Vec<(&'static str, CsvTable)>;
+type Tables = Vec<(&'static str, Table)>;
 
 /// Moments and load of all levels, and the course of friction along one strip if that is a path.
 pub(super) fn of_levels(levels: &[SolvedLevel], body: RoughBody) -> Tables {
@@ -40,11 +40,11 @@ fn high(estimate: Option<ProcessEstimate>) -> f64 {
     estimate.map_or(f64::NAN, |estimate| estimate.interval.high)
 }
 
-fn levels_table(levels: &[SolvedLevel]) -> CsvTable {
+fn levels_table(levels: &[SolvedLevel]) -> Table {
     let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
     // What does not exist without a variance.
     let of = |l: &SolvedLevel, value: f64| if l.heavy_tail.is_none() { value } else { f64::NAN };
-    CsvTable::new([
+    Table::new([
         ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
         ("penetration_m", column(&|l| l.strips.penetration_m)),
         ("mean_pressure_pa", column(&|l| l.strips.mean_pressure_pa)),
@@ -71,11 +71,11 @@ fn levels_table(levels: &[SolvedLevel]) -> CsvTable {
 }
 
 /// Load against depth, from the shallowest level.
-fn load_curve_table(levels: &[SolvedLevel]) -> CsvTable {
+fn load_curve_table(levels: &[SolvedLevel]) -> Table {
     let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_strips(&level.strips)).collect();
     points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
     let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         ("penetration_m", column(&|p| p.penetration_m)),
         ("mean_pressure_pa", column(&|p| p.mean_pressure_pa)),
         ("low", column(&|p| p.interval.low)),
@@ -95,7 +95,7 @@ fn trace_column(level: LevelControl) -> String {
     }
 }
 
-fn trace_table(levels: &[SolvedLevel]) -> CsvTable {
+fn trace_table(levels: &[SolvedLevel]) -> Table {
     let first = levels.iter().filter_map(|level| level.strips.records.first()).next();
     let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];
     let rows = columns[0].1.len();
@@ -106,7 +106,7 @@ fn trace_table(levels: &[SolvedLevel]) -> CsvTable {
             trace.map_or_else(|| vec![f64::NAN; rows], |record| record.friction.clone()),
         ));
     }
-    CsvTable::new(columns)
+    Table::new(columns)
 }
 
 /// Histogram with the fitted laws, and how well the one to go on with fits.
@@ -127,7 +127,7 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
         process.marginals.fits.iter().filter(|fit| Some(*fit) != chosen && Some(*fit) != process.beta.as_ref());
     columns.extend(others.filter(smooth).map(|fit| (format!("{}_density", fit.family.key()), density(&fit.marginal))));
     columns.push(("mu".to_owned(), centres));
-    let mut tables = vec![("friction_histogram", CsvTable::new(columns).with_first("mu"))];
+    let mut tables = vec![("friction_histogram", Table::new(columns).with_first("mu"))];
     if let Some(fit) = chosen {
         let transform = integral_transform(&fit.marginal, &pooled, process.effective_windows);
         tables.push(("friction_pit", table(transform).with_first("probability")));
@@ -136,12 +136,12 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
     tables
 }
 
-fn table(columns: Columns) -> CsvTable {
-    CsvTable::new(columns)
+fn table(columns: Columns) -> Table {
+    Table::new(columns)
 }
 
 /// Autocorrelation with the models fitted to it.
-fn correlation_table(lead: &SolvedLevel) -> Option<CsvTable> {
+fn correlation_table(lead: &SolvedLevel) -> Option<Table> {
     let window = &lead.window;
     let correlation = lead.process.correlation.as_ref().ok()?;
     let estimate = &correlation.estimate;
@@ -167,11 +167,11 @@ fn correlation_table(lead: &SolvedLevel) -> Option<CsvTable> {
         }),
     );
     columns.push(("lag_m".to_owned(), lags));
-    Some(CsvTable::new(columns).with_first("lag_m"))
+    Some(Table::new(columns).with_first("lag_m"))
 }
 
 /// Power spectral density with its band, and that of the window alone and of the process under it.
-fn spectrum_table(lead: &SolvedLevel) -> Option<CsvTable> {
+fn spectrum_table(lead: &SolvedLevel) -> Option<Table> {
     let window = &lead.window;
     let spectrum = lead.analysis.spectrum.as_ref().ok()?;
     let variance = lead.process.moments.std.powi(2);
@@ -186,19 +186,19 @@ fn spectrum_table(lead: &SolvedLevel) -> Option<CsvTable> {
         columns.push(("windowed_fit_m".to_owned(), spectrum.model_density(&model, study.length_m, variance)));
     }
     columns.push(("frequency_per_m".to_owned(), spectrum.frequency_per_m.clone()));
-    Some(CsvTable::new(columns).with_first("frequency_per_m"))
+    Some(Table::new(columns).with_first("frequency_per_m"))
 }
 
 /// Correlation of contact area and load of the windows over the lag between them.
-fn cross_table(lead: &SolvedLevel) -> Option<CsvTable> {
+fn cross_table(lead: &SolvedLevel) -> Option<Table> {
     let cross = lead.analysis.area_and_load.as_ref().ok()?;
     let lags = cross.lags.iter().map(|lag| *lag as f64 * cross.step_m).collect();
-    Some(CsvTable::new([("lag_m", lags), ("correlation", cross.correlation.clone())]))
+    Some(Table::new([("lag_m", lags), ("correlation", cross.correlation.clone())]))
 }
 
-fn windows_table(study: &WindowStudy) -> CsvTable {
+fn windows_table(study: &WindowStudy) -> Table {
     let column = |value: &dyn Fn(&WindowCorrelation) -> f64| study.windows.iter().map(value).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         ("window_m", column(&|seen| seen.window_m)),
         ("std", column(&|seen| seen.std)),
         ("expected_std", column(&|seen| seen.expected_std)),

@@ -17,7 +17,7 @@ use crate::study::result::{
     UncertaintyResult, law_result, pair,
 };
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{CsvTable, StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::surface::model::XiOrder;
 
 /// Fraction of unexplained variance, and of noise, above which there is a warning.
@@ -293,7 +293,7 @@ fn places(solved: &[SolvedLevel]) -> Vec<(String, Vec<f64>)> {
 }
 
 /// Returns the table of the moments of the quotient with their bands over the parameters.
-fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> CsvTable {
+fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
         let of = |value: fn(&UncertainResponse) -> Option<f64>| numbers(levels, |level| value(&level.responses[place]));
@@ -303,11 +303,11 @@ fn moments_table(solved: &[SolvedLevel], levels: &[UncertainLevel]) -> CsvTable 
         columns.push((format!("{name}_high"), of(|r| r.interval.map(|i| i[1]))));
         columns.push((format!("{name}_noise_share"), of(|r| r.noise_share)));
     }
-    CsvTable::new(columns)
+    Table::new(columns)
 }
 
 /// Returns the table of Sobol' indices of the moments at the mean load.
-fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> CsvTable {
+fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagation: &Propagation) -> Table {
     let mut columns = places(solved);
     for (place, name) in LevelMoments::NAMES.iter().enumerate() {
         for (parameter, own) in propagation.parameters().iter().enumerate() {
@@ -321,5 +321,5 @@ fn sensitivity_table(solved: &[SolvedLevel], levels: &[UncertainLevel], propagat
             columns.push((format!("{name}_total_{own}_high"), of(|index| index.total_interval[1])));
         }
     }
-    CsvTable::new(columns)
+    Table::new(columns)
 }

@@ -2,7 +2,7 @@
 
 use crate::chaos::SampleEstimate;
 use crate::pressure::{Sensitivity, VariableSet};
-use crate::study::CsvTable;
+use crate::study::Table;
 use crate::study::pressure_stage::scalars;
 use crate::study::result::{IndexEntry, SensitivityEntry, finite, pair};
 
@@ -45,7 +45,7 @@ fn index(name: &str, first: SampleEstimate, total: SampleEstimate) -> IndexEntry
 }
 
 /// Returns a row for each variable of each expansion; its name consists of quantity, variables and variable.
-pub(super) fn table(entries: &[SensitivityEntry]) -> CsvTable {
+pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
     let rows = || entries.iter().flat_map(|entry| entry.indices.iter().map(move |index| (entry, index)));
     let names = rows().map(|(entry, index)| format!("{}: {}: {}", entry.quantity, entry.variables, index.name));
     type Value = fn(&SensitivityEntry, &IndexEntry) -> f64;
@@ -62,7 +62,7 @@ pub(super) fn table(entries: &[SensitivityEntry]) -> CsvTable {
         ("cross_validated_error", |entry, _| entry.cross_validated_error.unwrap_or(f64::NAN)),
     ];
     let columns = columns.map(|(name, value)| (name, rows().map(|(entry, index)| value(entry, index)).collect()));
-    CsvTable::with_names(names.collect(), columns)
+    Table::with_names(names.collect(), columns)
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! Pressure distributions of all cells, as fields and entries of `results.json`.
 
 use crate::pressure::{FieldDistributions, GlobalExpansion, Homogeneity, MethodError};
-use crate::study::QuantityMap;
+use crate::study::Field;
 use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, finite};
+use crate::study::series::map_field;
 
 /// Returns the maps, in pascal and fractions.
-pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, QuantityMap)> {
-    let field = |unit, values: &ndarray::Array2<f64>| QuantityMap { grid: laws.grid, unit, values: values.clone() };
+pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, Field)> {
+    let field = |unit, values: &ndarray::Array2<f64>| map_field(laws.grid, unit, values.clone());
     let mut fields = vec![
         ("contact_probability", field("1", &laws.contact_probability)),
         ("pressure_mean", field("Pa", &laws.mean_pa)),
@@ -114,7 +115,8 @@ mod tests {
         };
         let differ = Homogeneity { cells: 4, samples: 40, contact_p_value: 0.5, mean_p_value: 0.02, p_value: 0.04 };
         let laws = laws(Ok(global), Ok(differ));
-        let names: Vec<(&str, &str)> = fields(&laws).iter().map(|(name, field)| (*name, field.unit)).collect();
+        let found = fields(&laws);
+        let names: Vec<(&str, &str)> = found.iter().map(|(name, field)| (*name, field.unit())).collect();
         let wanted = [
             ("contact_probability", "1"),
             ("pressure_mean", "Pa"),

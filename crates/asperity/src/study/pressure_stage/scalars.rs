@@ -1,7 +1,7 @@
 //! Scalars of the contact as entries of `results.json` and as tables.
 
 use crate::pressure::{QuantileResult, Quantity, ScalarResult};
-use crate::study::CsvTable;
+use crate::study::Table;
 use crate::study::result::{ScalarEntry, ScalarQuantile, pair};
 
 /// Returns the name of a scalar with its unit.
@@ -32,7 +32,7 @@ pub(super) fn entry(scalar: &ScalarResult) -> ScalarEntry {
 }
 
 /// Returns a row for each scalar, in the unit of its name.
-pub(super) fn table(scalars: &[ScalarEntry]) -> CsvTable {
+pub(super) fn table(scalars: &[ScalarEntry]) -> Table {
     let names = scalars.iter().map(|scalar| scalar.name.clone()).collect();
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
     let mut add = |name: String, value: &dyn Fn(&ScalarEntry) -> f64| {
@@ -49,11 +49,11 @@ pub(super) fn table(scalars: &[ScalarEntry]) -> CsvTable {
         add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
         add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
     }
-    CsvTable::with_names(names, columns)
+    Table::with_names(names, columns)
 }
 
 /// Returns the quantiles of the scalars at evenly spaced probabilities.
-pub(super) fn quantile_table(scalars: &[ScalarResult]) -> CsvTable {
+pub(super) fn quantile_table(scalars: &[ScalarResult]) -> Table {
     const ROWS: usize = 200;
     let probabilities: Vec<f64> = (0..ROWS).map(|k| (k as f64 + 0.5) / ROWS as f64).collect();
     let scalars = scalars.iter().map(|scalar| {
@@ -61,5 +61,5 @@ pub(super) fn quantile_table(scalars: &[ScalarResult]) -> CsvTable {
         (name(scalar.quantity).to_owned(), values)
     });
     let scalars: Vec<(String, Vec<f64>)> = scalars.collect();
-    CsvTable::new(std::iter::once(("probability".to_owned(), probabilities)).chain(scalars))
+    Table::new(std::iter::once(("probability".to_owned(), probabilities)).chain(scalars))
 }

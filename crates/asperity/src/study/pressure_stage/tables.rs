@@ -2,11 +2,11 @@
 
 use crate::chaos::DiscreteDistribution;
 use crate::pressure::{Band, ComparisonResults, Method};
-use crate::study::CsvTable;
+use crate::study::Table;
 use crate::study::pressure_stage::{indices, scalars};
 use crate::study::result::{MethodEntry, Pair, PressureResult};
 
-pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, CsvTable)> {
+pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, Table)> {
     let mut tables = vec![
         ("pressure_cdf", cdf(results)),
         ("pressure_bands", bands(results)),
@@ -24,7 +24,7 @@ pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> V
 
 /// Returns the CDF of every method with an estimate, on one grid of pressures: 0, quantiles of the reference, and even
 /// steps between.
-fn cdf(results: &ComparisonResults) -> CsvTable {
+fn cdf(results: &ComparisonResults) -> Table {
     const ROWS: usize = 400;
     let reference = &results.reference.estimate.distribution;
     let atom = reference.cdf(0.0);
@@ -44,12 +44,12 @@ fn cdf(results: &ComparisonResults) -> CsvTable {
     for method in Method::ALL {
         columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.distribution))));
     }
-    CsvTable::new(columns)
+    Table::new(columns)
 }
 
 /// Returns the CDF of the reference and of every method with a band, each at its own pressures, with standard errors
 /// and 95 % limits, pointwise and simultaneous.
-fn bands(results: &ComparisonResults) -> CsvTable {
+fn bands(results: &ComparisonResults) -> Table {
     let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
     let methods = Method::ALL.into_iter().map(|method| {
         let estimate = results.estimate(method).map(|(estimate, _)| estimate);
@@ -76,11 +76,11 @@ fn bands(results: &ComparisonResults) -> CsvTable {
             add(&format!("{what}_high"), &|i| limits(i)[1]);
         }
     }
-    CsvTable::new(columns)
+    Table::new(columns)
 }
 
 /// Returns a row for each method with an estimate, the reference first.
-fn methods(summary: &PressureResult) -> CsvTable {
+fn methods(summary: &PressureResult) -> Table {
     let methods: Vec<&MethodEntry> = summary.methods.iter().filter(|method| method.failure.is_none()).collect();
     let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
     let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.name().to_owned()));
@@ -124,5 +124,5 @@ fn methods(summary: &PressureResult) -> CsvTable {
     }
     add("ks_distance", None, of(&|m| m.ks_distance));
     add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
-    CsvTable::with_names(names.collect(), columns)
+    Table::with_names(names.collect(), columns)
 }

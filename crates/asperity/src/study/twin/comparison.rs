@@ -3,7 +3,7 @@
 use crate::map::HeightMap;
 use crate::study::result::{CurveComparison, StatisticComparison, SurfaceStatistics, finite, pair};
 use crate::study::surface_result::surface_statistics;
-use crate::study::{CsvTable, StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::surface::preparation::Prepared;
 use crate::surface::scanned::ScannedSurface;
 
@@ -93,7 +93,7 @@ impl Target {
     }
 
     /// Compares every function of the scan with those of its twins; returns its table too.
-    pub(super) fn compare_curves(&self, twins: &[TwinTraits]) -> Vec<(&'static str, CurveComparison, CsvTable)> {
+    pub(super) fn compare_curves(&self, twins: &[TwinTraits]) -> Vec<(&'static str, CurveComparison, Table)> {
         let compare = |(i, curve): (usize, &Curve)| {
             let scale = if curve.kind.is_spectrum() { POSITIVE } else { Linear };
             let spreads: Vec<Spread> = (0..curve.x.len())
@@ -113,7 +113,7 @@ impl Target {
             let (inside, points) = (compared.iter().filter(|inside| **inside).count(), compared.len());
             let comparison = CurveComparison { inside_share: finite(inside as f64 / points as f64), inside, points };
             let unit = curve.kind.unit();
-            let table = CsvTable::new([
+            let table = Table::new([
                 (curve.kind.abscissa().to_owned(), curve.x.clone()),
                 (format!("scan{unit}"), curve.y.clone()),
                 (format!("twins_mean{unit}"), spreads.iter().map(|spread| spread.mean).collect()),
@@ -127,13 +127,13 @@ impl Target {
 }
 
 /// Returns the statistics of every twin, one row each.
-pub(super) fn statistics_table(twins: &[TwinTraits]) -> CsvTable {
+pub(super) fn statistics_table(twins: &[TwinTraits]) -> Table {
     let number = ("twin", (1..=twins.len()).map(|number| number as f64).collect());
     let columns = STATISTICS.iter().enumerate().map(|(i, (name, _, _))| {
         let values = twins.iter().map(|twin| twin.statistics[i]).collect();
         (*name, values)
     });
-    CsvTable::new(std::iter::once(number).chain(columns))
+    Table::new(std::iter::once(number).chain(columns))
 }
 
 /// Returns a sentence about the statistics outside their band; `None` if there are none.

@@ -14,7 +14,7 @@ use super::sampled::{Evaluate, Sampled};
 use super::sharing::Sharing;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::wilson_interval;
-use crate::study::CsvTable;
+use crate::study::Table;
 use crate::study::result::AreaAsOne;
 
 /// Numbers of windows.
@@ -108,9 +108,9 @@ fn counted(
 }
 
 /// Returns the table of the probabilities.
-pub(super) fn table(rows: &[AreaAsOne]) -> (&'static str, CsvTable) {
+pub(super) fn table(rows: &[AreaAsOne]) -> (&'static str, Table) {
     let column = |of: fn(&AreaAsOne) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
-    let table = CsvTable::new([
+    let table = Table::new([
         ("windows", column(|row| row.windows)),
         ("friction_std", column(|row| row.friction_std)),
         ("probability", column(|row| row.probability)),

@@ -12,7 +12,7 @@ use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::file::Hold;
 use crate::study::result::{ProbabilityMap, ProbabilityMapAxis};
 use crate::study::series::lines_table;
-use crate::study::{CsvTable, StudyError};
+use crate::study::{StudyError, Table};
 use crate::vibration::grid_contour;
 
 /// Central values of one input.
@@ -28,7 +28,7 @@ const CONTOURS: &str = "verdict_map_contours";
 /// Map over the first two remedies with the table of its contours.
 pub(super) struct Map {
     pub(super) result: ProbabilityMap,
-    pub(super) contours: (&'static str, CsvTable),
+    pub(super) contours: (&'static str, Table),
     /// Warning if too few machines have an answer somewhere.
     pub(super) warning: Option<String>,
 }

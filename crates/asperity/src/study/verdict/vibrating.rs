@@ -9,7 +9,7 @@ use super::machines::Machines;
 use super::sampled::Sampled;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
-use crate::study::CsvTable;
+use crate::study::Table;
 use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
@@ -65,7 +65,7 @@ pub(super) fn samples_table(
     machines: &Machines<'_>,
     sampled: &Sampled,
     monitor: &dyn Monitor,
-) -> Result<CsvTable, Cancelled> {
+) -> Result<Table, Cancelled> {
     let count = sampled.machines.len().min(MOST_ROWS);
     let task = Task::new(monitor, "verdict: samples", count);
     let row = |index: usize| {
@@ -90,7 +90,7 @@ pub(super) fn samples_table(
     let stiffnesses: Option<Vec<f64>> = rows.iter().map(|(.., stiffness, _)| *stiffness).collect();
     columns.extend(stiffnesses.map(|stiffnesses| ("contact_stiffness_n_per_m".into(), stiffnesses)));
     columns.push(("damping_margin".into(), rows.iter().map(|(.., margin)| *margin).collect()));
-    Ok(CsvTable::with_names(rows.into_iter().map(|(kind, ..)| kind).collect(), columns))
+    Ok(Table::with_names(rows.into_iter().map(|(kind, ..)| kind).collect(), columns))
 }
 
 #[cfg(test)]

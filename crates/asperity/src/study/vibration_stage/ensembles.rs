@@ -13,7 +13,7 @@ use crate::study::motion_entries::kind_result;
 use crate::study::output::left_out;
 use crate::study::result::{DampingResult, EnsembleResult, PointsResult};
 use crate::study::run_machine::RunMachine;
-use crate::study::{CsvTable, StudyError, sentence};
+use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
     CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator,
     TrajectorySettings, VibrationError, clipped_to_positive, crossings_without_fluctuation, cycle_portrait,
@@ -230,7 +230,7 @@ impl<'a> Ensembles<'a> {
     }
 
     /// Returns the limit cycle, and the end of one trajectory, for a phase portrait.
-    pub(super) fn portraits(&self, monitor: &dyn Monitor) -> Result<Vec<(&'static str, CsvTable)>, StudyError> {
+    pub(super) fn portraits(&self, monitor: &dyn Monitor) -> Result<Vec<(&'static str, Table)>, StudyError> {
         let mut tables = Vec::new();
         if let Some(points) = cycle_portrait(&self.oscillator, CYCLE_POINTS)? {
             tables.push(("limit_cycle", portrait_table(&points)));

@@ -5,9 +5,12 @@ use super::ensembles::Ensembles;
 use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
 use crate::study::file::MapSection;
+use crate::study::result::{MapResolutionResult, MapResult};
 use crate::study::series::lines_table;
-use crate::study::{CsvTable, StudyError};
-use crate::vibration::{EnsembleSettings, MapAxis, MapCell, MapPoint, MapSettings, StabilityMap, stability_map};
+use crate::study::{StudyError, Table};
+use crate::vibration::{
+    EnsembleSettings, MapAxis, MapCell, MapPoint, MapResolution, MapSettings, StabilityMap, stability_map,
+};
 
 impl Ensembles<'_> {
     /// Returns the settings of a map.
@@ -39,12 +42,18 @@ impl Ensembles<'_> {
     }
 }
 
+/// Returns the named parameters and the resolution of a stability map.
+pub fn map_result(map: &StabilityMap, [x, y]: [&str; 2]) -> MapResult {
+    let MapResolution { x: width, y: height, unresolved_share } = map.resolution;
+    MapResult { x: x.into(), y: y.into(), resolution: MapResolutionResult { x: width, y: height, unresolved_share } }
+}
+
 /// Returns the tables of a stability map over the named parameters: `map_points`, `map_cells`, `map_contours`, and the
 /// end of vibration without fluctuation, `map_limit`.
-pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, CsvTable)> {
+pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'static str, Table)> {
     let of_points = |of: fn(&MapPoint) -> f64| map.points.iter().map(of).collect::<Vec<f64>>();
     let of_cells = |of: fn(&MapCell) -> f64| map.cells.iter().map(of).collect::<Vec<f64>>();
-    let points = CsvTable::new([
+    let points = Table::new([
         (x, of_points(|p| p.x)),
         (y, of_points(|p| p.y)),
         ("sustained_share", of_points(|p| p.sustained.value)),
@@ -53,7 +62,7 @@ pub fn stability_map_tables(map: &StabilityMap, [x, y]: [&str; 2]) -> Vec<(&'sta
         ("trajectories", of_points(|p| p.trajectories as f64)),
         ("limit_damping_ratio", of_points(|p| p.limit_damping_ratio.unwrap_or(f64::NAN))),
     ]);
-    let cells = CsvTable::new([
+    let cells = Table::new([
         (format!("{x}_low"), of_cells(|c| c.x[0])),
         (format!("{x}_high"), of_cells(|c| c.x[1])),
         (format!("{y}_low"), of_cells(|c| c.y[0])),

@@ -4,7 +4,7 @@ use crate::distribution::Marginal;
 use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
 use crate::stats::Histogram;
-use crate::study::CsvTable;
+use crate::study::Table;
 use crate::study::result::{DampingResult, EnsembleResult};
 use crate::vibration::{
     EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, VibrationError, phase_cloud,
@@ -13,7 +13,7 @@ use crate::vibration::{
 /// Number of times at which the surviving fraction is tabulated.
 const SURVIVAL_POINTS: usize = 201;
 
-pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> CsvTable {
+pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
     let column = |result: &EnsembleResult, value: &dyn Fn(&DampingResult) -> f64| -> Vec<f64> {
         result.damping.iter().map(value).collect()
     };
@@ -30,12 +30,12 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Cs
         columns.push((format!("{name}_sustained_share_low"), column(result, &|d| d.sustained_share_interval[0])));
         columns.push((format!("{name}_sustained_share_high"), column(result, &|d| d.sustained_share_interval[1])));
     }
-    CsvTable::new(columns)
+    Table::new(columns)
 }
 
 /// Returns a histogram of points and the normal density of equal mean and standard deviation; `None` for too few
 /// points.
-pub fn points_table(points: &SampleDistribution) -> Option<CsvTable> {
+pub fn points_table(points: &SampleDistribution) -> Option<Table> {
     let histogram = Histogram::new(&points.sample).ok()?;
     let centres = histogram.centres();
     let mut columns = vec![("density", histogram.density())];
@@ -43,16 +43,16 @@ pub fn points_table(points: &SampleDistribution) -> Option<CsvTable> {
         columns.push(("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()));
     }
     columns.push(("displacement", centres));
-    Some(CsvTable::new(columns).with_first("displacement"))
+    Some(Table::new(columns).with_first("displacement"))
 }
 
 /// Returns the fraction of the trajectories that have never left vibration over time, with 95 % intervals: `tau`,
 /// `share`, `share_low`, `share_high`.
-pub fn survival_table(passages: &Passages, duration: f64) -> CsvTable {
+pub fn survival_table(passages: &Passages, duration: f64) -> Table {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
     let fractions: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
     let column = |of: fn(&Fraction) -> f64| fractions.iter().map(of).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
         ("share", column(|fraction| fraction.value)),
         ("share_low", column(|fraction| fraction.interval[0])),
@@ -61,9 +61,9 @@ pub fn survival_table(passages: &Passages, duration: f64) -> CsvTable {
 }
 
 /// Returns a phase portrait: `tau`, `displacement`, `velocity`.
-pub fn portrait_table(points: &[PhasePoint]) -> CsvTable {
+pub fn portrait_table(points: &[PhasePoint]) -> Table {
     let column = |of: fn(&PhasePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    CsvTable::new([
+    Table::new([
         ("tau", column(|p| p.tau)),
         ("displacement", column(|p| p.displacement)),
         ("velocity", column(|p| p.velocity)),
@@ -81,7 +81,7 @@ pub fn cloud_table(
     settings: &EnsembleSettings,
     most: usize,
     monitor: &dyn Monitor,
-) -> Result<CsvTable, VibrationError> {
+) -> Result<Table, VibrationError> {
     let curves = phase_cloud(oscillator, process, settings, most, monitor)?;
     let mut columns = [const { Vec::new() }; 4];
     for (index, curve) in curves.into_iter().enumerate() {
@@ -90,5 +90,5 @@ pub fn cloud_table(
             columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
         }
     }
-    Ok(CsvTable::new(["trajectory", "tau", "displacement", "velocity"].into_iter().zip(columns)))
+    Ok(Table::new(["trajectory", "tau", "displacement", "velocity"].into_iter().zip(columns)))
 }
