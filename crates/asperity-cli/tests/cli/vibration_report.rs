@@ -26,11 +26,12 @@ fn every_command_with_a_report_writes_answer_tables_and_figures() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     let damping = "--damping-ratio 0.17";
+    let mut warnings = 0;
     let over = "--over damping-ratio --from 0.2 --to 0.21 --points 5";
     for (line, tables, figures) in [
         (
             format!(
-                "map {PAPER} {damping} {NOISE} --damping-ratios 0.1,0.3,2 --friction-stds 0.0002,0.001,1 --depth 1 \
+                "map {PAPER} {damping} {NOISE} --damping-ratios 0.1,0.3,2 --friction-stds 0.00001,0.00002,1 --depth 1 \
                  --trajectories 20 --duration 150"
             ),
             vec!["map_cells.csv", "map_contours.csv", "map_limit.csv", "map_points.csv"],
@@ -80,12 +81,18 @@ fn every_command_with_a_report_writes_answer_tables_and_figures() {
         assert_eq!(listing(&report.join("figures")), files.collect::<Vec<_>>(), "{name}");
         let answer: Value = serde_json::from_slice(&fs::read(report.join("answer.json")).unwrap()).unwrap();
         assert_eq!(answer, json, "{name}");
+        let page = fs::read_to_string(report.join("report.html")).unwrap();
+        for warning in json["warnings"].as_array().unwrap() {
+            assert!(page.contains(warning.as_str().unwrap()), "{name}: {warning}");
+            warnings += 1;
+        }
         // A folder with files stays unless `--force` is given.
         run_in(at, &format!("vibration {line} --report new/{name} --json")).refuses(2, &["not empty"]);
         let again = run_in(at, &format!("vibration {line} --report new/{name} --force --threads 1 --json"));
         assert_eq!(again.json(0), json, "{name}");
         run_in(at, &format!("vibration {line} --force")).refuses(2, &["--report"]);
     }
+    assert!(warnings > 0, "the map does not resolve its transition");
     assert_eq!(listing(at), ["new"]);
 }
 

@@ -27,6 +27,18 @@ fn failures_have_their_kind() {
 }
 
 #[test]
+fn a_search_without_result_has_not_converged() {
+    // Without damping and with hardly any friction, vibration grows over more than a million steps.
+    let slow = "seed = 1\n[vibration]\nmass = \"257 kg\"\nnatural_frequency = \"25800 rad/s\"\ndamping_ratio = 0\n\
+                normal_force = \"1.76e6 N\"\nbelt_velocity = \"0.217 m/s\"\n\
+                nominal_area = \"1 cm^2\"\nstatic_friction = 1.23e-6\nfriction_std = 1e-9\n\
+                friction_correlation_length = \"83 um\"\nfriction_marginal = \"normal\"\n                velocity_law = \"stribeck\"\nstribeck = 5.71\n";
+    let error = run_in(Path::new("."), slow, None).unwrap_err();
+    assert_eq!(error.kind(), FailureKind::NotConverged, "{error}");
+    assert!(error.to_string().contains("million steps"), "{error}");
+}
+
+#[test]
 fn errors_name_their_line_in_any_layout() {
     let line_of = |from: &str| MODEL[..MODEL.find(from).unwrap()].lines().count() + 1;
     for (from, to, line, wanted) in [
