@@ -1,6 +1,7 @@
-//! Roots, minima, linear systems and quadrature.
+//! Roots, minima, linear systems, quadrature and isotonic regression.
 
 mod dense;
+mod isotonic;
 mod least_squares;
 mod linear;
 mod minimum;
@@ -10,6 +11,7 @@ mod root;
 pub use dense::{
     Cholesky, NotConverged, Qr, SymmetricEigen, dense_solution, solve_upper, symmetric_eigen, triangular_condition,
 };
+pub use isotonic::isotonic;
 pub use least_squares::{Range, least_squares};
 pub use linear::{inverse, solution, solve, solve_positive_definite};
 pub use minimum::{GoldenSection, golden_section, scanned_minimum, simplex};

@@ -21,6 +21,7 @@ use crate::band::{Moments, RARE, Total};
 use crate::predictor::Predictor;
 use crate::{Band, MethodError};
 use asperity_base::blocks;
+use asperity_base::numeric::isotonic;
 use asperity_chaos::{Design, DiscreteDistribution, SamplingMethod};
 
 /// Number of parts into which the samples are split for cross-fitting.
@@ -383,22 +384,10 @@ fn nodes(thresholds: &[f64], drawn: &[f64], fine: &[f64], settings: &Settings) -
 
 /// Returns the distribution whose distribution function is nearest to the given values, limited to [0, 1].
 ///
-/// It uses isotonic regression by pooling adjacent violators, which never increases the largest error.
+/// It uses isotonic regression, which never increases the largest error.
 fn monotone_distribution(thresholds: &[f64], distribution: Vec<f64>) -> Result<DiscreteDistribution, MethodError> {
-    let mut pools: Vec<(f64, usize)> = Vec::with_capacity(distribution.len());
-    for value in distribution {
-        let mut pool = (value.clamp(0.0, 1.0), 1);
-        while let Some(&(mean, count)) = pools.last()
-            && mean >= pool.0
-        {
-            pools.pop();
-            let total = count + pool.1;
-            pool = ((mean * count as f64 + pool.0 * pool.1 as f64) / total as f64, total);
-        }
-        pools.push(pool);
-    }
+    let levels = isotonic(distribution.into_iter().map(|value| [value.clamp(0.0, 1.0), 1.0]));
     let mut before = 0.0;
-    let levels = pools.iter().flat_map(|&(level, count)| std::iter::repeat_n(level, count));
     let mut points: Vec<(f64, f64)> = thresholds
         .iter()
         .zip(levels)

@@ -179,13 +179,7 @@ impl Changed<'_> {
     /// Evaluates machines of the first replicate at values from the present one to an end of the range.
     fn side(&self, from: f64, to: f64) -> Result<Vec<(f64, Answers)>, Cancelled> {
         let count = self.points.len().div_ceil(REPLICATES);
-        let steps = if from == to { 0 } else { STEPS };
-        (0..=steps)
-            .map(|step| {
-                let value = from + (to - from) * step as f64 / steps.max(1) as f64;
-                Ok((value, self.answers(value, count)?))
-            })
-            .collect()
+        searched(from, to).map(|value| Ok((value, self.answers(value, count)?))).collect()
     }
 
     /// Returns the first value on a side at which at most the fraction `probability` of the machines vibrates, with its interval.
@@ -212,12 +206,10 @@ impl Changed<'_> {
         Ok(None)
     }
 
-    /// Returns two values, with their excess, between two of opposite excess and equal sign whose ratio is larger than ten, such that it is
-    /// not.
+    /// Returns two values, with their excess, between two of opposite excess and a ratio larger than ten, such that it is not.
     fn narrowed(&self, [mut a, mut b]: [[f64; 2]; 2], probability: f64) -> Result<[[f64; 2]; 2], Cancelled> {
-        let is_wide = |a: f64, b: f64| a != 0.0 && b != 0.0 && a.signum() == b.signum() && (a / b).log10().abs() > 1.0;
         while is_wide(a[0], b[0]) {
-            let middle = a[0].signum() * a[0].abs().sqrt() * b[0].abs().sqrt();
+            let middle = geometric(a[0], b[0], 0.5);
             let excess = self.answers(middle, self.points.len())?.excess(probability);
             *if excess < 0.0 { &mut a } else { &mut b } = [middle, excess];
         }
@@ -278,6 +270,27 @@ impl Changed<'_> {
     }
 }
 
+/// Returns the values of the search from one value to another, with equal differences, or with equal ratios if their ratio is larger than
+/// ten.
+fn searched(from: f64, to: f64) -> impl Iterator<Item = f64> {
+    let steps = if from == to { 0 } else { STEPS };
+    (0..=steps).map(move |step| match step as f64 / STEPS as f64 {
+        1.0 => to,
+        part if is_wide(from, to) => geometric(from, to, part),
+        part => from + (to - from) * part,
+    })
+}
+
+/// Returns whether the ratio of two values of equal sign is larger than ten.
+fn is_wide(a: f64, b: f64) -> bool {
+    a != 0.0 && b != 0.0 && a.signum() == b.signum() && (a / b).log10().abs() > 1.0
+}
+
+/// Returns the value at `part` of the way between two values of equal sign, on a logarithmic scale.
+fn geometric(a: f64, b: f64, part: f64) -> f64 {
+    a.signum() * a.abs().powf(1.0 - part) * b.abs().powf(part)
+}
+
 /// Returns the slope of the excess at `value`, between the nearest known values on both sides whose excess is at least `far`, or else
 /// the ends; closer values differ by their errors. Without a slope it is zero: the interval is the whole range.
 fn slope_at(value: f64, known: &[[f64; 2]], ends: [[f64; 2]; 2], far: f64) -> f64 {
@@ -315,6 +328,20 @@ mod tests {
         let falling = [[0.0, 1.5], [4.0, -1.0]];
         assert!((slope_at(1.0, &[[0.5, 1.2], [3.0, -0.9]], falling, 0.8) + 2.1 / 2.5).abs() < 1e-12);
         assert_eq!(slope_at(1.0, &[], [[1.0, 0.0], [1.0, 0.5]], 0.8), 0.0);
+    }
+
+    #[test]
+    fn a_search_over_decades_has_steps_of_equal_ratio() {
+        let values: Vec<f64> = searched(2.0, 2e8).collect();
+        assert!(values.windows(2).all(|pair| (pair[1] / pair[0] - 10.0).abs() < 1e-12), "{values:?}");
+        assert_eq!((values.len(), values[0], values[8]), (9, 2.0, 2e8));
+        assert!(searched(-3.0, -30.1).all(|value| (-30.1..=-3.0).contains(&value)));
+        // A difference of signs, and a ratio of ten.
+        for (from, to) in [(-1.0, 1e9), (0.0, 1e9), (1.0, 10.0)] {
+            let values: Vec<f64> = searched(from, to).collect();
+            assert!((values[4] - 0.5 * (from + to)).abs() < 1e-6, "{values:?}");
+        }
+        assert_eq!(searched(7.0, 7.0).collect::<Vec<_>>(), [7.0]);
     }
 
     #[test]
