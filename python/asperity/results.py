@@ -30,7 +30,7 @@ class AreaAsOne(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class AreaScatter(Record):
+class AreaUpscalingResult(Record):
     """Friction of the nominal area."""
 
     nominal_area_m2: float
@@ -88,7 +88,7 @@ class GoodnessResult(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RankedLawResult(Record):
+class RankedDistributionResult(Record):
     """A fitted distribution in the ranking."""
 
     aic_difference: float
@@ -102,7 +102,7 @@ class RankedLawResult(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class LawResult(Record):
+class DistributionResult(Record):
     """A fitted or stated distribution."""
 
     name: str
@@ -131,11 +131,11 @@ class AtMeanLoad(Record):
     """Excess kurtosis; `null` if friction does not vary."""
     gof: GoodnessResult | None
     """Goodness of fit; `null` for the empirical distribution."""
-    laws: list[RankedLawResult]
+    laws: list[RankedDistributionResult]
     """All fitted distributions, ordered by Akaike's criterion. `marginal` is the first whose ends lie within the
     data.
     """
-    marginal: LawResult | None
+    marginal: DistributionResult | None
     """Marginal distribution ranked first by Akaike's criterion."""
     marginal_parameter_intervals: dict[str, list[float] | None]
     """Intervals of its fitted parameters."""
@@ -154,8 +154,8 @@ class AtMeanLoad(Record):
         "correlation_curves": CorrelationCurveResult,
         "correlation_models": CorrelationModelResult,
         "gof": GoodnessResult,
-        "laws": RankedLawResult,
-        "marginal": LawResult,
+        "laws": RankedDistributionResult,
+        "marginal": DistributionResult,
     }
 
 
@@ -675,7 +675,7 @@ class TailResult(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PaperScatter(Record):
+class PaperUpscalingResult(Record):
     """Friction of one window."""
 
     std: float
@@ -686,12 +686,12 @@ class PaperScatter(Record):
 class UpscalingResult(Record):
     """Standard deviation of friction at the mean load under both upscalings."""
 
-    area: AreaScatter
+    area: AreaUpscalingResult
     """Windows average over the nominal area."""
-    paper: PaperScatter
+    paper: PaperUpscalingResult
     """One window carries the whole normal force (the paper)."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"area": AreaScatter, "paper": PaperScatter}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"area": AreaUpscalingResult, "paper": PaperUpscalingResult}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -702,7 +702,7 @@ class LevelResult(Record):
     """Contact area against load of the windows; `null` if one of them does not vary."""
     at_mean_load: AtMeanLoad
     """Friction of a body that rests on many windows."""
-    beta: LawResult | None
+    beta: DistributionResult | None
     """The beta distribution with bounds fitted by likelihood."""
     between_parts_std: float | None
     """Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs
@@ -752,7 +752,7 @@ class LevelResult(Record):
     """Goodness of fit."""
     leading: bool
     """Whether this level is the operating point."""
-    marginal: LawResult | None
+    marginal: DistributionResult | None
     """Marginal distribution ranked first by Akaike's criterion."""
     marginal_parameter_intervals: dict[str, list[float] | None]
     """Intervals of its fitted parameters."""
@@ -802,9 +802,9 @@ class LevelResult(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {
         "area_and_load": CrossResult,
         "at_mean_load": AtMeanLoad,
-        "beta": LawResult,
+        "beta": DistributionResult,
         "gof": GoodnessResult,
-        "marginal": LawResult,
+        "marginal": DistributionResult,
         "return_levels": ReturnLevelResult,
         "stationarity": StationarityResult,
         "tail": TailResult,
@@ -925,7 +925,7 @@ class UncertainLevel(Record):
 class UncertainParameter(Record):
     """An uncertain parameter of the surface."""
 
-    law: LawResult
+    law: DistributionResult
     """Distribution."""
     mean: float
     """Mean."""
@@ -934,7 +934,7 @@ class UncertainParameter(Record):
     std: float
     """Standard deviation."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"law": LawResult}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"law": DistributionResult}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1751,7 +1751,7 @@ class SurfaceResult(WithCompanions):
     """Covariance of the random surfaces; absent for Weierstrass–Mandelbrot surfaces, which are not made from one."""
     karhunen_loeve: KarhunenLoeveResult | None
     """Karhunen–Loève expansion on the patches of the pressure stage."""
-    marginal: LawResult
+    marginal: DistributionResult
     """Marginal distribution of the random surfaces."""
     dx_m: float | None = None
     """Pitch along x."""
@@ -1859,7 +1859,7 @@ class SurfaceResult(WithCompanions):
     _nested: ClassVar[Mapping[str, type[Record]]] = {
         "covariance": CovarianceResult,
         "karhunen_loeve": KarhunenLoeveResult,
-        "marginal": LawResult,
+        "marginal": DistributionResult,
         "scans": ScanOfPart,
     }
 
@@ -1996,7 +1996,7 @@ class VibrationResult(Record):
     """Damping ratio ζ_v above which no vibration persists; `null` if the search failed."""
     map: MapResult | None = None
     """The stability map, if one is asked for; its numbers are tables."""
-    marginal: LawResult | None
+    marginal: DistributionResult | None
     """Marginal distribution of μ; `null` if friction is constant."""
     paper: EnsembleResult
     """One window carries the whole normal force (the paper)."""
@@ -2013,7 +2013,7 @@ class VibrationResult(Record):
         "area": EnsembleResult,
         "cycle": CycleResult,
         "map": MapResult,
-        "marginal": LawResult,
+        "marginal": DistributionResult,
         "paper": EnsembleResult,
     }
 

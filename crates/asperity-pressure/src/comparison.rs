@@ -299,7 +299,7 @@ impl Solutions<'_> {
     pub fn results(self, monitor: &dyn Monitor) -> Result<ComparisonResults, PressureError> {
         let mut methods = Vec::with_capacity(Method::ALL.len());
         for method in Method::ALL {
-            let task = format!("pressure/law/{}", method.name());
+            let task = format!("pressure/distribution/{}", method.name());
             monitor.progress(&task, 0, 1);
             let samples = match method {
                 Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => {

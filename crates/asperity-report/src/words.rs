@@ -1,6 +1,6 @@
 //! Names and values of models, methods, motions and inputs, for readers.
 
-use asperity_results::{FrictionResult, KindResult, LawResult, PressureMethod, Quantiles};
+use asperity_results::{DistributionResult, FrictionResult, KindResult, PressureMethod, Quantiles};
 
 use crate::format::{Dimension, fixed};
 
@@ -136,7 +136,7 @@ pub(crate) fn meaning(distribution: &str, key: &str) -> (String, bool) {
 }
 
 /// Returns the name of a fitted distribution for readers.
-pub(crate) fn distribution_name(fit: &LawResult) -> String {
+pub(crate) fn distribution_name(fit: &DistributionResult) -> String {
     let shifted = fit.parameters.get("shift").is_some_and(|shift| *shift != 0.0);
     format!("{}{}", if shifted { "shifted " } else { "" }, in_words(&fit.name))
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{CovarianceResult, LawResult, Pair, SurfaceStatistics};
+use crate::{CovarianceResult, DistributionResult, Pair, SurfaceStatistics};
 
 /// Comparison of a scan with its twins, which are random maps with the same statistics.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -92,7 +92,7 @@ pub struct TwinModel {
     /// Covariance, if the generator uses one.
     pub covariance: Option<CovarianceResult>,
     /// Marginal distribution before a form is removed.
-    pub marginal: LawResult,
+    pub marginal: DistributionResult,
 }
 
 /// One statistic of the scan and of its twins. `None` is undefined.

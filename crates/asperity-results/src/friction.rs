@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{CutoffResult, LawResult, Pair, Prescribed, UncertaintyResult};
+use crate::{CutoffResult, DistributionResult, Pair, Prescribed, UncertaintyResult};
 
 /// The friction stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -151,7 +151,7 @@ pub struct LevelResult {
     /// Whether that interval includes lengths below one step, so that the correlation is due to the window alone.
     pub window_only: Option<bool>,
     /// Marginal distribution ranked first by Akaike's criterion.
-    pub marginal: Option<LawResult>,
+    pub marginal: Option<DistributionResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
     /// Goodness of fit.
@@ -161,7 +161,7 @@ pub struct LevelResult {
     /// Upper tail of μ of a window; `null` if the strips contain too few separate peaks.
     pub tail: Option<TailResult>,
     /// The beta distribution with bounds fitted by likelihood.
-    pub beta: Option<LawResult>,
+    pub beta: Option<DistributionResult>,
     /// Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if it has one.
     pub no_variance: Option<String>,
     /// Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs from the mean by a
@@ -215,13 +215,13 @@ pub struct AtMeanLoad {
     /// Models of the correlation without the effect of the window, the most likely first.
     pub correlation_models: Vec<CorrelationModelResult>,
     /// Marginal distribution ranked first by Akaike's criterion.
-    pub marginal: Option<LawResult>,
+    pub marginal: Option<DistributionResult>,
     /// Intervals of its fitted parameters.
     pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
     /// Goodness of fit; `null` for the empirical distribution.
     pub gof: Option<GoodnessResult>,
     /// All fitted distributions, ordered by Akaike's criterion. `marginal` is the first whose ends lie within the data.
-    pub laws: Vec<RankedLawResult>,
+    pub laws: Vec<RankedDistributionResult>,
     /// Effective number of independent windows.
     pub effective_windows: f64,
 }
@@ -229,7 +229,7 @@ pub struct AtMeanLoad {
 /// A fitted distribution in the ranking.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RankedLawResult {
+pub struct RankedDistributionResult {
     /// Name; it begins with `shifted_` if a shift was fitted, and is `empirical` for the windows' own distribution.
     pub name: String,
     /// Difference of Akaike's criterion from the first distribution, for the effective number of independent windows.
@@ -341,15 +341,15 @@ pub struct ReturnLevelResult {
 #[serde(deny_unknown_fields)]
 pub struct UpscalingResult {
     /// One window carries the whole normal force (the paper).
-    pub paper: PaperScatter,
+    pub paper: PaperUpscalingResult,
     /// Windows average over the nominal area.
-    pub area: AreaScatter,
+    pub area: AreaUpscalingResult,
 }
 
 /// Friction of one window.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PaperScatter {
+pub struct PaperUpscalingResult {
     /// Standard deviation of μ.
     pub std: f64,
 }
@@ -357,7 +357,7 @@ pub struct PaperScatter {
 /// Friction of the nominal area.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct AreaScatter {
+pub struct AreaUpscalingResult {
     /// The nominal area.
     pub nominal_area_m2: f64,
     /// Number of windows in the nominal area.

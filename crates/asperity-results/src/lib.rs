@@ -34,9 +34,9 @@ pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticCompariso
 pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch};
 pub use field::Field;
 pub use friction::{
-    AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, OperatingPoint, PaperScatter, RankedLawResult, ReturnLevelResult, RoughBodyResult,
-    StationarityResult, TailResult, UpscalingResult,
+    AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
+    GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult, ReturnLevelResult,
+    RoughBodyResult, StationarityResult, TailResult, UpscalingResult,
 };
 pub use mode_coupling::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, ModelResult};
 pub use pressure::{
@@ -72,7 +72,7 @@ pub const SCHEMA_VERSION: u64 = 1;
 /// A fitted or stated distribution.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct LawResult {
+pub struct DistributionResult {
     /// Name of the distribution.
     pub name: String,
     /// Parameters by name; empty for an empirical distribution.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::LawResult;
+use crate::DistributionResult;
 use crate::companions::{Companions, PooledResult, SpreadResult};
 
 /// The surface stage. The statistics stand beside the other keys.
@@ -17,7 +17,7 @@ pub struct SurfaceResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariance: Option<CovarianceResult>,
     /// Marginal distribution of the random surfaces.
-    pub marginal: LawResult,
+    pub marginal: DistributionResult,
     /// Karhunen–Loève expansion on the patches of the pressure stage.
     pub karhunen_loeve: Option<KarhunenLoeveResult>,
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{LawResult, Pair, Prescribed};
+use crate::{DistributionResult, Pair, Prescribed};
 
 /// `friction.uncertainty` of `results.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,7 +30,7 @@ pub struct UncertainParameter {
     /// Standard deviation.
     pub std: f64,
     /// Distribution.
-    pub law: LawResult,
+    pub law: DistributionResult,
 }
 
 /// Friction of one level over the parameters.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{LawResult, Pair};
+use crate::{DistributionResult, Pair};
 
 /// Kind of motion that the machine settles into.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
@@ -59,7 +59,7 @@ pub struct VibrationResult {
     /// Correlation length as sliding distance over N/c.
     pub correlation_length: Option<f64>,
     /// Marginal distribution of μ; `null` if friction is constant.
-    pub marginal: Option<LawResult>,
+    pub marginal: Option<DistributionResult>,
     /// Variance of μ over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Damping ratio ζ_c above which no cycle reaches the belt velocity; `null` if the search failed.

@@ -6,7 +6,7 @@ mod example;
 use std::collections::BTreeSet;
 
 use asperity_results::{
-    Comparison, LawResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult, results_schema,
+    Comparison, DistributionResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult, results_schema,
 };
 use serde_json::Value;
 
@@ -20,7 +20,7 @@ fn both() -> [Results; 2] {
     two.verdict = Some(example::verdict::verdict());
     two.mode_coupling = Some(example::mode_coupling());
     two.counterface = Some(SurfaceResult {
-        marginal: LawResult { name: "normal".into(), ..LawResult::default() },
+        marginal: DistributionResult { name: "normal".into(), ..DistributionResult::default() },
         ..SurfaceResult::default()
     });
     [one, two]

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use asperity_results::{
-    FrictionResult, GoodnessResult, LawResult, LevelResult, OperatingPoint, Pair, Prescribed, RankedLawResult,
-    ReturnLevelResult, RoughBodyResult, UncertaintyResult,
+    DistributionResult, FrictionResult, GoodnessResult, LevelResult, OperatingPoint, Pair, Prescribed,
+    RankedDistributionResult, ReturnLevelResult, RoughBodyResult, UncertaintyResult,
 };
 
 use crate::cells::{DASH, percent, plain, shown, yes_or_no};
@@ -261,10 +261,10 @@ fn drifts(friction: &FrictionResult) -> DataTable {
 /// The distribution at the operating point, at the mean load or of the quotient F/N: goodness of fit and return levels.
 struct Distribution<'a> {
     of: &'static str,
-    marginal: Option<&'a LawResult>,
+    marginal: Option<&'a DistributionResult>,
     intervals: &'a BTreeMap<String, Option<Pair>>,
     gof: Option<&'a GoodnessResult>,
-    ranked: &'a [RankedLawResult],
+    ranked: &'a [RankedDistributionResult],
     return_levels: &'a [ReturnLevelResult],
 }
 

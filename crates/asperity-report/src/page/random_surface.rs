@@ -81,7 +81,7 @@ fn empirical(found: &EmpiricalCovariance) -> [(String, String); 9] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_results::LawResult;
+    use asperity_results::DistributionResult;
 
     fn value_of(surface: &SurfaceResult, name: &str) -> String {
         let rows = table(surface).rows;
@@ -93,7 +93,7 @@ mod tests {
     fn parameters_that_are_heights_have_units_and_shapes_have_none() {
         let of = |name: &str, parameters: &[(&str, f64)], wanted: &str| {
             let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-            let marginal = LawResult { name: name.into(), parameters };
+            let marginal = DistributionResult { name: name.into(), parameters };
             value_of(&SurfaceResult { marginal, ..SurfaceResult::default() }, wanted)
         };
         let beta: [(&str, f64); 4] = [("a", 2.1), ("b", 5.0), ("low", -2e-6), ("high", 5e-6)];

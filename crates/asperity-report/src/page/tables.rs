@@ -86,7 +86,7 @@ fn seconds(run: &Run, method: PressureMethod) -> Option<f64> {
     };
     let of = |task: &str| run.provenance.as_ref()?.seconds.get(&format!("pressure/{task}")).copied();
     let solved = samples.iter().map(|task| of(task)).sum::<Option<f64>>()?;
-    Some(solved + of(&format!("law/{}", method.name())).unwrap_or(0.0))
+    Some(solved + of(&format!("distribution/{}", method.name())).unwrap_or(0.0))
 }
 
 /// Returns one row per property of the whole contact.

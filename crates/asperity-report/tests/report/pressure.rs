@@ -13,7 +13,7 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     let seconds = [
         ("pressure/monte_carlo", 1.25),
         ("pressure/coarse", 2.5),
-        ("pressure/law/default", 0.25),
+        ("pressure/distribution/default", 0.25),
         ("pressure/sobol", 3.0),
     ];
     run.provenance.as_mut().unwrap().seconds = seconds.map(|(task, time)| (task.to_owned(), time)).into();
@@ -55,14 +55,16 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     assert!(
         scalars.iter().any(|word| word.contains("Mean gap")) && !scalars.iter().any(|word| word.contains("Stiffness"))
     );
-    let gaps = run.tables["pressure_scalar_laws"].column("mean_gap_m").unwrap();
+    let gaps = run.tables["pressure_scalar_distributions"].column("mean_gap_m").unwrap();
     let stiffness = gaps.iter().map(|gap| 5e19 * gap).collect();
-    edit(&mut run.tables, "pressure_scalar_laws", |columns| columns.push(("stiffness_pa_per_m".into(), stiffness)));
+    edit(&mut run.tables, "pressure_scalar_distributions", |columns| {
+        columns.push(("stiffness_pa_per_m".into(), stiffness))
+    });
     let scalars = words(&run, "pressure_scalars");
     assert!(scalars.iter().any(|word| word == "Stiffness (MPa/µm)"), "{scalars:?}");
     // Older runs have no bands.
     run.tables.remove("pressure_bands");
-    run.tables.remove("pressure_scalar_laws");
+    run.tables.remove("pressure_scalar_distributions");
     assert!(!words(&run, "pressure_cdf").iter().any(|word| word.contains("95 %")));
 }
 

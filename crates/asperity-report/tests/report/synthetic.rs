@@ -239,7 +239,7 @@ fn pressure(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
     let share = grid(0.0025, 0.9975, 200);
     let quantile = |mean: f64, std: f64| map(&share, |u| mean + std * 0.55 * (u / (1.0 - u)).ln());
     tables.insert(
-        "pressure_scalar_laws".into(),
+        "pressure_scalar_distributions".into(),
         table(&[
             ("contact_fraction", quantile(0.21, 0.02)),
             ("mean_pressure_pa", quantile(1.6e8, 1.5e7)),

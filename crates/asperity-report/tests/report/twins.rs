@@ -1,8 +1,8 @@
 //! The page of a scan and its twins, complete, partial and hostile.
 
 use asperity_results::{
-    BandMethod, Comparison, CovarianceResult, CurveComparison, Field, LawResult, Provenance, StatisticComparison,
-    Table, TwinModel,
+    BandMethod, Comparison, CovarianceResult, CurveComparison, DistributionResult, Field, Provenance,
+    StatisticComparison, Table, TwinModel,
 };
 use ndarray::Array2;
 
@@ -64,7 +64,7 @@ fn comparison(nx: usize, ny: usize) -> Comparison {
             generator: "spectral".into(),
             rms_height_m: 5.1e-7,
             covariance: Some(covariance),
-            marginal: LawResult { name: "empirical".into(), ..LawResult::default() },
+            marginal: DistributionResult { name: "empirical".into(), ..DistributionResult::default() },
             ..TwinModel::default()
         },
         twins: twins.map(|(name, statistic)| (name.to_owned(), statistic)).into(),

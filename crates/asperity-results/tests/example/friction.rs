@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use asperity_results::{
-    AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint, CutoffResult,
-    FailedPoint, FrictionResult, GoodnessResult, HalvedPitch, LevelResult, OperatingPoint, PaperScatter,
-    ParameterIndexResult, Prescribed, RankedLawResult, ReturnLevelResult, RoughBodyResult, StationarityResult,
-    TailResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult, UpscalingResult,
+    AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint,
+    CutoffResult, FailedPoint, FrictionResult, GoodnessResult, HalvedPitch, LevelResult, OperatingPoint,
+    PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
+    RoughBodyResult, StationarityResult, TailResult, UncertainLevel, UncertainParameter, UncertainResponse,
+    UncertaintyResult, UpscalingResult,
 };
 
 use super::law;
@@ -95,7 +96,11 @@ fn level(row: usize) -> LevelResult {
             }],
             marginal: Some(law("lognormal", &[("mu", -4.2), ("sigma", 0.3), ("shift", 0.18)])),
             gof: Some(gof.clone()),
-            laws: vec![RankedLawResult { name: "shifted_lognormal".into(), aic_difference: 0.0, gof: Some(gof) }],
+            laws: vec![RankedDistributionResult {
+                name: "shifted_lognormal".into(),
+                aic_difference: 0.0,
+                gof: Some(gof),
+            }],
             effective_windows: 118.0,
             ..AtMeanLoad::default()
         },
@@ -109,8 +114,13 @@ fn level(row: usize) -> LevelResult {
         }),
         area_and_load: Some(CrossResult { correlation: 0.98, interval: [0.97, 0.985] }),
         upscaling: UpscalingResult {
-            paper: PaperScatter { std: 0.0055 },
-            area: AreaScatter { nominal_area_m2: 8.33e-4, windows: 18500.0, variance_reduction: 6.1e-5, std: 4.3e-5 },
+            paper: PaperUpscalingResult { std: 0.0055 },
+            area: AreaUpscalingResult {
+                nominal_area_m2: 8.33e-4,
+                windows: 18500.0,
+                variance_reduction: 6.1e-5,
+                std: 4.3e-5,
+            },
         },
         contact_cells_per_window: 21.0,
         effective_windows: 120.0,

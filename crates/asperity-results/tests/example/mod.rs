@@ -8,7 +8,8 @@ pub(crate) mod verdict;
 mod vibration;
 
 use asperity_results::{
-    BandMethod, Comparison, CurveComparison, LawResult, MeasuredSurface, Results, StatisticComparison, TwinModel,
+    BandMethod, Comparison, CurveComparison, DistributionResult, MeasuredSurface, Results, StatisticComparison,
+    TwinModel,
 };
 
 pub(crate) use friction::{
@@ -34,8 +35,8 @@ pub(crate) fn results() -> Results {
 }
 
 /// A distribution with its parameters.
-pub(crate) fn law(name: &str, parameters: &[(&str, f64)]) -> LawResult {
-    LawResult {
+pub(crate) fn law(name: &str, parameters: &[(&str, f64)]) -> DistributionResult {
+    DistributionResult {
         name: name.into(),
         parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
     }

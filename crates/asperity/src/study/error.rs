@@ -50,9 +50,9 @@ pub enum StudyError {
     /// The random surface cannot be modelled or made.
     #[error(transparent)]
     Surface(#[from] SurfaceModelError),
-    /// A law is not one.
+    /// A stated distribution is invalid.
     #[error("{0}")]
-    Law(#[from] DistributionError),
+    Distribution(#[from] DistributionError),
     /// A grid of the study is not one.
     #[error("[{section}] {error}")]
     Grid {
@@ -230,7 +230,7 @@ impl StudyError {
             | Self::Friction { .. }
             | Self::Verdict(_) => FailureKind::NotConverged,
             Self::Vibration(error) if error.is_not_converged() => FailureKind::NotConverged,
-            Self::Law(_)
+            Self::Distribution(_)
             | Self::Grid { .. }
             | Self::Contact { .. }
             | Self::Pressure(_)

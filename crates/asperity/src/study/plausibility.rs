@@ -97,7 +97,7 @@ impl Study {
             };
             let found = [stated, implausible_damping(v.damping_ratio)];
             warnings.extend(found.into_iter().flatten().map(|warning| format!("[vibration] {warning}")));
-            // A measured process may have another law.
+            // A measured process may have another distribution.
             warnings.extend(v.load_warning().filter(|_| !matches!(v.friction, FrictionSource::File(_))));
             let nominal_pa = v.nominal_contact().pressure_pa;
             if let Some(hardness) = file.hardness().filter(|hardness| nominal_pa >= hardness.0) {

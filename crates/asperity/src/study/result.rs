@@ -30,9 +30,9 @@ pub(super) fn finite(value: f64) -> Option<f64> {
 }
 
 /// Returns a distribution with its parameters by name.
-pub(super) fn law_result(law: &Marginal) -> LawResult {
+pub(super) fn distribution_result(law: &Marginal) -> DistributionResult {
     let parameters = law.parameters().into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    LawResult { name: law.name().into(), parameters }
+    DistributionResult { name: law.name().into(), parameters }
 }
 
 /// Returns an interval as [low, high].

@@ -72,7 +72,7 @@ fn percent(fraction: f64) -> f64 {
 
 impl JsonSchema for LengthStd {
     fn schema_name() -> Cow<'static, str> {
-        "LengthScatter".into()
+        "LengthStandardDeviation".into()
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
@@ -111,7 +111,7 @@ impl<'de> Deserialize<'de> for LengthStd {
 
 impl JsonSchema for NumberStd {
     fn schema_name() -> Cow<'static, str> {
-        "NumberScatter".into()
+        "NumberStandardDeviation".into()
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {

@@ -8,7 +8,7 @@ use crate::study::StudyError;
 use crate::study::check::SurfaceStudy;
 use crate::study::contact_check::contact_warning;
 use crate::study::output::StageOutput;
-use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, law_result};
+use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, distribution_result};
 use crate::study::scan_tables::scan_tables;
 use crate::study::surface_model::model_of;
 use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
@@ -41,7 +41,7 @@ impl SurfaceStage {
             }
             Some(scan) => MeasuredSurface::Scan(Box::new(surface_statistics(&scan.statistics))),
         };
-        let (covariance, marginal) = (self.covariance.clone(), law_result(&self.model.surface.marginal));
+        let (covariance, marginal) = (self.covariance.clone(), distribution_result(&self.model.surface.marginal));
         SurfaceResult { measured, covariance, marginal, karhunen_loeve: karhunen_loeve.map(karhunen_loeve_result) }
     }
 }

@@ -22,7 +22,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::random;
 use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
-use crate::study::result::{BandMethod, Comparison, TwinModel, law_result};
+use crate::study::result::{BandMethod, Comparison, TwinModel, distribution_result};
 use crate::study::surface_model::model_of;
 use crate::study::surface_result::covariance_result;
 use crate::study::surface_scans::measure;
@@ -125,7 +125,7 @@ impl Twins {
                 rms_height_m: model.marginal.std(),
                 form_share: None,
                 covariance: chosen.as_ref().map(covariance_result),
-                marginal: law_result(&model.marginal),
+                marginal: distribution_result(&model.marginal),
             },
             limits: limits(section),
             assumptions: output.assumptions,
@@ -165,7 +165,7 @@ impl Twins {
         let model = &mut self.model;
         model.rms_height_m *= self.gain;
         model.form_share = Some(fraction);
-        model.marginal = law_result(&law.standardised(0.0, model.rms_height_m)?);
+        model.marginal = distribution_result(&law.standardised(0.0, model.rms_height_m)?);
         if let Some(covariance) = &mut model.covariance {
             covariance.std_m = model.rms_height_m;
         }
@@ -310,7 +310,8 @@ impl Twins {
         }
         let mut warnings = self.warnings.clone();
         if band_method(traits.len()) == BandMethod::None {
-            warnings.push("one twin does not spread: draw at least two for bands, 39 for bands of any law".into());
+            warnings
+                .push("one twin does not spread: draw at least two for bands, 39 for bands of any distribution".into());
         }
         warnings.extend(outside_sentence(&twins));
         let grid = self.grid();

@@ -20,7 +20,7 @@ use crate::study::StudyError;
 use crate::study::check::{FrictionSource, VibrationStudy};
 use crate::study::motion_entries::kind_result;
 use crate::study::output::StageOutput;
-use crate::study::result::{VibrationResult, law_result};
+use crate::study::result::{VibrationResult, distribution_result};
 use crate::study::run_machine::RunMachine;
 use crate::vibration::{CONSTANT_STD, VibrationError, critical_damping, limit_cycle, limit_damping, smallest_kick};
 
@@ -80,7 +80,7 @@ pub(super) fn run(
         level_mean_pressure_pa: window.level_mean_pressure_pa,
         friction_correlation_length_m: has_path.then_some(window.length_m),
         correlation_length: has_path.then(|| ensembles.correlation_length()),
-        marginal: (window.std >= CONSTANT_STD).then(|| law_result(&window.marginal)),
+        marginal: (window.std >= CONSTANT_STD).then(|| distribution_result(&window.marginal)),
         variance_reduction: window.variance_reduction,
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),

@@ -173,7 +173,7 @@ fn results_and_tables_agree_for_every_method() {
     let names: Vec<&str> = scalars.iter().map(|scalar| scalar["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["contact_fraction", "mean_pressure_pa", "mean_gap_m", "stiffness_pa_per_m"]);
     for scalar in scalars {
-        let law = outcome.tables["pressure_scalar_laws"].column(scalar["name"].as_str().unwrap()).unwrap();
+        let law = outcome.tables["pressure_scalar_distributions"].column(scalar["name"].as_str().unwrap()).unwrap();
         assert!(law.is_sorted(), "{scalar}");
         let [low, high] = [0, 1].map(|end| number(&scalar["mean_interval"][end]));
         assert!(low < number(&scalar["mean"]) && number(&scalar["mean"]) < high, "{scalar}");

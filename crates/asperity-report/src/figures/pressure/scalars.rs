@@ -8,7 +8,7 @@ use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, Mark, Pen, Shape, VERMILION, range};
 
 const NAME: &str = "pressure_scalars";
-const TABLE: &str = "pressure_scalar_laws";
+const TABLE: &str = "pressure_scalar_distributions";
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let table = run.tables.get(TABLE)?;

@@ -11,17 +11,17 @@ use crate::friction::window_study::WindowStudy;
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::stats::ProcessEstimate;
 use crate::study::result::{
-    AreaScatter, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult, LevelResult,
-    OperatingPoint, Pair, PaperScatter, Prescribed, RankedLawResult, ReturnLevelResult, StationarityResult, TailResult,
-    UpscalingResult, finite, law_result, pair,
+    AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult,
+    LevelResult, OperatingPoint, Pair, PaperUpscalingResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
+    StationarityResult, TailResult, UpscalingResult, distribution_result, finite, pair,
 };
 
 /// Returns the variability over the nominal area by both upscalings.
 fn upscaling(solved: &SolvedLevel, nominal_area_m2: f64) -> UpscalingResult {
     let (std, variance_reduction) = (solved.process.moments.std, solved.variance_reduction(nominal_area_m2));
     UpscalingResult {
-        paper: PaperScatter { std },
-        area: AreaScatter {
+        paper: PaperUpscalingResult { std },
+        area: AreaUpscalingResult {
             nominal_area_m2,
             windows: nominal_area_m2 / solved.window.area_m2(),
             variance_reduction,
@@ -115,7 +115,7 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
         correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
         window_only: study.map(WindowStudy::window_only),
-        marginal: statistics.marginal().filter(|_| exists).map(|fit| law_result(&fit.marginal)),
+        marginal: statistics.marginal().filter(|_| exists).map(|fit| distribution_result(&fit.marginal)),
         marginal_parameter_intervals: if exists { parameter_intervals(statistics) } else { BTreeMap::new() },
         gof: goodness(statistics).filter(|_| exists),
         return_levels: statistics
@@ -124,7 +124,7 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
             .filter(|_| exists)
             .map_or_else(Vec::new, |tail| tail.return_levels.iter().map(return_level).collect()),
         tail: statistics.tail.as_ref().map(tail),
-        beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| law_result(&fit.marginal)),
+        beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| distribution_result(&fit.marginal)),
         no_variance: solved.heavy_tail.as_ref().map(no_variance),
         between_parts_std: None,
         between_parts_std_interval: None,
@@ -139,10 +139,10 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
             correlation_length_m_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
             correlation_curves: correlation_curves(process),
             correlation_models: correlation_models(&solved.analysis),
-            marginal: process.marginal().map(|fit| law_result(&fit.marginal)),
+            marginal: process.marginal().map(|fit| distribution_result(&fit.marginal)),
             marginal_parameter_intervals: parameter_intervals(process),
             gof: goodness(process),
-            laws: laws(&process.marginals),
+            laws: ranked(&process.marginals),
             effective_windows: process.effective_windows,
         },
         stationarity: solved.analysis.stationarity.as_ref().ok().map(stationarity),
@@ -187,7 +187,7 @@ fn interval(estimate: Option<ProcessEstimate>) -> Option<Pair> {
     estimate.map(|estimate| pair(estimate.interval))
 }
 
-/// Of the parameters of the marginal law; `null` where there is none.
+/// Returns the intervals of the parameters of the marginal distribution; `None` where there is none.
 fn parameter_intervals(statistics: &FrictionStatistics) -> BTreeMap<String, Option<Pair>> {
     let parameters = statistics.marginals.place().map_or(&[][..], |place| &statistics.parameters[place]);
     parameters.iter().map(|p| (p.name.to_owned(), interval(p.estimate))).collect()
@@ -207,11 +207,11 @@ fn distance(ranking: &Ranking, place: usize) -> Option<GoodnessResult> {
     })
 }
 
-/// All laws that were fitted, the first by Akaike's criterion first.
-fn laws(ranking: &Ranking) -> Vec<RankedLawResult> {
+/// Returns all fitted distributions in the order of Akaike’s criterion.
+fn ranked(ranking: &Ranking) -> Vec<RankedDistributionResult> {
     let criterion = |fit: &Fit| fit.aic_correlated(ranking.effective_size);
     let least = ranking.fits.first().map_or(f64::NAN, criterion);
-    let of = |(place, fit): (usize, &Fit)| RankedLawResult {
+    let of = |(place, fit): (usize, &Fit)| RankedDistributionResult {
         name: fit.family.key().into(),
         aic_difference: criterion(fit) - least,
         gof: distance(ranking, place),

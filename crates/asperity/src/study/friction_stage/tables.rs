@@ -109,7 +109,7 @@ fn trace_table(levels: &[SolvedLevel]) -> Table {
     Table::new(columns)
 }
 
-/// Histogram with the fitted laws, and how well the one to go on with fits.
+/// Histogram with the fitted distributions, and how well the one to go on with fits.
 fn law_tables(lead: &SolvedLevel) -> Tables {
     let process = &lead.process;
     let pooled = sorted_present(lead.at_mean_load.iter().flat_map(|record| record.friction.iter().copied()));
@@ -119,7 +119,7 @@ fn law_tables(lead: &SolvedLevel) -> Tables {
     let density = |law: &Marginal| -> Vec<f64> { centres.iter().map(|mu| law.pdf(*mu)).collect() };
     let chosen = process.marginal();
     let mut columns = vec![("density".to_owned(), histogram.density())];
-    // The windows' own law has no density beside their histogram.
+    // The windows' own distribution has no density beside their histogram.
     let smooth = |fit: &&Fit| !matches!(fit.family, Family::Empirical { .. });
     columns.extend(chosen.filter(smooth).map(|fit| ("fitted_density".to_owned(), density(&fit.marginal))));
     columns.extend(process.beta.iter().map(|fit| ("beta_density".to_owned(), density(&fit.marginal))));

@@ -14,7 +14,7 @@ use crate::study::check::FrictionStudy;
 use crate::study::output::StageOutput;
 use crate::study::result::{
     FailedPoint, ParameterIndexResult, Prescribed, UncertainLevel, UncertainParameter, UncertainResponse,
-    UncertaintyResult, law_result, pair,
+    UncertaintyResult, distribution_result, pair,
 };
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, Table, sentence};
@@ -96,7 +96,7 @@ pub(super) fn run(
         name: parameter.name().to_owned(),
         mean: parameter.marginal().mean(),
         std: parameter.marginal().std(),
-        law: law_result(parameter.marginal()),
+        law: distribution_result(parameter.marginal()),
     });
     let result = UncertaintyResult {
         points: propagation.points(),

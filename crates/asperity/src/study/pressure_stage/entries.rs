@@ -36,8 +36,8 @@ pub(super) fn summary(results: &ComparisonResults, prescribed: &Prescribed) -> P
         methods: results.methods.iter().map(method_entry).collect(),
         scalars: results.scalars.iter().map(scalars::entry).collect(),
         maps: results.fields.as_ref().map(maps::entry),
-        homogeneity: results.fields.as_ref().map(|laws| maps::homogeneity(&laws.homogeneity)),
-        global_expansion: results.fields.as_ref().map(|laws| maps::global_expansion(&laws.global)),
+        homogeneity: results.fields.as_ref().map(|distributions| maps::homogeneity(&distributions.homogeneity)),
+        global_expansion: results.fields.as_ref().map(|distributions| maps::global_expansion(&distributions.global)),
         sensitivities: indices::entries(&results.sensitivities),
     }
 }

@@ -6,18 +6,18 @@ use crate::study::result::{GlobalExpansionEntry, HomogeneityEntry, MapsEntry, fi
 use crate::study::series::map_field;
 
 /// Returns the maps, in pascal and fractions.
-pub(super) fn fields(laws: &FieldDistributions) -> Vec<(&'static str, Field)> {
-    let field = |unit, values: &ndarray::Array2<f64>| map_field(laws.grid, unit, values.clone());
+pub(super) fn fields(distributions: &FieldDistributions) -> Vec<(&'static str, Field)> {
+    let field = |unit, values: &ndarray::Array2<f64>| map_field(distributions.grid, unit, values.clone());
     let mut fields = vec![
-        ("contact_probability", field("1", &laws.contact_probability)),
-        ("pressure_mean", field("Pa", &laws.mean_pa)),
+        ("contact_probability", field("1", &distributions.contact_probability)),
+        ("pressure_mean", field("Pa", &distributions.mean_pa)),
     ];
-    for quantile in &laws.quantiles {
+    for quantile in &distributions.quantiles {
         if let Some(name) = quantile_name(quantile.probability) {
             fields.push((name, field("Pa", &quantile.pressure_pa)));
         }
     }
-    if let Ok(global) = &laws.global {
+    if let Ok(global) = &distributions.global {
         fields.push(("expansion_error", field("1", &global.leave_one_out_error)));
     }
     fields
@@ -32,14 +32,14 @@ fn quantile_name(probability: f64) -> Option<&'static str> {
     }
 }
 
-pub(super) fn entry(laws: &FieldDistributions) -> MapsEntry {
+pub(super) fn entry(distributions: &FieldDistributions) -> MapsEntry {
     let largest = |values: &ndarray::Array2<f64>| values.iter().copied().fold(f64::NAN, f64::max);
-    let half_widths = (&laws.contact_probability_high - &laws.contact_probability_low) * 0.5;
+    let half_widths = (&distributions.contact_probability_high - &distributions.contact_probability_low) * 0.5;
     MapsEntry {
-        samples: laws.samples,
-        kept_samples: laws.kept_samples,
+        samples: distributions.samples,
+        kept_samples: distributions.kept_samples,
         contact_probability_largest_half_width: finite(largest(&half_widths)),
-        mean_largest_se_pa: finite(largest(&laws.mean_se_pa)),
+        mean_largest_se_pa: finite(largest(&distributions.mean_se_pa)),
     }
 }
 
@@ -82,7 +82,7 @@ mod tests {
     use crate::map::Grid;
     use crate::pressure::QuantileMap;
 
-    fn laws(
+    fn distributions(
         global: Result<GlobalExpansion, MethodError>,
         homogeneity: Result<Homogeneity, MethodError>,
     ) -> FieldDistributions {
@@ -114,8 +114,8 @@ mod tests {
             leave_one_out_error: array![[0.5, f64::NAN], [1.0, 0.75]],
         };
         let differ = Homogeneity { cells: 4, samples: 40, contact_p_value: 0.5, mean_p_value: 0.02, p_value: 0.04 };
-        let laws = laws(Ok(global), Ok(differ));
-        let found = fields(&laws);
+        let distributions = distributions(Ok(global), Ok(differ));
+        let found = fields(&distributions);
         let names: Vec<(&str, &str)> = found.iter().map(|(name, field)| (*name, field.unit())).collect();
         let wanted = [
             ("contact_probability", "1"),
@@ -126,20 +126,20 @@ mod tests {
             ("expansion_error", "1"),
         ];
         assert_eq!(names, wanted);
-        let entry = entry(&laws);
-        assert_eq!(global_expansion(&laws.global).leave_one_out_error, Some(0.75));
+        let entry = entry(&distributions);
+        assert_eq!(global_expansion(&distributions.global).leave_one_out_error, Some(0.75));
         assert_eq!((entry.contact_probability_largest_half_width, entry.mean_largest_se_pa), (Some(0.125), Some(2e5)));
-        let found = homogeneity(&laws.homogeneity);
+        let found = homogeneity(&distributions.homogeneity);
         assert_eq!((found.p_value, found.plausible), (Some(0.04), Some(false)));
     }
 
     #[test]
     fn a_failed_result_gives_a_reason_and_no_field() {
         let few = MethodError::TooFewSamples { samples: 3, wanted: 40 };
-        let laws = laws(Err(few.clone()), Err(few));
-        assert!(fields(&laws).iter().all(|(name, _)| *name != "expansion_error"));
-        let alike = serde_json::to_value(homogeneity(&laws.homogeneity)).unwrap();
-        let expansion = serde_json::to_value(global_expansion(&laws.global)).unwrap();
+        let distributions = distributions(Err(few.clone()), Err(few));
+        assert!(fields(&distributions).iter().all(|(name, _)| *name != "expansion_error"));
+        let alike = serde_json::to_value(homogeneity(&distributions.homogeneity)).unwrap();
+        let expansion = serde_json::to_value(global_expansion(&distributions.global)).unwrap();
         for (entry, number) in [(alike, "p_value"), (expansion, "leave_one_out_error")] {
             assert!(entry[number].is_null(), "{entry}");
             assert_eq!(entry["failure"], "3 samples are too few; at least 40 are needed");

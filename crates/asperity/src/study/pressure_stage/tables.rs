@@ -14,7 +14,7 @@ pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> V
     ];
     if !results.scalars.is_empty() {
         tables.push(("pressure_scalars", scalars::table(&summary.scalars)));
-        tables.push(("pressure_scalar_laws", scalars::quantile_table(&results.scalars)));
+        tables.push(("pressure_scalar_distributions", scalars::quantile_table(&results.scalars)));
     }
     if summary.sensitivities.iter().any(|entry| !entry.indices.is_empty()) {
         tables.push(("pressure_sensitivities", indices::table(&summary.sensitivities)));
@@ -39,7 +39,8 @@ fn cdf(results: &ComparisonResults) -> Table {
     pressures.push(highest);
     pressures.sort_by(f64::total_cmp);
     pressures.dedup();
-    let column = |law: &DiscreteDistribution| -> Vec<f64> { pressures.iter().map(|p| law.cdf(*p)).collect() };
+    let column =
+        |distribution: &DiscreteDistribution| -> Vec<f64> { pressures.iter().map(|p| distribution.cdf(*p)).collect() };
     let mut columns = vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(reference))];
     for method in Method::ALL {
         columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.distribution))));
