@@ -102,7 +102,7 @@ impl Map {
         };
         // Check the process once, so that an invalid distribution gives an error about the flag and not about a point.
         let friction = self.fluctuation.model(self.friction_std, 1.0);
-        let process = FrictionProcess::new(friction.clone()).map_err(Failure::usage)?;
+        let process = monitor.killable(|| FrictionProcess::new(friction.clone()))?.map_err(Failure::usage)?;
         let ensemble = self.trajectories.settings();
         let count = ensemble.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
         Paths { belt_velocity, duration: ensemble.duration, count }.note_time(&process, monitor);

@@ -219,7 +219,8 @@ impl Noise {
         regime: &CoupledRegime,
         monitor: &Terminal,
     ) -> Result<(GrowthRates, Answer), Failure> {
-        let process = FrictionProcess::new(fluctuation.model(self.friction_std, 1.0)).map_err(Failure::usage)?;
+        let process = monitor.killable(|| FrictionProcess::new(fluctuation.model(self.friction_std, 1.0)))?;
+        let process = process.map_err(Failure::usage)?;
         let (trajectories, duration, seed) = (self.trajectories, self.duration, self.seed);
         let threshold = match (self.threshold, regime.cycle()) {
             (Some(threshold), _) => threshold,

@@ -116,16 +116,14 @@ impl Clipping {
 impl Source {
     /// Returns the process, clipped so that the friction of the oscillator stays positive.
     pub(super) fn process(&self, oscillator: &Oscillator, monitor: &Terminal) -> Result<FrictionProcess, Failure> {
+        // The table of a Jacobi diffusion may take seconds.
+        let new = |model| monitor.killable(|| FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)));
         let process = match (&self.friction_process, self.length_unit, self.friction_std, &self.fluctuation) {
             (Some(file), Some(unit), ..) => {
-                let model = read_process(file)?.model(unit.0);
-                let made = model.and_then(|model| FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)));
-                made.map_err(|e| Failure::data(file.display(), &e))?
+                let refuse = |e| Failure::data(file.display(), &e);
+                new(read_process(file)?.model(unit.0).map_err(refuse)?)?.map_err(refuse)?
             }
-            (_, _, Some(std), Some(fluctuation)) => {
-                FrictionProcess::new(clipped_to_positive(oscillator, fluctuation.model(std, 1.0), 1.0))
-                    .map_err(Failure::usage)?
-            }
+            (_, _, Some(std), Some(fluctuation)) => new(fluctuation.model(std, 1.0))?.map_err(Failure::usage)?,
             _ => {
                 let message = "give --friction-std, --correlation-length and --marginal, or --friction-process";
                 return Err(Failure::usage(message));
