@@ -1,5 +1,6 @@
 //! Probability that machines vibrate at one central value, with its error.
 
+use super::decided::LEAST_CHANCE;
 use super::replicates::{REPLICATES, fraction_below_zero, fraction_unanswered};
 use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
 
@@ -49,9 +50,13 @@ impl Answers {
         quantile_sorted(&self.sorted, probability.clamp(0.0, 1.0))
     }
 
-    /// Returns whether three times as many machines, or a third of them, may vibrate as the fraction `probability`.
+    /// Returns whether as many machines may vibrate as the fraction `probability`: a third to three times as many do, or the difference is
+    /// within three standard errors of the machines that ensembles decide far from the limit.
     pub(super) fn is_near(&self, probability: f64) -> bool {
-        (probability / 3.0..3.0 * probability).contains(&self.probability)
+        let decided = if self.limit.is_some() { LEAST_CHANCE * self.sorted.len() as f64 } else { f64::INFINITY };
+        let found = self.probability.clamp(0.0, 1.0);
+        let error = (found * (1.0 - found) / decided).sqrt();
+        (probability / 3.0..3.0 * probability).contains(&found) || (found - probability).abs() < 3.0 * error
     }
 
     /// Returns the half width of the 95 % interval of the fraction that vibrates.
@@ -142,5 +147,11 @@ mod tests {
         let answers = Answers::with_constant_friction((0..100).map(|i| f64::from(i) - 4.5).collect());
         let near = [0.016, 0.02, 0.05, 0.14, 0.16].map(|probability| answers.is_near(probability));
         assert_eq!(near, [false, true, true, true, false]);
+        // One machine in 32 is decided: 30 vibrating ones of 1,024 may be a single one, and 300 are none too few.
+        let near = [30, 300].map(|count| {
+            let terms: Vec<f64> = (0..1024).map(|index| f64::from(u8::from(index < count))).collect();
+            Answers::with_fluctuation(vec![0.0; 1024], &terms).is_near(0.005)
+        });
+        assert_eq!(near, [true, false]);
     }
 }

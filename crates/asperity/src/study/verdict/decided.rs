@@ -24,7 +24,7 @@ use crate::monitor::{Cancelled, Monitor};
 /// Number of machines over the distance in ranks from c up to which every machine is decided.
 const WHOLE: usize = 512;
 /// Least probability that a machine is decided.
-const LEAST_CHANCE: f64 = 1.0 / 32.0;
+pub(super) const LEAST_CHANCE: f64 = 1.0 / 32.0;
 
 /// Returns the term of each machine in the estimate of the probability, given the margins, one draw from (0, 1) per machine, and which
 /// machines vibrate.
