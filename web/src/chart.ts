@@ -269,7 +269,8 @@ class Panel {
   draw() {
     this.page = theme();
     const { canvas, page } = this;
-    canvas.data.datasets = this.visible().flatMap((series) => datasets(series, page));
+    // Chart.js draws the first data set last; here, as in the SVG, later series cover earlier ones.
+    canvas.data.datasets = this.visible().flatMap((series) => datasets(series, page)).map((data, place) => ({ ...data, order: -place }));
     canvas.options.scales = this.scales() as never;
     const { title } = this.chart;
     canvas.options.plugins = {

@@ -32,6 +32,25 @@ const drawn = (figure) =>
     return 1 - Math.max(...counts.values()) / (data.length / 4);
   });
 
+/** Names of the outlined curves of a figure whose colour no pixel has, because the outline covers them. */
+const covered = (figure) => {
+  const canvases = [...figure.querySelectorAll(".canvas canvas")];
+  const { charts } = JSON.parse(figure.querySelector("script").textContent);
+  return charts.flatMap(({ series }, place) => {
+    const canvas = canvases[place];
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    const is = (rgb, i) => rgb.every((c, k) => Math.abs(data[i + k] - c) < 12);
+    const outlined = series.filter((_, k) => k > 0 && series[k - 1].mark === "line" && series[k - 1].name === "" && series[k - 1].pen.opacity === 0.85);
+    return outlined.filter(({ pen }) => {
+      const rgb = [1, 3, 5].map((at) => parseInt(pen.colour.slice(at, at + 2), 16));
+      for (let i = 0; i < data.length; i += 4) if (is(rgb, i)) return false;
+      return true;
+    });
+  }).map(({ name }) => name);
+};
+
 async function open(browser, page, options) {
   const context = await browser.newContext({ acceptDownloads: true, ...options });
   const tab = await context.newPage();
@@ -132,6 +151,8 @@ async function examine(browser, file, width, colorScheme) {
       return Math.max(...charts.map((chart) => curves(chart).size));
     });
     check(most <= 6, `${what}: ${await figure.getAttribute("id")} has ${most} curves in a panel`);
+    const under = colorScheme === "light" ? await figure.evaluate(covered) : [];
+    check(under.length === 0, `${what}: ${name} has curves under their outlines: ${under}`);
     check(shares.length > 0 && shares.every((share) => share > 0.004), `${what}: ${name} is empty: ${shares}`);
   }
   const violations = await accessibility(browser, page, { viewport: { width, height: 800 }, colorScheme });

@@ -43,20 +43,35 @@ pub(crate) fn coupled_figures(run: &Run) -> Vec<CaptionedFigure> {
 /// # Errors
 /// The PNG encoder failed.
 pub(crate) fn of_command(figures: &VibrationFigures, tables: &Tables) -> Result<Vec<CaptionedFigure>, ReportError> {
-    let drawn = match figures {
-        VibrationFigures::Map(map) => vec![stability_map::drawn(map, tables)?],
-        VibrationFigures::Bifurcation { parameter } => vec![bifurcation::figure(parameter, tables)],
-        VibrationFigures::CriticalCurve { parameter } => vec![critical_curve::figure(parameter, tables)],
+    let drawn: Vec<(Option<CaptionedFigure>, &[&str])> = match figures {
+        VibrationFigures::Map(map) => {
+            vec![(stability_map::drawn(map, tables)?, &["map_cells", "map_contours", "map_limit"])]
+        }
+        VibrationFigures::Bifurcation { parameter } => {
+            let names = &["bifurcation_up", "bifurcation_down", "bifurcation_marks", "bifurcation_turnovers"];
+            vec![(bifurcation::figure(parameter, tables), names)]
+        }
+        VibrationFigures::CriticalCurve { parameter } => {
+            vec![(critical_curve::figure(parameter, tables), &["critical_curve"])]
+        }
         VibrationFigures::Sound { level_db, level_db_interval, cycle_period } => {
-            vec![sound::figure(level_db.map(|level| (level, *level_db_interval)), *cycle_period, tables)]
+            let level = level_db.map(|level| (level, *level_db_interval));
+            vec![(sound::figure(level, *cycle_period, tables), &["sound_spectrum"])]
         }
-        VibrationFigures::Basin => vec![basin::figure(tables)?],
-        VibrationFigures::Ensemble => {
-            vec![portrait::figure(tables), points::figure(tables), survival::figure(tables)]
-        }
-        VibrationFigures::ModeCoupling(modes) => {
-            vec![modes::over_friction(modes, tables), modes::cycle(modes, tables)]
-        }
+        VibrationFigures::Basin => vec![(basin::figure(tables)?, &["basin", "separatrix", "limit_cycle"])],
+        VibrationFigures::Ensemble => vec![
+            (portrait::figure(tables), &["phase_cloud", "limit_cycle"]),
+            (points::figure(tables), &["reattachment", "release"]),
+            (survival::figure(tables), &["survival"]),
+        ],
+        VibrationFigures::ModeCoupling(modes) => vec![
+            (modes::over_friction(modes, tables), &["modes_over_friction"]),
+            (modes::cycle(modes, tables), &["mode_cycle"]),
+        ],
     };
-    Ok(drawn.into_iter().flatten().collect())
+    let with_sources = |(figure, names): (Option<CaptionedFigure>, &[&str])| {
+        let names: Vec<&str> = names.iter().copied().filter(|name| tables.contains_key(*name)).collect();
+        figure.map(|figure| figure.with_tables(&names))
+    };
+    Ok(drawn.into_iter().filter_map(with_sources).collect())
 }

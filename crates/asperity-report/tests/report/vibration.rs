@@ -273,6 +273,10 @@ fn every_command_has_its_labelled_figures() {
             }
         }
         assert_eq!(figures, drawn(&given, &tables), "equal tables give equal bytes");
+        let html = render_vibration("map", &given, &[], &[], &tables).unwrap().html;
+        for name in tables.keys() {
+            assert!(html.contains(&format!("<code>tables/{name}.csv</code>")), "{name}");
+        }
     }
 }
 
