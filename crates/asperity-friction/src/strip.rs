@@ -35,7 +35,7 @@ pub struct StripProblem {
     pub hardness_pa: Option<f64>,
     /// Contact solver.
     pub solver: Solver,
-    /// Least share of strips that must converge at a level.
+    /// Least fraction of strips that must converge at a level.
     pub valid_share: f64,
 }
 

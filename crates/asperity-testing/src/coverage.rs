@@ -10,7 +10,7 @@ pub fn repetitions(quick: usize) -> usize {
     if folder().is_some() { 1000 } else { quick }
 }
 
-/// Returns the share of `of` intervals that contain the truth, and writes it for the documentation.
+/// Returns the fraction of `of` intervals that contain the truth, and writes it for the documentation.
 ///
 /// `interval` names the kind of interval as the report does, and `case` the problem with known truth.
 ///

@@ -329,7 +329,7 @@ mod tests {
             }
             for (level, held) in LEVELS.into_iter().zip(held) {
                 let case = format!("normal thresholds of {paths} trajectories, {:.0} %", 100.0 * level);
-                let fraction = covered("damping ratio at a share of vibration", &case, held, replicates as usize);
+                let fraction = covered("damping ratio at a fraction of vibration", &case, held, replicates as usize);
                 assert!(fraction >= 0.93, "{case}: {fraction}");
             }
         }

@@ -539,7 +539,7 @@ class Page {
     const clipped = numbers.clipped_fraction > 1e-6 ? ` ${percent(numbers.clipped_fraction)} of the friction values were clipped to stay positive.` : "";
     this.settle(
       "probability",
-      `Share of ${numbers.trajectories} runs from standstill that vibrate for at least half of the second half of ${quantity(si(this.values, "duration"), "s", 3)}. ` +
+      `Percentage of ${numbers.trajectories} runs from standstill that vibrate for at least half of the second half of ${quantity(si(this.values, "duration"), "s", 3)}. ` +
         `On average they vibrate for ${percent(numbers.vibration_share)} of it, with ${digits(numbers.cycles_mean, 3)} cycles of stick-slip ` +
         `(${numbers.cycles_deterministic} without fluctuation).${failures}${clipped}`,
     );

@@ -34,7 +34,7 @@ pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
 pub struct StudyFile {
     /// Seed of every random draw.
     pub seed: u64,
-    /// Least share of valid samples of each kind, above 0, at most 1; statistics of fewer are refused.
+    /// Least fraction of valid samples of each kind, above 0, at most 1; statistics of fewer are refused.
     #[serde(default = "least_valid_share", skip_serializing_if = "is_least_valid_share")]
     pub valid_share: f64,
     /// Names, `section.key`, of the values below that are defaults because the first study file left them out. The study of a run
