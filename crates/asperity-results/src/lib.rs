@@ -1,9 +1,9 @@
 //! The results of asperity as plain types: the content of `results.json` of runs and campaigns, `provenance.json` and
 //! `comparison.json`.
 //!
-//! A program that reads a run folder needs this crate alone; it computes nothing. [`Table`] and [`Field`] are the data behind the figures. Numbers are SI with the unit in the name, an
-//! undefined number is `None` (`null` in the file), and an interval is [low, high] at 95 %. Results hold no clock, host or number of
-//! threads, so equal studies give equal bytes.
+//! [`Table`] and [`Field`] are the data behind the figures. A program that reads a run folder needs this crate alone; it computes
+//! nothing. Numbers are SI with the unit in the name, an undefined number is `None` (`null` in the file), and an interval is [low, high]
+//! at 95 %. Results hold no clock, host or number of threads, so equal studies give equal bytes.
 
 mod campaign;
 mod companions;

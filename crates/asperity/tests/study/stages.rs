@@ -364,6 +364,12 @@ fn a_run_folder_appears_complete_and_reads_back() {
     assert!(
         back.values().iter().zip(field.values()).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan())
     );
+    let index = out.join("fields/index.json");
+    let whole = fs::read_to_string(&index).unwrap();
+    fs::write(&index, whole.replacen("2e-6", "0", 1)).unwrap();
+    let refused = StoredRun::load(&out).unwrap_err();
+    assert!(matches!(&refused, StoreError::Corrupt { reason, .. } if reason.contains("pitches 0")), "{refused}");
+    fs::write(&index, whole).unwrap();
     assert!(Staging::open(&out, false, &[]).is_err(), "a finished run is not overwritten unasked");
     // Inputs are never deleted.
     let scan = out.join("results.json");
