@@ -15,6 +15,7 @@ mod failure;
 mod field;
 mod field_samples;
 mod homogeneity;
+mod likeness;
 mod method;
 mod multilevel;
 mod nested;
@@ -37,6 +38,7 @@ pub use estimate::{PressureEstimate, ReferenceDistances};
 pub use failure::FailureReason;
 pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;
+pub use likeness::ContactLikeness;
 pub use method::{Method, MethodError};
 #[doc(hidden)]
 pub use nested::NestedSamples;

@@ -7,7 +7,6 @@ mod blocks;
 mod campaign;
 mod check;
 mod computation;
-mod contact_check;
 mod counterface;
 mod coupled_stage;
 mod error;

@@ -99,15 +99,20 @@ fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
 #[test]
 fn the_exponential_eigenvalues_equal_the_closed_form() {
     // Unit interval, ℓ = 1; midpoint Nyström converges with order 2, so 400 points leave about 1e-5.
-    let line = "surface modes --covariance exponential --correlation-length 1m --size 1m --points 400 --modes 4 --json";
-    let json = asperity(line).json(0);
-    let found: Vec<f64> = json["eigenvalues"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-    assert_eq!(found.len(), 4);
-    for (found, exact) in found.iter().zip([0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]) {
-        assert!((found - exact).abs() < 5e-6, "{found} is not {exact}");
+    // The self-affine correlation of H = 1/2 is the exponential one.
+    for covariance in ["exponential", "matern --smoothness 0.5", "self-affine --hurst 0.5"] {
+        let line = format!(
+            "surface modes --covariance {covariance} --correlation-length 1m --size 1m --points 400 --modes 4 --json"
+        );
+        let json = asperity(&line).json(0);
+        let found: Vec<f64> = json["eigenvalues"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        assert_eq!(found.len(), 4);
+        for (found, exact) in found.iter().zip([0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]) {
+            assert!((found - exact).abs() < 5e-6, "{covariance}: {found} is not {exact}");
+        }
+        close(number(&json, "captured_variance"), found.iter().sum::<f64>(), 1e-12);
+        assert_eq!(json["eigenvalue_unit"], "m");
     }
-    close(number(&json, "captured_variance"), found.iter().sum::<f64>(), 1e-12);
-    assert_eq!(json["eigenvalue_unit"], "m");
 }
 
 #[test]
@@ -129,6 +134,8 @@ fn a_hundred_and_one_modes_capture_the_published_variance_of_a_square() {
 
 #[test]
 fn modes_that_do_not_exist_are_usage_errors() {
+    let line = "surface modes --covariance self-affine --correlation-length 1m --size 1m --points 8 --modes 2";
+    asperity(line).refuses(2, &["--hurst", "self-affine"]);
     let base = "surface modes --covariance exponential --correlation-length 1m --json";
     for (line, words) in [
         ("--size 1m --points 8 --modes 9", ["9 modes", "8"]),

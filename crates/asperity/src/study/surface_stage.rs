@@ -4,15 +4,15 @@ use std::mem;
 use std::path::Path;
 
 use crate::map::HeightMap;
-use crate::study::StudyError;
+use crate::pressure::ContactLikeness;
 use crate::study::check::SurfaceStudy;
-use crate::study::contact_check::contact_warning;
 use crate::study::output::StageOutput;
 use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, distribution_result};
 use crate::study::scan_tables::scan_tables;
 use crate::study::surface_model::model_of;
 use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
 use crate::study::surface_scans::{measure_all, of_one};
+use crate::study::{StudyError, sentence};
 use crate::surface::model::{
     CapturedModes, CompositeModel, CovarianceRequest, Measurable, SurfaceModelError, SurfaceRequest,
 };
@@ -97,10 +97,25 @@ pub(super) fn without_tables(study: &SurfaceStudy, folder: &Path) -> Result<Surf
             }
         );
         if let Some(trial) = selected.and_then(|selected| selected.trial).filter(|_| is_like_the_scan) {
-            output.warnings.extend(contact_warning(&measured.map, &trial.maps));
+            output.warnings.extend(warn_of_contact(&measured.map, &trial.maps));
         }
     }
     let band_end_m = measured.as_ref().and_then(ScannedSurface::band_end_m);
     let model = CompositeModel { surface: model, counterface: None };
     Ok(SurfaceStage { model, measured, measured_counterface: None, band_end_m, covariance, output })
+}
+
+/// Returns a warning if random maps have another contact area than the scan under the same elastic mean pressure.
+fn warn_of_contact(scan: &HeightMap, maps: &[HeightMap]) -> Option<String> {
+    let found = ContactLikeness::new(scan, maps).filter(|found| !found.is_near())?;
+    let [nx, ny] = found.points;
+    let of_part =
+        if scan.grid().shape() == (ny, nx) { String::new() } else { format!("a part of {nx} × {ny} points of ") };
+    Some(format!(
+        "pressed elastically as hard as {of_part}the scan, which touches on {} % of its area, random maps touch on {} times that area, \
+         and mean contact pressures are off by about that factor: random maps have the scan's spectrum and heights, but not the shape of \
+         its summits; a form of higher degree to remove (`level`), or the rejection of outliers, may help",
+        sentence::digits(100.0 * found.fraction_of_scan),
+        sentence::digits(found.ratio),
+    ))
 }

@@ -1,9 +1,9 @@
 //! Karhunen–Loève spectrum of a covariance.
 
-use asperity::correlation::{CorrelationModel, Covariance};
+use asperity::correlation::{CorrelationFamily, CorrelationModel, Covariance};
 use asperity::quantity::Length;
 use asperity::surface::{self, GeneratorError, ModesRoute, modes, modes_memory_bytes};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use crate::args::{self, OneOrTwo};
 use crate::failure::{Failure, Kind};
@@ -18,13 +18,16 @@ use crate::resources::require_memory;
 #[derive(Debug, Args)]
 pub(crate) struct Modes {
     /// Shape of the correlation.
-    #[arg(long, value_enum)]
-    covariance: Model,
+    #[arg(long, value_parser = args::named::<CorrelationFamily>())]
+    covariance: CorrelationFamily,
+    /// Hurst exponent H of the self-affine model, which requires it.
+    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    hurst: Option<f64>,
     /// Smoothness ν of the Matérn model.
     #[arg(long, value_name = "X", default_value = "1.5", value_parser = args::positive, allow_hyphen_values = true)]
     smoothness: f64,
     /// Length ℓ of the model, along x and y: the distance at which the correlation falls to 1/e. For the Matérn model
-    /// it is the scale, not the 1/e length.
+    /// it is the scale, not the 1/e length, and for the self-affine one the roll-off length.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     correlation_length: OneOrTwo<Length>,
     /// Length of the interval, or size of the rectangle along x and y.
@@ -44,24 +47,15 @@ pub(crate) struct Modes {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum Model {
-    /// ρ = e^{−r/ℓ}.
-    Exponential,
-    /// ρ = e^{−r²/ℓ²}.
-    #[value(alias = "squared-exponential")]
-    SquaredExponential,
-    /// Matérn, with --smoothness.
-    Matern,
-}
-
 impl Modes {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let model = match self.covariance {
-            Model::Exponential => CorrelationModel::Exponential,
-            Model::SquaredExponential => CorrelationModel::SquaredExponential,
-            Model::Matern => CorrelationModel::Matern { nu: self.smoothness },
+            CorrelationFamily::SquaredExponential => CorrelationModel::SquaredExponential,
+            CorrelationFamily::Exponential => CorrelationModel::Exponential,
+            CorrelationFamily::Matern => CorrelationModel::Matern { nu: self.smoothness },
+            CorrelationFamily::SelfAffine => CorrelationModel::SelfAffine {
+                hurst: self.hurst.ok_or_else(|| Failure::usage("--hurst: required by a self-affine covariance"))?,
+            },
         };
         let (length_x, length_y) = self.correlation_length.both();
         let covariance = Covariance::new(model, 1.0, length_x.0, length_y.0).map_err(Failure::usage)?;
