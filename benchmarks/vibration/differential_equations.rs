@@ -232,7 +232,7 @@ where
     }
 }
 
-/// Where the event of a system falls through zero in a step, by the Illinois method on the crate's interpolation.
+/// Returns the time at which the event of a system falls through zero in a step, by the Illinois method on the crate's interpolation.
 fn first_zero<const N: usize, S, I>(
     system: &S,
     start: (f64, [f64; N]),
@@ -270,7 +270,7 @@ where
     found
 }
 
-/// How slips are integrated.
+/// Integration method of slips.
 #[derive(Clone, Copy)]
 struct How {
     rtol: f64,

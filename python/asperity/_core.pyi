@@ -150,7 +150,7 @@ def merge_parts(request: Incomplete, parts: SupportsGetItem[int, str | PathLike[
 
 def module_program(library: str | PathLike[str]) -> Any:
     """
-    Returns what decides the last bits of results: the file of this module, and what it finds on this machine.
+    Returns the file of this module and its libraries on this machine, which determine the last bits of results.
     """
 
 def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:

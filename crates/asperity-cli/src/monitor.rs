@@ -23,7 +23,7 @@ const FORCE_EXIT_AFTER: Duration = Duration::from_millis(500);
 /// Time after a signal at which the program ends, although blocks are not finished.
 const EXIT_AFTER: Duration = Duration::from_millis(1200);
 
-/// What is left to do before a signal ends the program; `None` once the result is at its destination.
+/// Work that a signal must do before it ends the program; `None` once the result is at its destination.
 type Last = Option<Vec<Box<dyn FnOnce() + Send>>>;
 
 /// Progress display on stderr, timer of tasks, and receiver of Ctrl-C and SIGTERM.

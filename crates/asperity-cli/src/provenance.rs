@@ -18,7 +18,7 @@ pub(crate) fn begin(of_inputs: Provenance) -> Result<Provenance, Failure> {
     })
 }
 
-/// Returns what decides the last bits of results: this program, and what it finds on this machine.
+/// Returns this program and its libraries on this machine, which determine the last bits of results.
 pub(crate) fn program() -> Result<Program, Failure> {
     let failed = |error: &std::io::Error| Failure::io(Kind::Runtime, "the program file", error);
     let file = std::env::current_exe().map_err(|e| failed(&e))?;

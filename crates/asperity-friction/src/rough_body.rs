@@ -1,4 +1,4 @@
-//! Which body of a sliding contact is rough.
+//! Choice of the rough body of a sliding contact.
 
 use asperity_base::choice;
 

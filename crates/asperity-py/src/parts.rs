@@ -15,7 +15,7 @@ fn record(computation: &Computation, library: &Path, shard: Option<[usize; 2]>) 
     computation.record(program(library, String::new()).raise()?, shard).raise()
 }
 
-/// Returns what decides the last bits of results: the file of this module, and what it finds on this machine.
+/// Returns the file of this module and its libraries on this machine, which determine the last bits of results.
 #[pyfunction]
 pub(crate) fn module_program(py: Python<'_>, library: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     to_python(py, &program(&library, String::new()).raise()?)

@@ -69,7 +69,7 @@ struct Steps {
     robust: bool,
 }
 
-/// What a preparation did to a map.
+/// Changes that a preparation made to a map.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct History {

@@ -12,7 +12,7 @@ use crate::page::data_table::DataTable;
 use crate::page::section::Section;
 use crate::{Report, ReportError};
 
-/// What the tables of a vibration command show, with the values of its figures that no table holds.
+/// Contents of the figures of a vibration command, with the values that its tables lack.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VibrationFigures {
     /// Stability map: `map_cells`, `map_contours` and `map_limit`.

@@ -24,7 +24,7 @@ pub struct Provenance {
     pub stages: BTreeMap<String, StageCost>,
     /// Seconds that each task took.
     pub seconds: BTreeMap<String, f64>,
-    /// What decides the last bits of the results.
+    /// Program and libraries that determine the last bits of the results.
     pub program: Program,
     /// The machine.
     pub machine: Machine,
@@ -40,7 +40,7 @@ pub struct StageCost {
     pub peak_memory_bytes: Option<f64>,
 }
 
-/// What decides the last bits of results beside the study.
+/// Program and libraries that determine, with the study, the last bits of the results.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Program {

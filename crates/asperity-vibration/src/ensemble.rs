@@ -136,7 +136,7 @@ struct Outcome {
     passage: Passage,
 }
 
-/// What the trajectories of an ensemble share.
+/// Properties that all trajectories of an ensemble have in common.
 struct Plan<'a> {
     oscillator: &'a Oscillator,
     process: &'a FrictionProcess,

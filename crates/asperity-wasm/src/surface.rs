@@ -52,7 +52,7 @@ impl Surface {
         Ok(Self::from_settings(settings)?)
     }
 
-    /// Returns what is known of the map: origin, size, warnings and `statistics`, with the keys of `asperity surface
+    /// Returns the properties of the map: origin, size, warnings and `statistics`, with the keys of `asperity surface
     /// stats --json`. Array: `heights_m`, row by row, NaN where missing.
     pub fn describe(&self) -> Result<Answer, JsError> {
         Ok(self.description()?)

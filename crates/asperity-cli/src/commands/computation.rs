@@ -73,7 +73,7 @@ impl Computation {
         }
     }
 
-    /// Returns what is computed in words, for a campaign.
+    /// Returns a description of the computation, for a campaign.
     pub(super) fn extent(&self) -> Option<String> {
         let Work::Campaign(campaign) = self.own.work() else { return None };
         let shared = match campaign.shared_stages() {

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::support::asperity;
 
-/// Returns what bash offers for the last word of a command line, after it loaded the completions.
+/// Returns the completions that bash offers for the last word of a command line.
 fn bash_offers(folder: &std::path::Path, words: &[&str]) -> Vec<String> {
     let script = r#"
         source completions.bash || exit 1

@@ -56,7 +56,7 @@ fn verdicts(results: &CampaignResults) -> Option<Answer> {
     })
 }
 
-/// How far one value decides the verdict.
+/// Effect of one value on the verdict.
 struct Decision {
     /// Number of members whose verdict follows from this value alone.
     members: usize,

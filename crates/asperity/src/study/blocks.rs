@@ -42,7 +42,7 @@ pub(super) fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
     file::hex(&sha256.finalize())
 }
 
-/// Which blocks a process computes.
+/// Blocks that a process computes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Share {
     /// All that are missing.

@@ -24,7 +24,7 @@ pub struct Computation {
     work: Work,
 }
 
-/// What a computation computes.
+/// Result that a computation produces.
 #[derive(Debug)]
 pub enum Work {
     /// A study, or one stage of it with those that it needs.
@@ -81,7 +81,7 @@ impl Computation {
         Ok(Self::campaign(file.clone(), text.clone(), campaign))
     }
 
-    /// Returns what is computed.
+    /// Returns the result to produce.
     pub fn work(&self) -> &Work {
         &self.work
     }

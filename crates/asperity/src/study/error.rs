@@ -33,7 +33,7 @@ pub enum StudyError {
     Map {
         /// The scan file.
         file: String,
-        /// What is wrong.
+        /// Reason, with the remedy if there is one.
         error: MapError,
     },
     /// One of several scans cannot be used.
@@ -41,7 +41,7 @@ pub enum StudyError {
     OneOf {
         /// The scan file.
         file: String,
-        /// What is wrong.
+        /// Reason, with the remedy if there is one.
         error: Box<StudyError>,
     },
     /// The counterface cannot be measured or modelled.
@@ -58,7 +58,7 @@ pub enum StudyError {
     Grid {
         /// Section of the study.
         section: &'static str,
-        /// What is wrong.
+        /// Reason, with the remedy if there is one.
         error: MapError,
     },
     /// A contact problem cannot be posed.
@@ -66,7 +66,7 @@ pub enum StudyError {
     Contact {
         /// Section of the study.
         section: &'static str,
-        /// What is wrong.
+        /// Reason, with the remedy if there is one.
         error: ContactError,
     },
     /// The pressure stage failed.
@@ -77,7 +77,7 @@ pub enum StudyError {
     Friction {
         /// The level.
         level: String,
-        /// What is wrong.
+        /// Reason, with the remedy if there is one.
         error: FrictionError,
     },
     /// A parameter of the surface is as uncertain as measured, and no interval was.
@@ -105,7 +105,7 @@ pub enum StudyError {
     FrictionProcess {
         /// The file.
         file: String,
-        /// What is wrong.
+        /// Reason, with the remedy if there is one.
         reason: String,
     },
     /// Too many friction values would be clipped to stay positive.
@@ -207,7 +207,7 @@ impl StudyError {
         }
     }
 
-    /// What kind of failure this is.
+    /// Kind of the failure.
     pub fn kind(&self) -> FailureKind {
         match self {
             Self::Scan(error) if matches!(error.cause(), FormatError::NoSuchChannel { .. }) => {

@@ -188,7 +188,7 @@ impl Study {
         Ok((results, window))
     }
 
-    /// Returns what the friction stage and the stages before it depend on, if the friction of the machine is computed.
+    /// Returns a key of all inputs of the friction stage and the stages before it, if the friction of the machine is computed.
     pub(super) fn friction_key(&self, folder: &Path) -> Option<String> {
         let vibration = self.vibration.as_ref()?;
         let FrictionSource::Computed(_) = vibration.friction else { return None };

@@ -17,7 +17,7 @@ pub struct RunMachine {
     pub length_m: f64,
     /// Unit 1/ω₀ of the time.
     pub time_s: f64,
-    /// What drives the fluctuation.
+    /// Variable that the fluctuation follows: path or time.
     pub drive: Drive,
     /// Trajectories of an ensemble.
     pub trajectories: usize,

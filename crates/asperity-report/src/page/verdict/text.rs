@@ -37,7 +37,7 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
     text.replace('\u{a0}', " ")
 }
 
-/// Returns what the error of the probability is made of.
+/// Returns the parts of the error of the probability.
 fn computation(verdict: &VerdictResult) -> String {
     let part = |source: &str, half_width: f64| format!("{} ±{}", source, significant(100.0 * half_width, 2));
     let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(&error.source, error.half_width)).collect();

@@ -1,4 +1,4 @@
-//! What is known of a run before it is finished.
+//! Record of a run before it is finished.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -33,7 +33,7 @@ pub struct RunRecord {
     /// SHA-256 of the scans and of other files that the study reads, by name.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
-    /// What decides the bits of a block beside the study: program, instruction sets and mathematical library.
+    /// Program, instruction sets and mathematical library, which determine, with the study, the bits of a block.
     pub program: Program,
     /// Number of this part from 1, and of all parts.
     pub shard: Option<[usize; 2]>,
@@ -45,8 +45,8 @@ pub struct RunRecord {
     pub finished: bool,
 }
 
-/// Returns what decides the last bits of results: the program in a file, the hash of the list of its libraries, and what it finds on this
-/// machine.
+/// Returns the program in a file, the hash of the list of its libraries, and the instruction sets and functions of this machine. They
+/// determine the last bits of results.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -55,7 +55,7 @@ pub fn program(file: &Path, dependencies_sha256: String) -> Result<Program, Stor
     Ok(Program { sha256: file_hash(file)?, dependencies_sha256, instruction_sets, functions })
 }
 
-/// Returns what differs between two programs.
+/// Returns the differences between two programs.
 pub fn program_difference(one: &Program, other: &Program) -> Option<&'static str> {
     if (&one.sha256, &one.dependencies_sha256) != (&other.sha256, &other.dependencies_sha256) {
         Some("another program or version")
@@ -112,7 +112,7 @@ fn instruction_sets() -> Vec<String> {
 }
 
 impl RunRecord {
-    /// Returns what differs from another part of the same run.
+    /// Returns the differences from another part of the same run.
     pub fn difference(&self, other: &Self) -> Option<&'static str> {
         let of_study = |record: &Self| (record.study.clone(), record.campaign.clone(), record.seed, record.only);
         if of_study(self) != of_study(other) {

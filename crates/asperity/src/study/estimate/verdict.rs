@@ -36,7 +36,7 @@ impl Study {
                 FrictionSource::File(_) => true,
                 FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
             };
-        // What the scans of a body leave uncertain is one more value, whose effect takes solved points of its own.
+        // The uncertainty due to the scans of a body is one more value, whose effect takes solved points of its own.
         let file = self.file();
         let scanned = [
             file.surface.as_ref().is_some_and(|surface| surface.file.is_some()),

@@ -42,7 +42,7 @@ fn high(estimate: Option<ProcessEstimate>) -> f64 {
 
 fn levels_table(levels: &[SolvedLevel]) -> Table {
     let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
-    // What does not exist without a variance.
+    // These results do not exist without a variance.
     let of = |l: &SolvedLevel, value: f64| if l.heavy_tail.is_none() { value } else { f64::NAN };
     Table::new([
         ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),

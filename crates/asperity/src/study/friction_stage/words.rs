@@ -1,4 +1,4 @@
-//! What the friction stage assumed, and what to be wary of, in sentences.
+//! Assumptions and warnings of the friction stage, in sentences.
 
 use crate::friction::statistics::{HeavyTail, ISOLATED_FRACTION, WANTED_CONTACT_CELLS};
 use crate::friction::strip::Strips;

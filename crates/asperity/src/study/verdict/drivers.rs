@@ -1,4 +1,4 @@
-//! What decides the margin and the event, and how much a measurement of one value narrows the margin.
+//! Effect of each value on the margin and the event, and how much a measurement of it narrows the margin.
 
 use super::machines::Machines;
 use super::sampled::Sampled;

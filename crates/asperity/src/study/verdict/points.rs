@@ -96,7 +96,7 @@ fn vary(model: &mut SurfaceModel, request: &SurfaceRequest, errors: StatisticErr
     Ok(())
 }
 
-/// Returns what a request measures on the scans.
+/// Returns the properties that a request measures on the scans.
 fn measured(request: &SurfaceRequest) -> Measured {
     match request {
         SurfaceRequest::Translated { rms_height_m, covariance, marginal, .. } => Measured {

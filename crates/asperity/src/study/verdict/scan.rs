@@ -1,4 +1,4 @@
-//! What the scans of both bodies leave uncertain of the friction.
+//! Uncertainty of friction due to the limited scans of both bodies.
 //!
 //! Errors of the statistics of a scan have a joint distribution ([`JointErrors`]). Of all their combinations only the one counts
 //! that changes friction: the errors are taken at their expected values given the change of ln μ, so that one standard normal variable

@@ -30,7 +30,7 @@ impl Body {
         }
     }
 
-    /// Returns what the scans leave uncertain, in a sentence.
+    /// Returns the uncertainty due to the scans, in a sentence.
     pub(super) fn sentence(self, scans: usize, scan_std: f64, between_std: f64) -> String {
         let percent = |std: f64| digits(100.0 * std);
         let (section, specimen, change) = (self.section(), self.specimen(), percent(scan_std));
