@@ -77,9 +77,9 @@ asperity_base::choice! {
         Measured = "measured",
         /// The scan's own, made positive definite: no model, lays at any angle.
         Empirical = "empirical",
-        /// ρ = e^{−r²}.
+        /// ρ = e^{−r²}, with r in lengths ℓ.
         SquaredExponential = "squared_exponential",
-        /// ρ = e^{−r}.
+        /// ρ = e^{−r}, with r in lengths ℓ.
         Exponential = "exponential",
         /// Matérn.
         Matern = "matern",

@@ -129,13 +129,13 @@ impl CovarianceFits {
 crate::choice! {
     /// Family of correlation models, whose shape parameter is fitted.
     pub enum CorrelationFamily: "family of correlation models" {
-        /// ρ = e^{−r²}.
+        /// ρ = e^{−r²}, with r in lengths ℓ.
         SquaredExponential = "squared_exponential",
-        /// ρ = e^{−r}.
+        /// ρ = e^{−r}, with r in lengths ℓ.
         Exponential = "exponential",
-        /// Self-affine with roll-off, Hurst exponent H in [0.05, 0.995].
+        /// Self-affine with roll-off; a fitted Hurst exponent H is in [0.05, 0.995].
         SelfAffine = "self_affine",
-        /// Matérn with ν in [0.05, 50].
+        /// Matérn; a fitted smoothness ν is in [0.05, 50].
         Matern = "matern",
     }
 }
