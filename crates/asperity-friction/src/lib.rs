@@ -49,7 +49,7 @@ use asperity_base::stats::StatsError;
 pub enum FrictionError {
     /// Too few strips converged.
     #[error(
-        "{valid} of {total} strips converged, but the fraction must be at least {wanted}; the first failure: {first}"
+        "{valid} of {total} strips converged, but at least two and the fraction {wanted} must; the first failure: {first}"
     )]
     TooFewValid {
         /// Converged strips.

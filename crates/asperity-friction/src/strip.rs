@@ -377,7 +377,7 @@ impl Strips<'_> {
     pub(super) fn check_valid(&self, failures: &[FailedStrip]) -> Result<(), FrictionError> {
         let (total, wanted) = (self.realisations, self.problem.valid_share);
         let valid = total - failures.len();
-        if (valid as f64) < wanted * total as f64 {
+        if valid < total.min(2) || (valid as f64) < wanted * total as f64 {
             let first = failures.first().map_or_else(String::new, |failure| failure.reason.clone());
             return Err(FrictionError::TooFewValid { valid, total, wanted, first });
         }

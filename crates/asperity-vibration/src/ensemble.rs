@@ -44,7 +44,7 @@ pub struct EnsembleSettings {
     /// Number of values of each distribution that are kept for histograms and tests. Each kept value takes 24 bytes
     /// during the computation and 8 in the result; each trajectory in progress keeps at most as many.
     pub sample_capacity: usize,
-    /// Least fraction of valid trajectories.
+    /// Least fraction of valid trajectories; two must be valid in any case.
     pub least_valid_share: f64,
 }
 
@@ -247,7 +247,8 @@ impl Reduction {
     fn finish(mut self, plan: &Plan<'_>) -> Result<Ensemble, VibrationError> {
         let (total, wanted) = (plan.settings.trajectories, plan.settings.least_valid_share);
         let valid = total - self.failures.len();
-        if let Some(first) = self.failures.first().filter(|_| (valid as f64) < wanted * total as f64) {
+        let are_too_few = valid < 2 || (valid as f64) < wanted * total as f64;
+        if let Some(first) = self.failures.first().filter(|_| are_too_few) {
             return Err(VibrationError::TooFewValid { valid, total, wanted, first: first.reason.clone() });
         }
         self.passages.finish();
@@ -371,6 +372,12 @@ mod tests {
         let strict = EnsembleSettings { least_valid_share: 1.0, ..settings };
         let refused = Ensemble::simulate(&oscillator(0.17), &process, &strict, &Silent);
         assert!(matches!(refused, Err(VibrationError::TooFewValid { total: 60, .. })));
+        // One valid trajectory has no standard error.
+        let of_two = |seed: u64| {
+            let settings = EnsembleSettings { least_valid_share: 0.0, ..EnsembleSettings::new(2, 50.0, seed) };
+            Ensemble::simulate(&oscillator(0.17), &process, &settings, &Silent)
+        };
+        assert!((0..20).any(|seed| matches!(of_two(seed), Err(VibrationError::TooFewValid { valid: 1, .. }))));
         // With a clipping limit all trajectories are valid.
         let model = ProcessModel { least: Some(-0.04), ..process.model().clone() };
         let clamped = FrictionProcess::new(model).unwrap();

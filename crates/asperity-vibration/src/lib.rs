@@ -163,7 +163,7 @@ pub enum VibrationError {
     Distribution(#[from] asperity_base::distribution::DistributionError),
     /// Too few trajectories are valid for statistics.
     #[error(
-        "{valid} of {total} trajectories are valid, at least the fraction {wanted} must be; first failure: {first}"
+        "{valid} of {total} trajectories are valid, at least two and the fraction {wanted} must be; first failure: {first}"
     )]
     TooFewValid {
         /// Number of valid trajectories.

@@ -98,6 +98,18 @@ fn wrong_uncertain_values_name_their_line() {
             14,
             "has no unit",
         ),
+        // The machine of a stated friction does not depend on the material.
+        (
+            "damping_ratio = 0.05\n[material]\nyoungs_modulus = \"2 GPa\"\nhardness = \"100 MPa\"\n[verdict]\n\
+             remedies = [{ input = \"material.hardness\", range = [\"50 MPa\", \"0.2 GPa\"] }]\n",
+            17,
+            "`material.hardness` has no effect without [friction]",
+        ),
+        (
+            "damping_ratio = 0.05\n[verdict]\nremedies = [{ input = \"vibration.mass\", range = [\"2 kg\", \"1 kg\"] }]\n",
+            14,
+            "in rising order",
+        ),
         (
             "damping_ratio = \"0.05 ± 0.01\"\n[uncertainty]\ncorrelation = [[\"vibration.damping_ratio\", \"vibration.mass\", 0.5]]\n",
             14,

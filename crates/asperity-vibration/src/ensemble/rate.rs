@@ -23,17 +23,16 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Returns the rate of `events` in the time `exposure`; none without exposure.
+    /// Returns the rate of `events` in the time `exposure`; none without exposure, or with one so short that rates overflow.
     pub(super) fn from_count(events: u64, exposure: f64) -> Option<Self> {
-        if exposure.is_nan() || exposure <= 0.0 {
-            return None;
-        }
         // Half the quantiles of χ², with degrees of freedom of twice the count.
         let quantile =
             |shape: f64, probability| Marginal::Gamma { shape, scale: 1.0, shift: 0.0 }.quantile(probability);
         let count = events as f64;
         let low = if events == 0 { 0.0 } else { quantile(count, 0.025) };
-        Some(Self { value: count / exposure, interval: [low / exposure, quantile(count + 1.0, 0.975) / exposure] })
+        let high = quantile(count + 1.0, 0.975) / exposure;
+        (exposure > 0.0 && high.is_finite())
+            .then_some(Self { value: count / exposure, interval: [low / exposure, high] })
     }
 }
 
@@ -171,6 +170,6 @@ mod tests {
             assert_eq!(rate.value, count as f64 / 2.0);
             assert!((2.0 * rate.interval[0] - low).abs() < 5e-3 && (2.0 * rate.interval[1] - high).abs() < 5e-3);
         }
-        assert_eq!(Rate::from_count(3, 0.0), None);
+        assert_eq!([0.0, f64::NAN, 1e-320].map(|exposure| Rate::from_count(3, exposure)), [None; 3]);
     }
 }

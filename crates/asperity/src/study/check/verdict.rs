@@ -85,7 +85,10 @@ impl StudyFile {
         within(SECTION, "half_width", half_width, |w| w > 0.0 && w < 0.5, "a value above 0, below 0.5")?;
         at_least(SECTION, "evaluations", evaluations, 1000)?;
         within(SECTION, "evaluations", evaluations as f64, |n| n <= MOST_EVALUATIONS, "at most 1e8")?;
-        let remedies = remedies.iter().map(|remedy| check_remedy(remedy, &central)).collect::<Result<_, _>>()?;
+        let remedies = remedies
+            .iter()
+            .map(|remedy| check_remedy(remedy, &central, self.friction.is_some()))
+            .collect::<Result<_, _>>()?;
         Ok(Some(VerdictStudy {
             valid_fraction: self.valid_share,
             central,
@@ -119,12 +122,18 @@ impl StudyFile {
     }
 }
 
-fn check_remedy(remedy: &RemedySection, central: &Table) -> Result<RemedyStudy, InvalidValue> {
+/// Checks a remedy of a study, of which the friction stage computes the friction or not.
+fn check_remedy(remedy: &RemedySection, central: &Table, is_computed: bool) -> Result<RemedyStudy, InvalidValue> {
     let RemedySection { input, range, hold } = remedy;
     let wrong = |message: String| invalid(SECTION, "remedies", message);
     let place = Place::named(input, central).ok_or_else(|| {
         wrong(format!("`{input}` is no number or quantity that this study states and a remedy can change"))
     })?;
+    if !is_computed && place.key().section != "vibration" {
+        return Err(wrong(format!(
+            "`{input}` has no effect without [friction]; a remedy can change a key of [vibration]"
+        )));
+    }
     let parse = |value| place.key().parse(value).map_err(|message| wrong(format!("range of `{input}`: {message}")));
     let (low, high) = (parse(&range[0])?, parse(&range[1])?);
     if !(low < high && place.key().contains(low) && place.key().contains(high)) {

@@ -85,8 +85,9 @@ struct Changed<'a> {
 impl Changed<'_> {
     fn remedy(&self, study: &VerdictStudy, task: &Task<'_>, warnings: &mut Vec<String>) -> Result<Remedy, StudyError> {
         let RemedyStudy { place, low, high, .. } = *self.remedy;
-        // Results state NaN for a value on which no machine depends.
-        let now = self.machines.central_value(place).unwrap_or(f64::NAN);
+        let unstated =
+            || StudyError::Verdict(format!("the study does not state {}, which a remedy changes", place.name()));
+        let now = self.machines.central_value(place).ok_or_else(unstated)?;
         let side = |to: f64| task.step(|| self.side(now.clamp(low, high), to))?;
         let sides = [side(low)?, side(high)?];
         let mut reach = Vec::with_capacity(study.targets.len());
