@@ -63,7 +63,7 @@ impl StudyFile {
             "valid_share",
             self.valid_share,
             |fraction| fraction > 0.0 && fraction <= 1.0,
-            "a share above 0, at most 1",
+            "a fraction above 0, at most 1",
         )?;
         let surface = self.check_surface()?;
         let counterface = self.check_counterface()?;
@@ -71,7 +71,7 @@ impl StudyFile {
         let pressure = self.check_pressure(material.as_ref())?;
         let friction = self.check_friction(material.as_ref())?;
         let vibration = self.check_vibration()?;
-        let body = self.check_body(vibration.as_ref())?;
+        let body = self.check_body(friction.as_ref(), vibration.as_ref())?;
         let friction = friction.map(|friction| FrictionStudy { body, ..friction });
         let file = self.with_defaults(friction.as_ref(), vibration.as_ref());
         let verdict = file.check_verdict()?;

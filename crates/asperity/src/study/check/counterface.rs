@@ -1,11 +1,12 @@
 //! Checks of `[counterface]`, and which bodies of the contact are rough.
 
+use super::friction::FrictionStudy;
 use super::invalid_value::{InvalidValue, POSITIVE, invalid, positive, within};
 use super::surface::SurfaceStudy;
 use super::vibration_study::{FrictionSource, VibrationStudy};
 use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
-use crate::study::file::{CounterfaceSection, StudyFile, WindowLawKind};
+use crate::study::file::{CounterfaceSection, FrictionSection, StudyFile};
 
 const SECTION: &str = "counterface";
 
@@ -33,7 +34,11 @@ impl StudyFile {
     ///
     /// # Errors
     /// The study states another body, or needs friction of two rough bodies that its strips do not determine.
-    pub(super) fn check_body(&self, vibration: Option<&VibrationStudy>) -> Result<RoughBody, InvalidValue> {
+    pub(super) fn check_body(
+        &self,
+        friction: Option<&FrictionStudy>,
+        vibration: Option<&VibrationStudy>,
+    ) -> Result<RoughBody, InvalidValue> {
         let stated = self.surface.as_ref().and_then(|surface| surface.body);
         if self.counterface.as_ref().and_then(CounterfaceSection::roughness_key).is_none() {
             return match stated {
@@ -48,12 +53,14 @@ impl StudyFile {
             let message = format!("found \"{body}\", but [counterface] is rough too; state \"both\" or remove the key");
             return Err(invalid("surface", "body", message));
         }
-        if self.friction.as_ref().is_some_and(|friction| friction.law == WindowLawKind::AdhesionPloughing) {
-            let message = "law = \"adhesion_ploughing\" requires a smooth counterface: the slopes of the harder body alone plough";
+        let ploughs = friction.is_some_and(|friction| friction.law.ploughs());
+        if let Some(FrictionSection { law, .. }) = self.friction.as_ref().filter(|_| ploughs) {
+            let message =
+                format!("law = \"{law}\" requires a smooth counterface: the slopes of the harder body alone plough");
             return Err(invalid("friction", "law", message));
         }
         let computed = vibration.is_some_and(|vibration| matches!(vibration.friction, FrictionSource::Computed(_)));
-        if computed && self.friction.as_ref().is_some_and(|friction| friction.boundary == BoundaryKind::Free) {
+        if computed && friction.is_some_and(|friction| friction.boundary == BoundaryKind::Free) {
             let message = "found \"free\", but [vibration] with two rough bodies requires strips along which the track can move: \
                            state boundary = \"periodic\"";
             return Err(invalid("friction", "boundary", message));
