@@ -100,7 +100,7 @@ fn bands_of_twins_cover_maps_of_their_own_distribution() {
         assert!(error < 0.03 && (mean - 0.95).abs() < 4.0 * error, "{what}: {mean:.3} ± {error:.3}");
     }
     // Student's interval of few twins is exact for normal statistics only; most of these are nearly normal.
-    let maps = repetitions(48).min(200);
+    let maps = repetitions(48);
     let (statistics, curves) = coverage(10, maps as u64);
     for (what, shares) in [("statistics", statistics), ("curves", curves)] {
         let (mean, error) = mean_and_error(&shares);
