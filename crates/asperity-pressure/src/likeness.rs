@@ -34,20 +34,20 @@ pub struct ContactLikeness {
 }
 
 impl ContactLikeness {
-    /// Presses the middle of the scan, 512 × 512 points at most, and of two maps at most. Maps have the pitch of the scan and no
-    /// fewer points. `None` if heights are missing in this part, or a solution fails.
+    /// Presses the middle of the scan, 512 × 512 points at most, and of two maps at most. Maps have the pitch of the scan. `None`
+    /// without maps, if a map has fewer points or heights are missing in this part, or if a solution fails.
     pub fn new(scan: &HeightMap, maps: &[HeightMap]) -> Option<Self> {
         let own = scan.grid();
         let (nx, ny) = (own.nx().min(POINTS), own.ny().min(POINTS));
         let grid = Grid::new(nx, ny, own.dx_m(), own.dy_m()).ok()?;
         let levelled_part = |map: &HeightMap| {
-            let (left, top) = ((map.grid().nx() - nx) / 2, (map.grid().ny() - ny) / 2);
+            let (left, top) = (map.grid().nx().checked_sub(nx)? / 2, map.grid().ny().checked_sub(ny)? / 2);
             let part = map.heights_m().slice(s![top..top + ny, left..left + nx]).to_owned();
             let is_complete = part.iter().all(|z| !z.is_nan());
             let part = HeightMap::new(grid, part).ok().filter(|_| is_complete)?;
             Some(remove_form(&part, Level::Plane).ok()?.map)
         };
-        let part = levelled_part(scan)?;
+        let part = levelled_part(scan).filter(|_| !maps.is_empty())?;
         // Everything is proportional to the contact modulus.
         let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).ok()?;
         let fraction = |map: &HeightMap, pascal: f64| {
@@ -118,6 +118,8 @@ mod tests {
         let mut missing = heights.clone();
         missing[[3, 4]] = f64::NAN;
         assert_eq!(ContactLikeness::new(&map(missing), std::slice::from_ref(&scan)), None);
+        let smaller = map(self_affine(16, 8.0, &mut stream(1, "likeness", 2)));
+        assert_eq!([ContactLikeness::new(&scan, &[smaller]), ContactLikeness::new(&scan, &[])], [None; 2]);
         assert_eq!(ContactLikeness::new(&map(0.0 * heights), &[scan]), None);
     }
 }

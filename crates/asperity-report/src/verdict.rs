@@ -101,7 +101,7 @@ fn probability_sentence(verdict: &VerdictResult) -> String {
     format!("{before}{answer}{interval}{after}; {sliding} from steady sliding.")
 }
 
-/// Returns whether steady sliding persists in a machine of exact values that vibrates; `None` for a quiet machine.
+/// Returns a phrase on steady sliding in a machine of exact values that vibrates; `None` for a quiet machine.
 pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
     let nominal = &verdict.nominal;
     if !nominal.vibrates || verdict.model == ModelResult::ModeCoupling {

@@ -136,6 +136,8 @@ fn a_hundred_and_one_modes_capture_the_published_variance_of_a_square() {
 fn modes_that_do_not_exist_are_usage_errors() {
     let line = "surface modes --covariance self-affine --correlation-length 1m --size 1m --points 8 --modes 2";
     asperity(line).refuses(2, &["--hurst", "self-affine"]);
+    let line = "surface modes --covariance matern --hurst 0.5 --correlation-length 1m --size 1m --points 8 --modes 2";
+    asperity(line).refuses(2, &["--hurst", "self_affine"]);
     let base = "surface modes --covariance exponential --correlation-length 1m --json";
     for (line, words) in [
         ("--size 1m --points 8 --modes 9", ["9 modes", "8"]),

@@ -49,6 +49,9 @@ pub(crate) struct Modes {
 
 impl Modes {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        if self.hurst.is_some() && self.covariance != CorrelationFamily::SelfAffine {
+            return Err(Failure::usage("--hurst: has no effect without --covariance self_affine"));
+        }
         let model = match self.covariance {
             CorrelationFamily::SquaredExponential => CorrelationModel::SquaredExponential,
             CorrelationFamily::Exponential => CorrelationModel::Exponential,
