@@ -40,6 +40,6 @@ pub(super) fn under_plane(
     coarse.prepare(workspace);
     let start = under_plane(&guess, plane_m, workspace, monitor);
     let solution = Descent::new(&guess, closure, &start, None, workspace).run(COARSE, monitor);
-    let bound_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
-    fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(bound_pa)).collect()
+    let hardness_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(hardness_pa)).collect()
 }

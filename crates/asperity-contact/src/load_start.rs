@@ -22,8 +22,8 @@ const ABOVE: f64 = 64.0;
 /// B. N. J. Persson, *J. Chem. Phys.* **115** (2001) 3840, <https://doi.org/10.1063/1.1388626>.
 pub(super) fn under_load(problem: &ContactProblem<'_>, pascal: f64) -> Vec<f64> {
     let heights_m = problem.heights_m();
-    let bound_pa = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| LARGEST * hardness_pa);
-    let uniform = || vec![pascal.min(bound_pa / LARGEST); heights_m.len()];
+    let largest_pa = problem.hardness_pa().map_or(f64::INFINITY, |hardness_pa| LARGEST * hardness_pa);
+    let uniform = || vec![pascal.min(largest_pa / LARGEST); heights_m.len()];
     let half_space = problem.half_space();
     let slope = rms_gradient(heights_m, half_space.grid(), half_space.boundary());
     let least = problem.hardness_pa().map_or(0.0, |hardness_pa| pascal / hardness_pa);
@@ -43,8 +43,8 @@ pub(super) fn under_load(problem: &ContactProblem<'_>, pascal: f64) -> Vec<f64> 
     // If the cells can carry the load, the solver's projection restores the pressure that is cut off here.
     let mut capacity = 0.0;
     for p in p.iter_mut().filter(|p| **p > 0.0) {
-        *p = p.min(bound_pa);
-        capacity += bound_pa;
+        *p = p.min(largest_pa);
+        capacity += largest_pa;
     }
     if p.iter().all(|p| p.is_finite()) && capacity > pascal * p.len() as f64 { p } else { uniform() }
 }

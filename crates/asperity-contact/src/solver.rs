@@ -121,11 +121,11 @@ fn warm_start(problem: &ContactProblem<'_>, start: &Array2<f64>) -> Result<Optio
     let mut p: Vec<f64> = start.iter().map(|p| pressed(*p)).collect();
     let sum: f64 = p.iter().sum();
     let wanted = problem.mean_pressure_pa().map_or(sum, |pascal| pascal * p.len() as f64);
-    let bound_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
+    let hardness_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let mut capacity = 0.0;
     for p in p.iter_mut().filter(|p| **p > 0.0) {
-        *p = (*p * (wanted / sum)).min(bound_pa);
-        capacity += bound_pa;
+        *p = (*p * (wanted / sum)).min(hardness_pa);
+        capacity += hardness_pa;
     }
     // The pressed cells must be able to carry the load.
     let serves = sum > 0.0 && sum.is_finite() && p.iter().all(|p| p.is_finite()) && capacity > wanted;

@@ -33,8 +33,7 @@ fn main() -> Result<()> {
         println!("\n{}", correlation::section(runs)?);
     }
     if wanted("observed") {
-        // A run fits about forty models.
-        println!("\n{}", observed::section((runs / 10).max(10))?);
+        println!("\n{}", observed::section(runs)?);
     }
     Ok(())
 }

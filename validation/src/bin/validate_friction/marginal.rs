@@ -27,9 +27,9 @@ pub(crate) fn section(runs: usize) -> String {
         parameters(&mut text, of("beta:2.1,5", strips, periodic), known, &[2.1, 5.0], runs);
     }
     let free = [2.1, 5.0, 0.0, 1.0];
-    parameters(&mut text, of("beta:2.1,5", 1, false), Family::BetaFreeBounds, &free, runs / 2);
+    parameters(&mut text, of("beta:2.1,5", 1, false), Family::BetaFreeBounds, &free, runs);
     let long = Planted { lengths: 2000, ..of("beta:2.1,5", 1, false) };
-    parameters(&mut text, long, Family::BetaFreeBounds, &free, runs / 10);
+    parameters(&mut text, long, Family::BetaFreeBounds, &free, runs);
     parameters(&mut text, of("gamma:4,0.05", 1, false), Family::Gamma, &[4.0, 0.05], runs);
     parameters(&mut text, of("lognormal:-1,0.3", 3, false), Family::Lognormal, &[-1.0, 0.3], runs);
     parameters(&mut text, of("weibull:3,0.3", 20, false), Family::Weibull, &[3.0, 0.3], runs);
@@ -49,7 +49,7 @@ pub(crate) fn section(runs: usize) -> String {
         (of("lognormal:-1,0.3", 3, false), Family::ShiftedLognormal),
         (of("gamma:4,0.05", 3, false), Family::Gamma),
     ] {
-        level(&mut text, planted, family, if family.parameters() > 2 { runs / 2 } else { runs });
+        level(&mut text, planted, family, runs);
     }
     text
 }

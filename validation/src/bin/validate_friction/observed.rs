@@ -24,9 +24,9 @@ const PARTS: usize = 16;
 
 /// Returns the section on records of instruments, as Markdown.
 pub(crate) fn section(runs: usize) -> Result<String> {
-    let mut text = format!("## Records of instruments\n\n{runs} runs each.\n");
+    let mut text = String::from("## Records of instruments\n");
     text += &lengths(runs)?;
-    text += &short(2 * runs)?;
+    text += &short(runs)?;
     Ok(text)
 }
 
