@@ -33,7 +33,9 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         }
         StoreError::Input { path, source } => Failure::io(Kind::Data, path.display(), source),
         StoreError::Io { path, source } => write_failure(path, source),
-        StoreError::Taken { .. } => Failure::new(Kind::Runtime, error.to_string()),
+        StoreError::NotMoved { source, .. } => {
+            Failure::new(Failure::io(Kind::Runtime, "", source).kind(), error.to_string())
+        }
         // A table, field or file that could not be made.
         _ => Failure::new(Kind::Runtime, chain(error)),
     }

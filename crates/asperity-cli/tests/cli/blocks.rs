@@ -13,7 +13,7 @@ use crate::support::{BLOCKS, listing, run_in};
 #[cfg(target_os = "linux")]
 use crate::support::{Finished, run_and_signal, send, start_in, wait_for, whole_listing};
 
-/// All stages but the verdict, in some seconds.
+/// All stages but the verdict, in two seconds.
 const STUDY: &str = r#"seed = 5
 [surface]
 covariance = "exponential"
@@ -28,8 +28,8 @@ shear_strength = "385 MPa"
 size = ["100 um", "100 um"]
 points = [16, 16]
 percentile = 50.0
-fine_solves = 200
-reference_samples = 400
+fine_solves = 60
+reference_samples = 100
 variables = 4
 degree = 2
 [friction]
@@ -47,8 +47,8 @@ nominal_area = "833 mm^2"
 dimensionless_belt_velocity = 0.003
 stribeck = 4.2
 damping_sweep = [0.3, 0.5, 3]
-trajectories = 64
-duration = 50.0
+trajectories = 16
+duration = 20.0
 "#;
 
 fn bench(study: &str) -> TempDir {
@@ -116,7 +116,7 @@ fn parts_make_the_whole() {
     assert_eq!(status["complete"], false);
     let rounds = status["rounds"].as_array().unwrap();
     let reference = rounds.iter().find(|round| round["task"] == "pressure/reference").unwrap();
-    assert_eq!((reference["done"].as_u64(), reference["missing"].as_u64()), (Some(200), Some(200)));
+    assert_eq!((reference["done"].as_u64(), reference["missing"].as_u64()), (Some(50), Some(50)));
     // The parts do not hold the rounds that follow.
     run_in(at, "merge parts/1 parts/2 --out parts/all").refuses(3, &["blocks are missing", "--finish"]);
     assert!(!at.join("parts/all").exists());
@@ -143,7 +143,7 @@ fn a_changed_stage_leaves_the_blocks_of_the_others() {
     whole(at);
     let stages = || listing(&at.join("whole").join(BLOCKS)).into_iter().filter(|name| name != "run.json");
     let before: Vec<String> = stages().collect();
-    let changed = STUDY.replace("trajectories = 64", "trajectories = 96");
+    let changed = STUDY.replace("trajectories = 16", "trajectories = 24");
     fs::write(at.join("study.toml"), &changed).unwrap();
     assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
     let after: Vec<String> = stages().collect();
@@ -152,7 +152,7 @@ fn a_changed_stage_leaves_the_blocks_of_the_others() {
     assert_eq!((before.len(), after.len(), same), (3, 3, 2));
     // Without pressure there is nothing to keep of it, unless another run uses it.
     assert_eq!(run_in(at, "run study.toml --out whole/other").code, 0);
-    fs::write(at.join("study.toml"), changed.replace("fine_solves = 200", "fine_solves = 220")).unwrap();
+    fs::write(at.join("study.toml"), changed.replace("fine_solves = 60", "fine_solves = 66")).unwrap();
     assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
     assert_eq!(
         listing(&at.join("whole").join(BLOCKS)).len(),
@@ -246,6 +246,7 @@ fn damaged_blocks_are_computed_again() {
 fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     // About a tenth of the solutions do not reach a residual below the resolution of a double.
     let strict = short().replace("percentile = 50.0", "percentile = 50.0\ntolerance = 1e-16");
+    let strict = strict.replace("reference_samples = 100", "reference_samples = 400");
     let folder = bench(&format!("valid_share = 0.7\n{strict}"));
     let at = folder.path();
     let found = run_in(at, "run study.toml --out runs/strict");
@@ -258,7 +259,7 @@ fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     let count = |key: &str| -> u64 { rounds.iter().map(|round| round[key].as_u64().unwrap()).sum() };
     let failures = status["failures"].as_array().unwrap();
     assert_eq!((count("done"), count("missing"), count("failed")), (count("expected"), 0, failures.len() as u64));
-    assert!(failures.len() > 50, "{}", failures.len());
+    assert!(failures.len() > 20, "{}", failures.len());
     for failure in failures.iter().step_by(failures.len() / 6) {
         let (sample, reason) = (failure["sample"].as_str().unwrap(), failure["reason"].as_str().unwrap());
         assert_eq!((failure["seed"].as_u64(), failure["stage"].as_str()), (Some(5), Some("pressure")));
@@ -415,7 +416,7 @@ fn threads_parts_and_restarts_give_the_same_bytes() {
     let folder = bench(STUDY);
     let at = folder.path();
     let wanted = whole(at);
-    for threads in [1, 2, 3, 8] {
+    for threads in [1, 2, 8] {
         for parts in [1, 2, 5] {
             for restarts in 0..2 {
                 let place = format!("t{threads}-{parts}-{restarts}");
@@ -441,7 +442,7 @@ fn threads_parts_and_restarts_give_the_same_bytes() {
 fn a_signal_or_the_time_limit_ends_a_run_soon_and_keeps_its_blocks() {
     let folder = bench(STUDY);
     let at = folder.path();
-    let long = STUDY.replace("reference_samples = 400", "reference_samples = 40000");
+    let long = STUDY.replace("reference_samples = 100", "reference_samples = 40000");
     fs::write(at.join("study.toml"), long.replace("points = [16, 16]", "points = [128, 128]")).unwrap();
     for signal in ["-INT", "-TERM"] {
         let (found, time) = run_and_signal(at, "run study.toml --out runs/long", signal);

@@ -99,12 +99,12 @@ pub enum StoreError {
         foreign: Vec<String>,
     },
     /// The finished folder could not be moved to its destination.
-    #[error("{} is not replaced: {reason}; this result is in {}", path.display(), kept.display())]
-    Taken {
+    #[error("{}; this result is in {}", not_moved(path, source), kept.display())]
+    NotMoved {
         /// The destination.
         path: PathBuf,
-        /// Reason.
-        reason: String,
+        /// Reason. If the destination is not empty, it was written in the meantime.
+        source: io::Error,
         /// Folder that contains the result instead.
         kept: PathBuf,
     },
@@ -168,6 +168,16 @@ pub enum StoreError {
 
 fn at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
     move |source| StoreError::Io { path: path.into(), source }
+}
+
+/// Describes why a finished folder could not be moved to its destination.
+fn not_moved(path: &Path, source: &io::Error) -> String {
+    match source.kind() {
+        io::ErrorKind::DirectoryNotEmpty | io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
+            format!("{} is not replaced: it was written in the meantime", path.display())
+        }
+        _ => format!("cannot write {}: {}", path.display(), refusal(source)),
+    }
 }
 
 /// Returns the first three names of a list, and the number of the others.

@@ -10,7 +10,7 @@ use std::fs::{self, File};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use asperity_formats::{check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, temporary_suffix};
+use asperity_formats::{check_writable, create_locked, is_temporary_suffix, lock_abandoned, temporary_suffix};
 
 use super::manifest::{MANIFEST, Manifest, UNFINISHED};
 use super::{COMPLETE, StoreError, at};
@@ -103,8 +103,8 @@ impl Staging {
     /// manifest.
     ///
     /// # Errors
-    /// The operating system refused; the destination is then unchanged. [`StoreError::Taken`] if the destination
-    /// changed after [`Staging::open`].
+    /// The operating system refused; the destination is then unchanged. [`StoreError::NotMoved`] if the folder
+    /// could only be moved to another name.
     pub fn commit_unmarked(self) -> Result<PathBuf, StoreError> {
         self.finish_manifest().map_err(at(&self.destination.join(MANIFEST)))?;
         let aside = match self.set_aside() {
@@ -181,14 +181,8 @@ impl Staging {
             (is_free && fs::rename(&self.partial, &kept).is_ok()).then_some(kept)
         });
         let path = self.destination.clone();
-        let reason = match source.kind() {
-            io::ErrorKind::DirectoryNotEmpty | io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
-                "it was written in the meantime".to_owned()
-            }
-            _ => refusal(&source),
-        };
         match free {
-            Some(kept) => StoreError::Taken { path, reason, kept },
+            Some(kept) => StoreError::NotMoved { path, source, kept },
             None => StoreError::Io { path, source },
         }
     }
