@@ -67,7 +67,10 @@ impl Failure {
     /// resources, a missing input as missing data.
     pub(crate) fn io(kind: Kind, what: impl fmt::Display, cause: &io::Error) -> Self {
         let kind = match cause.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::OutOfMemory => Kind::Resources,
+            io::ErrorKind::StorageFull
+            | io::ErrorKind::QuotaExceeded
+            | io::ErrorKind::FileTooLarge
+            | io::ErrorKind::OutOfMemory => Kind::Resources,
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem if kind == Kind::Runtime => {
                 Kind::Resources
             }

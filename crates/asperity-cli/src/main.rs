@@ -54,6 +54,9 @@ static PANIC_LOCATION: OnceLock<String> = OnceLock::new();
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    // A write beyond the limit of the file size fails like one on a full disk, instead of ending the program by a signal.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
     // A panic prints one message, below, instead of a stack trace.
     panic::set_hook(Box::new(|info| {
         PANIC_LOCATION

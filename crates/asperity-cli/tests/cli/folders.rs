@@ -341,6 +341,17 @@ fn a_full_or_read_only_disk_gives_one_message_in_plain_words() {
         .unwrap();
     assert_eq!(output.status.code(), Some(5));
     assert_eq!(String::from_utf8_lossy(&output.stderr), "error: stdout: the disk is full\n");
+    // No file may be longer than half a kilobyte (a kilobyte in bash).
+    let before = listing(at);
+    for line in ["run study.toml --out out", "surface generate spec.toml --out map.npy"] {
+        let limited = format!("ulimit -f 1; exec \"$0\" {line}");
+        let output =
+            Command::new("sh").args(["-c", &limited, env!("CARGO_BIN_EXE_asperity")]).current_dir(at).output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(5), "{line}: {errors}");
+        assert!(errors.contains("the file would be larger than the system allows"), "{errors}");
+        assert_eq!(listing(at), before, "{line}");
+    }
     if on_disk(at, "size=64k", "", "--version").is_none() {
         println!("skipped: this system does not permit to mount a small disk");
         return;
