@@ -79,21 +79,16 @@ python PROFILE="release":
 gallery:
     scripts/build-gallery --check
 
-# Builds the scripts of the reports and the explorer, and tests them.
-web: web-build web-test
-
-# Installs the tools (wasm-bindgen with `--debug`: twice as fast to compile, and it writes the same files).
-# Builds the scripts of the reports and the explorer (web/dist/explorer.html), and checks their types.
-web-build:
+# Installs the tools (wasm-bindgen with `--debug`: twice as fast to compile, and it writes the same files), builds, checks types, and tests the
+# explorer (web/dist/explorer.html) and reports of every kind in Chromium with the program `asperity`.
+# Builds and tests the scripts of the reports and the explorer.
+web:
     rustup target add wasm32-unknown-unknown
     cargo install --quiet --debug --root target/tools wasm-bindgen-cli --version "$(sed -n 's/^wasm-bindgen = "=\(.*\)"/\1/p' Cargo.toml)"
     npm --prefix web ci --no-audit --no-fund
     npm --prefix web run oscillator
     npm --prefix web run explorer
     npm --prefix web run check
-
-# Tests the explorer and reports of every kind in Chromium with the program `asperity`.
-web-test:
     cargo build --workspace --bin asperity
     npm --prefix web test
 

@@ -18,8 +18,8 @@ pub(crate) fn section(runs: usize) -> String {
          of the 95 % intervals that contain the parameter, with the percentages above and below it in brackets; *bias* is in standard \
          deviations of the estimate, and *se* is the standard error over this standard deviation. The likelihood of a bound is irregular if \
          the shape parameter at this end is at most 2: the error of the bound is then of order n^{−1/shape}, the bound has no interval, and \
-         the intervals of the shapes treat it as known. Just above 2 it is hardly regular: with 200 ℓ the intervals of b and of the high \
-         bound are too narrow, and tests of goodness of fit reject too seldom; with 2,000 ℓ both are nearly right.\n\n| process | fit | parameter | intervals | holds | bias | se |\n|---|---|---|---|---|---|---|\n",
+         the intervals of the shapes treat it as known. Just above 2 it is hardly regular: with 200 ℓ the intervals of b and of the \
+         bounds are too narrow, and tests of goodness of fit reject too seldom; with 2,000 ℓ those of the bounds still hold in 90 % only.\n\n| process | fit | parameter | intervals | holds | bias | se |\n|---|---|---|---|---|---|---|\n",
     );
     let known = Family::Beta { low: 0.0, high: 1.0 };
     let of = |distribution, strips, periodic| Planted { distribution, lengths: 200, strips, periodic, window: 0.0 };
