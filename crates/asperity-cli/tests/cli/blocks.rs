@@ -28,8 +28,8 @@ shear_strength = "385 MPa"
 size = ["100 um", "100 um"]
 points = [16, 16]
 percentile = 50.0
-fine_solves = 60
-reference_samples = 100
+fine_solves = 120
+reference_samples = 250
 variables = 4
 degree = 2
 [friction]
@@ -116,7 +116,7 @@ fn parts_make_the_whole() {
     assert_eq!(status["complete"], false);
     let rounds = status["rounds"].as_array().unwrap();
     let reference = rounds.iter().find(|round| round["task"] == "pressure/reference").unwrap();
-    assert_eq!((reference["done"].as_u64(), reference["missing"].as_u64()), (Some(50), Some(50)));
+    assert_eq!((reference["done"].as_u64(), reference["missing"].as_u64()), (Some(125), Some(125)));
     // The parts do not hold the rounds that follow.
     run_in(at, "merge parts/1 parts/2 --out parts/all").refuses(3, &["blocks are missing", "--finish"]);
     assert!(!at.join("parts/all").exists());
@@ -152,7 +152,7 @@ fn a_changed_stage_leaves_the_blocks_of_the_others() {
     assert_eq!((before.len(), after.len(), same), (3, 3, 2));
     // Without pressure there is nothing to keep of it, unless another run uses it.
     assert_eq!(run_in(at, "run study.toml --out whole/other").code, 0);
-    fs::write(at.join("study.toml"), changed.replace("fine_solves = 60", "fine_solves = 66")).unwrap();
+    fs::write(at.join("study.toml"), changed.replace("fine_solves = 120", "fine_solves = 132")).unwrap();
     assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
     assert_eq!(
         listing(&at.join("whole").join(BLOCKS)).len(),
@@ -217,7 +217,7 @@ fn parts_of_another_study_or_program_are_not_merged() {
 #[test]
 #[ignore = "slow"]
 fn damaged_blocks_are_computed_again() {
-    let folder = bench(short());
+    let folder = bench(STUDY);
     let at = folder.path();
     let wanted = whole(at);
     let files = block_files(&at.join("whole").join(BLOCKS));
@@ -246,7 +246,7 @@ fn damaged_blocks_are_computed_again() {
 fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     // About a tenth of the solutions do not reach a residual below the resolution of a double.
     let strict = short().replace("percentile = 50.0", "percentile = 50.0\ntolerance = 1e-16");
-    let strict = strict.replace("reference_samples = 100", "reference_samples = 400");
+    let strict = strict.replace("reference_samples = 250", "reference_samples = 400");
     let folder = bench(&format!("valid_share = 0.7\n{strict}"));
     let at = folder.path();
     let found = run_in(at, "run study.toml --out runs/strict");
@@ -442,7 +442,7 @@ fn threads_parts_and_restarts_give_the_same_bytes() {
 fn a_signal_or_the_time_limit_ends_a_run_soon_and_keeps_its_blocks() {
     let folder = bench(STUDY);
     let at = folder.path();
-    let long = STUDY.replace("reference_samples = 100", "reference_samples = 40000");
+    let long = STUDY.replace("reference_samples = 250", "reference_samples = 40000");
     fs::write(at.join("study.toml"), long.replace("points = [16, 16]", "points = [128, 128]")).unwrap();
     for signal in ["-INT", "-TERM"] {
         let (found, time) = run_and_signal(at, "run study.toml --out runs/long", signal);
