@@ -210,13 +210,13 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
             "certainty",
             "How sure, and why",
             "Brackets are 95 % intervals. They contain the errors of sampling, but not errors of the model or of values that the study \
-             states as exact. Where the truth is known, 93 to 97 % of such intervals contain it. Fewer do for a Beta \
-             distribution whose bounds are fitted to friction (bounds 78 to 90 %, shapes 86 to 94 %), Svk of heights that end sharply \
-             (86 %) and Sku of slightly skewed heights (88 %). The percentage is 90 to 93 % for the shape of the friction tail and its \
-             return levels, and 89 to 92 % for the correlation length of strongly skewed friction. In some cases it is 91 to 93 % for the standard deviation and skewness of \
-             friction, the correlation at a lag, Svk, and quantiles of the pressure by Latin hypercubes. \
-             Nearly all intervals of small probabilities of vibration contain the truth, because they allow for regions that no draw \
-             reached.",
+             states as exact. Where the truth is known, 93 to 97 % of such intervals contain it. Fewer do for a Beta distribution \
+             whose bounds are fitted to friction (bounds 78 to 90 %, shapes 86 to 94 %), Svk of heights that end sharply (86 %) and \
+             Sku of slightly skewed heights (88 %). The percentage is 90 to 93 % for the shape of the friction tail and its return \
+             levels, and 89 to 92 % for the correlation length of strongly skewed friction. In some cases it is 91 to 93 % for the \
+             standard deviation and skewness of friction, the correlation at a lag, Svk, and quantiles of the pressure by Latin \
+             hypercubes. Nearly all intervals of small probabilities of vibration contain the truth, because they allow for regions \
+             that no draw reached.",
             vec![certainty::table(run)],
             Vec::new(),
         ),
