@@ -16,7 +16,7 @@
 //!     let x = inputs.values(z);
 //!     x[0] + 2.0 * x[1]
 //! };
-//! let drivers = PickFreeze::new(7).drivers(&inputs, response)?;
+//! let drivers = PickFreeze::new(7).drivers(&inputs, &response)?;
 //! assert!((drivers.total[0].value - 0.2).abs() < 0.01 && (drivers.first_order[1].value - 0.8).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -93,7 +93,7 @@ impl PickFreeze {
     pub fn drivers(
         &self,
         inputs: &UncertainInputs,
-        response: impl Fn(&[f64]) -> f64 + Sync,
+        response: &(dyn Fn(&[f64]) -> f64 + Sync),
     ) -> Result<Drivers, DriverError> {
         let n = inputs.inputs().len();
         if n > MAX_INPUTS {
@@ -102,18 +102,18 @@ impl PickFreeze {
         let design = Design::new(self.method, self.seed, "chaos/drivers", self.points, 2 * n)?;
         let replicates = Replicates::new(&design)?;
         // Differences from one value of the response avoid cancellation in its variance.
-        let origin = finite(&response, &vec![0.0; n])?;
-        let centred = |z: &[f64]| finite(&response, z).map(|value| value - origin);
+        let origin = finite(response, &vec![0.0; n])?;
+        let centred = |z: &[f64]| finite(response, z).map(|value| value - origin);
         let exact = inputs.is_dependent() && n <= MAX_EXACT;
         let subsets = if exact { Subsets::all(inputs) } else { Subsets::single(inputs) };
-        let sums = replicates.sums(subsets.width(), |point, sums| subsets.add(point, centred, sums))?;
+        let sums = replicates.sums(subsets.width(), |point, sums| subsets.add(point, &centred, sums))?;
         let mut shapley = None;
         if exact {
-            shapley = Some(replicates.estimates(&sums, |sums| subsets.shapley_effects(sums))?);
+            shapley = Some(replicates.estimates(&sums, &|sums| subsets.shapley_effects(sums))?);
         } else if inputs.is_dependent() {
             let permutations = Permutations::new(inputs, self.seed);
-            let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, centred, sums))?;
-            shapley = Some(replicates.estimates(&sums, |sums| permutations.shapley_effects(sums))?);
+            let sums = replicates.sums(permutations.width(), |point, sums| permutations.add(point, &centred, sums))?;
+            shapley = Some(replicates.estimates(&sums, &|sums| permutations.shapley_effects(sums))?);
         }
         let indices = |statistic: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<Vec<SampleEstimate>, DriverError> {
             Ok(replicates.estimates(&sums, statistic)?.into_iter().map(clipped).collect())
@@ -138,7 +138,7 @@ fn clipped(
 ///
 /// # Errors
 /// The value is not finite.
-fn finite(response: impl Fn(&[f64]) -> f64, z: &[f64]) -> Result<f64, DriverError> {
+fn finite(response: &(dyn Fn(&[f64]) -> f64 + Sync), z: &[f64]) -> Result<f64, DriverError> {
     let value = response(z);
     if value.is_finite() { Ok(value) } else { Err(DriverError::NotFinite { value, z: z.to_vec() }) }
 }

@@ -94,15 +94,12 @@ impl Settings {
 ///
 /// # Errors
 /// g fails or is NaN at a point, a setting is out of range, or the monitor cancels.
-pub fn small_probability<G, E: Send>(
+pub fn small_probability<E: Send>(
     variables: usize,
-    g: &G,
+    g: &(dyn Fn(&[f64]) -> Result<f64, E> + Sync),
     settings: &Settings,
     monitor: &dyn Monitor,
-) -> Result<SmallProbability, RareError<E>>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
+) -> Result<SmallProbability, RareError<E>> {
     settings.check(variables)?;
     if variables == 1 {
         // In one dimension the points of the interpolant are too close to each other; a variable without effect separates them.
@@ -111,15 +108,12 @@ where
     estimate(variables, g, settings, monitor)
 }
 
-fn estimate<G, E: Send>(
+fn estimate<E: Send>(
     variables: usize,
-    g: &G,
+    g: &(dyn Fn(&[f64]) -> Result<f64, E> + Sync),
     settings: &Settings,
     monitor: &dyn Monitor,
-) -> Result<SmallProbability, RareError<E>>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
+) -> Result<SmallProbability, RareError<E>> {
     let state = &mut LimitState::new(g, settings.most_evaluations, monitor);
     let mut learning = Learning::new(variables, settings.seed, state)?;
     if let Some(found) = attempts(settings, &mut learning, state)? {
@@ -127,7 +121,7 @@ where
     }
     let samples = (state.left() / LEAST_LEVELS).min(LEVEL_SAMPLES);
     let plan = Plan { variables, samples, fraction: 0.1, levels: usize::MAX };
-    subset::replicated(plan, settings.seed, state, |probabilities, coefficient_of_variation, evaluations| {
+    subset::replicated(plan, settings.seed, state, &|probabilities, coefficient_of_variation, evaluations| {
         let count = probabilities.len();
         let used_up = evaluations + evaluations / count > settings.most_evaluations;
         let accurate = count >= LEAST_REPLICATES && coefficient_of_variation <= settings.coefficient_of_variation;
@@ -137,14 +131,11 @@ where
 
 /// Learns mixtures until importance sampling from one of them promises few evaluations, and samples from it. The last mixture
 /// comes from subset simulation on g.
-fn attempts<G, E: Send>(
+fn attempts<E: Send>(
     settings: &Settings,
     learning: &mut Learning,
-    state: &mut LimitState<'_, G>,
-) -> Result<Option<RareProbability>, RareError<E>>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
+    state: &mut LimitState<'_, E>,
+) -> Result<Option<RareProbability>, RareError<E>> {
     let mut learns = true;
     for attempt in 0..=ATTEMPTS {
         let learnt = match ROUNDS.get(attempt) {
@@ -174,14 +165,11 @@ where
 }
 
 /// Adds draws until the coefficient of variation is reached or the evaluations are used up.
-fn finish<G, E: Send>(
+fn finish<E: Send>(
     settings: &Settings,
     mut draws: Draws<'_>,
-    state: &mut LimitState<'_, G>,
-) -> Result<RareProbability, RareError<E>>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
+    state: &mut LimitState<'_, E>,
+) -> Result<RareProbability, RareError<E>> {
     loop {
         let wanted = settings.further(&draws).min(state.left() as f64) as usize;
         if wanted == 0 {

@@ -72,7 +72,7 @@ impl Resamples {
         &self,
         samples: usize,
         closed: &[&[usize]],
-        fit: impl Fn(&[usize]) -> Result<Expansion, E> + Sync,
+        fit: &(dyn Fn(&[usize]) -> Result<Expansion, E> + Sync),
     ) -> Result<IndexEstimates, IndexError<E>> {
         self.check([samples])?;
         let all = |expansion: &Expansion| -> Vec<f64> {

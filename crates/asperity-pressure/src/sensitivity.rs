@@ -125,7 +125,7 @@ fn indices(
     let resamples = Resamples { count: RESAMPLES, ..Resamples::new(seed) };
     Ok(SensitivityIndices {
         names: names.to_vec(),
-        indices: resamples.sobol_indices(rows.len(), &[], fit)?,
+        indices: resamples.sobol_indices(rows.len(), &[], &fit)?,
         terms: sparse.terms.len(),
         cross_validated_error: sparse.chosen.cross_validated,
     })

@@ -49,7 +49,7 @@ impl<'a> Permutations<'a> {
     pub(super) fn add(
         &self,
         point: &Point<'_>,
-        response: impl Fn(&[f64]) -> Result<f64, DriverError>,
+        response: &dyn Fn(&[f64]) -> Result<f64, DriverError>,
         sums: &mut [f64],
     ) -> Result<(), DriverError> {
         let n = self.n();

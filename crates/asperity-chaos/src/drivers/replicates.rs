@@ -64,7 +64,7 @@ impl Replicates {
     pub(super) fn estimates(
         &self,
         sums: &[Vec<f64>],
-        statistic: impl Fn(&[f64]) -> Vec<f64>,
+        statistic: &dyn Fn(&[f64]) -> Vec<f64>,
     ) -> Result<Vec<SampleEstimate>, DriverError> {
         let all = total(sums, sums[0].len());
         let without: Vec<Vec<f64>> = sums
@@ -101,7 +101,7 @@ mod tests {
     fn the_jackknife_of_a_mean_has_its_standard_error_and_students_interval() {
         let values = [0.41, 0.52, 0.47, 0.55, 0.49, 0.5, 0.44, 0.58];
         let sums: Vec<Vec<f64>> = values.iter().map(|value| vec![1.0, *value]).collect();
-        let found = Replicates(Vec::new()).estimates(&sums, |sums| vec![sums[1] / sums[0]]).unwrap()[0];
+        let found = Replicates(Vec::new()).estimates(&sums, &|sums| vec![sums[1] / sums[0]]).unwrap()[0];
         // Mean 0.495, sum of squared deviations 0.0218; the 97.5 % quantile of Student's distribution of 7 is 2.364624.
         let standard_error = (0.0218_f64 / 7.0 / 8.0).sqrt();
         assert!((found.value - 0.495).abs() < 1e-15 && (found.standard_error - standard_error).abs() < 1e-12);

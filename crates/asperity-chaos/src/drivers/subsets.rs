@@ -58,7 +58,7 @@ impl Subsets {
     pub(super) fn add(
         &self,
         point: &Point<'_>,
-        response: impl Fn(&[f64]) -> Result<f64, DriverError>,
+        response: &dyn Fn(&[f64]) -> Result<f64, DriverError>,
         sums: &mut [f64],
     ) -> Result<(), DriverError> {
         let here = response(point.z)?;

@@ -64,7 +64,7 @@ impl NestedSampling {
     pub fn probability_over_unknowns(
         &self,
         inputs: &UncertainInputs,
-        response: impl Fn(&[f64]) -> f64 + Sync,
+        response: &(dyn Fn(&[f64]) -> f64 + Sync),
     ) -> Result<Option<ProbabilityOverUnknowns>, DriverError> {
         let n = inputs.inputs().len();
         let (unknown, varying): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| inputs.inputs()[i].is_unknown());
@@ -84,7 +84,7 @@ impl NestedSampling {
             let mut count = 0;
             for xi in &inner {
                 varying.iter().zip(xi).for_each(|(&i, xi)| z[i] = *xi);
-                count += usize::from(finite(&response, &z)? < 0.0);
+                count += usize::from(finite(response, &z)? < 0.0);
             }
             Ok(count as f64 / inner.len() as f64)
         };
@@ -92,7 +92,7 @@ impl NestedSampling {
         probabilities.sort_by(f64::total_cmp);
         let rank = |probability: f64| (probability * self.outer as f64).ceil() as usize;
         let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|probability| probabilities[rank(probability).max(1) - 1]);
-        let effects = unknown.iter().map(|&input| self.effect(inputs, input, &response)).collect::<Result<_, _>>()?;
+        let effects = unknown.iter().map(|&input| self.effect(inputs, input, response)).collect::<Result<_, _>>()?;
         Ok(Some(ProbabilityOverUnknowns { q05, q50, q95, effects }))
     }
 
@@ -101,7 +101,7 @@ impl NestedSampling {
         &self,
         inputs: &UncertainInputs,
         input: usize,
-        response: impl Fn(&[f64]) -> f64 + Sync,
+        response: &(dyn Fn(&[f64]) -> f64 + Sync),
     ) -> Result<UnknownEffect, DriverError> {
         let n = inputs.inputs().len();
         let design = self.design("effects", EFFECT_POINTS, n)?;
@@ -112,7 +112,7 @@ impl NestedSampling {
             let block = |number: usize| {
                 let mut count = 0;
                 for k in number * BLOCK..(number + 1) * BLOCK {
-                    count += usize::from(finite(&response, &redraw.last(n - 1, &fixed, &design.xi(k)))? < 0.0);
+                    count += usize::from(finite(response, &redraw.last(n - 1, &fixed, &design.xi(k)))? < 0.0);
                 }
                 Ok(count)
             };

@@ -22,6 +22,9 @@ const STEPS: [f64; 2] = [0.02, 1.0];
 /// Probability below which no further level is opened.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-13;
 
+/// Evaluation of the function at points.
+type Evaluate<'a, X> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<f64>, X> + 'a;
+
 /// Size of the levels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
@@ -56,11 +59,7 @@ pub(super) struct LastLevel {
 ///
 /// # Errors
 /// An error of `evaluate`.
-pub(super) fn descend<X>(
-    plan: Plan,
-    draws: &mut Stream,
-    mut evaluate: impl FnMut(&[Vec<f64>]) -> Result<Vec<f64>, X>,
-) -> Result<LastLevel, X> {
+pub(super) fn descend<X>(plan: Plan, draws: &mut Stream, evaluate: &mut Evaluate<'_, X>) -> Result<LastLevel, X> {
     let points: Vec<Vec<f64>> = (0..plan.samples).map(|_| standard_normal(draws, plan.variables)).collect();
     let values = evaluate(&points)?;
     let mut level =
@@ -73,7 +72,7 @@ pub(super) fn descend<X>(
         let total = level.values.len() as f64;
         let failures = level.values.iter().filter(|value| **value < 0.0).count();
         if failures >= wanted {
-            level.retain(|value| value < 0.0);
+            level.retain(&|value| value < 0.0);
             level.probability *= failures as f64 / total;
             level.failed = true;
             return Ok(level);
@@ -86,22 +85,22 @@ pub(super) fn descend<X>(
         if constant || probability < LEAST_PROBABILITY || level.levels >= plan.levels {
             // Failures below the wanted fraction still count.
             if failures > 0 {
-                level.retain(|value| value < 0.0);
+                level.retain(&|value| value < 0.0);
                 level.probability *= failures as f64 / total;
                 level.failed = true;
             }
             return Ok(level);
         }
-        level.retain(|value| value <= threshold);
+        level.retain(&|value| value <= threshold);
         level.probability = probability;
         level.levels += 1;
-        level.fill(plan.samples, |value| value <= threshold, &mut step, draws, &mut evaluate)?;
+        level.fill(plan.samples, &|value| value <= threshold, &mut step, draws, evaluate)?;
     }
 }
 
 impl LastLevel {
     /// Keeps the samples whose values are inside.
-    fn retain(&mut self, inside: impl Fn(f64) -> bool) {
+    fn retain(&mut self, inside: &dyn Fn(f64) -> bool) {
         let kept: Vec<usize> = (0..self.values.len()).filter(|i| inside(self.values[*i])).collect();
         self.points = kept.iter().map(|i| std::mem::take(&mut self.points[*i])).collect();
         self.values = kept.iter().map(|i| self.values[*i]).collect();
@@ -120,14 +119,14 @@ impl LastLevel {
     pub(super) fn mix<X>(
         &mut self,
         moves: usize,
-        inside: impl Fn(f64) -> bool,
+        inside: &dyn Fn(f64) -> bool,
         step: &mut f64,
         draws: &mut Stream,
-        mut evaluate: impl FnMut(&[Vec<f64>]) -> Result<Vec<f64>, X>,
+        evaluate: &mut Evaluate<'_, X>,
     ) -> Result<(), X> {
         let count = self.points.len();
         for _ in 0..moves {
-            self.fill(2 * count, &inside, step, draws, &mut evaluate)?;
+            self.fill(2 * count, inside, step, draws, evaluate)?;
             self.points.drain(..count);
             self.values.drain(..count);
         }
@@ -138,10 +137,10 @@ impl LastLevel {
     pub(super) fn fill<X>(
         &mut self,
         samples: usize,
-        inside: impl Fn(f64) -> bool,
+        inside: &dyn Fn(f64) -> bool,
         step: &mut f64,
         draws: &mut Stream,
-        mut evaluate: impl FnMut(&[Vec<f64>]) -> Result<Vec<f64>, X>,
+        evaluate: &mut Evaluate<'_, X>,
     ) -> Result<(), X> {
         let chains = self.points.len();
         let (mut at, mut move_number) = (0, 0.0_f64);

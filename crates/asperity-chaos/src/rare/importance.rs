@@ -56,10 +56,7 @@ impl<'a> Draws<'a> {
     }
 
     /// Draws `count` more points and evaluates the limit state there.
-    pub(super) fn add<G, E: Send>(&mut self, count: usize, state: &mut LimitState<'_, G>) -> Result<(), RareError<E>>
-    where
-        G: Fn(&[f64]) -> Result<f64, E> + Sync,
-    {
+    pub(super) fn add<E: Send>(&mut self, count: usize, state: &mut LimitState<'_, E>) -> Result<(), RareError<E>> {
         let points = self.proposal.draw(count, &mut self.random);
         let values = state.evaluate(&points)?;
         self.weights.extend(weights(self.proposal, &points, &values));

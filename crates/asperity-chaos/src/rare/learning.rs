@@ -90,14 +90,11 @@ pub(super) struct Region {
 impl Learning {
     /// Evaluates a few points of the first design: scrambled Sobol' directions, norms from those of standard normal variables to
     /// far outside.
-    pub(super) fn new<G, E: Send>(
+    pub(super) fn new<E: Send>(
         variables: usize,
         seed: u64,
-        state: &mut LimitState<'_, G>,
-    ) -> Result<Self, RareError<E>>
-    where
-        G: Fn(&[f64]) -> Result<f64, E> + Sync,
-    {
+        state: &mut LimitState<'_, E>,
+    ) -> Result<Self, RareError<E>> {
         let count = 24 + 2 * variables;
         let design = Design::new(SamplingMethod::Sobol, seed, "chaos/rare/design", count, variables)?;
         let mut points: Vec<Vec<f64>> = (0..count)
@@ -116,10 +113,7 @@ impl Learning {
     }
 
     /// Evaluates the rest of the first design.
-    fn complete_design<G, E: Send>(&mut self, state: &mut LimitState<'_, G>) -> Result<(), RareError<E>>
-    where
-        G: Fn(&[f64]) -> Result<f64, E> + Sync,
-    {
+    fn complete_design<E: Send>(&mut self, state: &mut LimitState<'_, E>) -> Result<(), RareError<E>> {
         let design = std::mem::take(&mut self.design);
         let values = state.evaluate(&design)?;
         self.add(&design, &values);
@@ -138,14 +132,11 @@ impl Learning {
     }
 
     /// Learns for at most `rounds` rounds.
-    pub(super) fn region<G, E: Send>(
+    pub(super) fn region<E: Send>(
         &mut self,
         rounds: usize,
-        state: &mut LimitState<'_, G>,
-    ) -> Result<Option<Region>, RareError<E>>
-    where
-        G: Fn(&[f64]) -> Result<f64, E> + Sync,
-    {
+        state: &mut LimitState<'_, E>,
+    ) -> Result<Option<Region>, RareError<E>> {
         for round in 0.. {
             let Some(interpolant) = Interpolant::new(&self.points, &self.clipped()) else { return Ok(None) };
             let (level, _) = self.sample(&interpolant, SAMPLES[0]);
@@ -203,10 +194,7 @@ impl Learning {
     ///
     /// The levels are those of g divided by its slope outwards, which is about the distance to failure: levels of g itself lose
     /// regions where g is steep.
-    pub(super) fn located<G, E: Send>(&mut self, state: &mut LimitState<'_, G>) -> Result<Option<Region>, RareError<E>>
-    where
-        G: Fn(&[f64]) -> Result<f64, E> + Sync,
-    {
+    pub(super) fn located<E: Send>(&mut self, state: &mut LimitState<'_, E>) -> Result<Option<Region>, RareError<E>> {
         // Replicates of subset simulation need the rest if importance sampling fails.
         let levels = state.left() / (3 * LEVEL_SAMPLES);
         let least = LEAST_SLOPE * (self.range[1] - self.range[0]) / (2.0 * CLIP);
@@ -243,7 +231,7 @@ impl Learning {
             }
         }
         let count = level.points.len() + FAILURES;
-        level.fill(count, |value| value < 0.0, &mut 0.6, &mut draws, &mut distances)?;
+        level.fill(count, &|value| value < 0.0, &mut 0.6, &mut draws, &mut distances)?;
         let (points, values): (Vec<_>, Vec<_>) = latest.into_iter().rev().take(LATEST).unzip();
         self.add(&points, &values);
         let Some(interpolant) = Interpolant::new(&self.points, &self.clipped()) else { return Ok(None) };
@@ -283,17 +271,13 @@ impl Learning {
         self.rounds += 1;
         let plan = Plan { variables: self.variables, samples, fraction: 0.1, levels: usize::MAX };
         let margin = self.margin;
-        let Ok(mut level) = descend(plan, &mut draws, |points| shifted(interpolant, margin, points));
+        let Ok(mut level) = descend(plan, &mut draws, &mut |points| shifted(interpolant, margin, points));
         let largest = level.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let threshold = if level.failed { -f64::MIN_POSITIVE } else { largest };
         let mut walk = Walk { interpolant, margin, threshold, step: 0.6, draws };
-        let Ok(()) = level.fill(
-            REGION,
-            |value| value <= threshold,
-            &mut walk.step,
-            &mut walk.draws,
-            |points| shifted(interpolant, margin, points),
-        );
+        let Ok(()) = level.fill(REGION, &|value| value <= threshold, &mut walk.step, &mut walk.draws, &mut |points| {
+            shifted(interpolant, margin, points)
+        });
         level.thin(REGION);
         walk.mix(MOVES, &mut level);
         (level, walk)
@@ -337,8 +321,8 @@ struct Walk<'i> {
 impl Walk<'_> {
     fn mix(&mut self, moves: usize, level: &mut LastLevel) {
         let Self { interpolant, margin, threshold, step, draws } = self;
-        let Ok(()) =
-            level.mix(moves, |value| value <= *threshold, step, draws, |points| shifted(interpolant, *margin, points));
+        let Ok(()) = level
+            .mix(moves, &|value| value <= *threshold, step, draws, &mut |points| shifted(interpolant, *margin, points));
     }
 }
 

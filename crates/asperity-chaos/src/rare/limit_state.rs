@@ -6,15 +6,15 @@ use asperity_base::monitor::Monitor;
 use super::error::RareError;
 
 /// Limit state g with its number of evaluations.
-pub(super) struct LimitState<'a, G> {
-    g: &'a G,
+pub(super) struct LimitState<'a, E> {
+    g: &'a (dyn Fn(&[f64]) -> Result<f64, E> + Sync),
     task: Task<'a>,
     evaluations: usize,
     most: usize,
 }
 
-impl<'a, G> LimitState<'a, G> {
-    pub(super) fn new(g: &'a G, most: usize, monitor: &'a dyn Monitor) -> Self {
+impl<'a, E: Send> LimitState<'a, E> {
+    pub(super) fn new(g: &'a (dyn Fn(&[f64]) -> Result<f64, E> + Sync), most: usize, monitor: &'a dyn Monitor) -> Self {
         Self { g, task: Task::new(monitor, "small probability", most), evaluations: 0, most }
     }
 
@@ -27,12 +27,7 @@ impl<'a, G> LimitState<'a, G> {
     pub(super) fn left(&self) -> usize {
         self.most.saturating_sub(self.evaluations)
     }
-}
 
-impl<G, E: Send> LimitState<'_, G>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
     /// Returns g at the points, in their order.
     ///
     /// # Errors

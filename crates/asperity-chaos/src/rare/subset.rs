@@ -35,33 +35,27 @@ pub struct SubsetSettings {
 /// Au & Beck, *Prob. Eng. Mech.* **16** (2001) 263, <https://doi.org/10.1016/S0266-8920(01)00019-4>, with the chains of
 /// Papaioannou, Betz, Zwirglmaier & Straub, *Prob. Eng. Mech.* **41** (2015) 89,
 /// <https://doi.org/10.1016/j.probengmech.2015.06.006>.
-pub fn subset_simulation<G, E: Send>(
+pub fn subset_simulation<E: Send>(
     variables: usize,
-    g: &G,
+    g: &(dyn Fn(&[f64]) -> Result<f64, E> + Sync),
     settings: &SubsetSettings,
     monitor: &dyn Monitor,
-) -> Result<SmallProbability, RareError<E>>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
+) -> Result<SmallProbability, RareError<E>> {
     settings.check(variables)?;
     let SubsetSettings { samples, fraction, replicates, seed } = *settings;
     let plan = Plan { variables, samples, fraction, levels: usize::MAX };
     let levels = (LEAST_PROBABILITY.ln() / fraction.ln()).ceil() as usize + 1;
     let mut state = LimitState::new(g, samples * replicates * (levels + 1), monitor);
-    replicated(plan, seed, &mut state, |probabilities, _, _| probabilities.len() == replicates)
+    replicated(plan, seed, &mut state, &|probabilities, _, _| probabilities.len() == replicates)
 }
 
 /// Adds replicates until `enough` of their probabilities, their coefficient of variation and the number of evaluations.
-pub(super) fn replicated<G, E: Send>(
+pub(super) fn replicated<E: Send>(
     plan: Plan,
     seed: u64,
-    state: &mut LimitState<'_, G>,
-    enough: impl Fn(&[f64], f64, usize) -> bool,
-) -> Result<SmallProbability, RareError<E>>
-where
-    G: Fn(&[f64]) -> Result<f64, E> + Sync,
-{
+    state: &mut LimitState<'_, E>,
+    enough: &dyn Fn(&[f64], f64, usize) -> bool,
+) -> Result<SmallProbability, RareError<E>> {
     let mut probabilities = Vec::new();
     let mut bound: Option<UpperBound> = None;
     loop {
@@ -69,7 +63,7 @@ where
         // The first replicate leaves evaluations for a second one.
         let replicates = if probabilities.is_empty() { 2 } else { 1 };
         let plan = Plan { levels: plan.levels.min(state.left() / plan.samples / replicates), ..plan };
-        let level = descend(plan, &mut draws, |points| state.evaluate(points))?;
+        let level = descend(plan, &mut draws, &mut |points| state.evaluate(points))?;
         probabilities.push(if level.failed { level.probability } else { 0.0 });
         if !level.failed {
             let found = level.bound();

@@ -33,7 +33,7 @@ fn fitted(
 fn estimated(basis: &Basis, xi_samples: &[Vec<f64>], values: &[f64], closed: &[&[usize]]) -> (IndexEstimates, f64) {
     let resamples = Resamples { count: 200, level: 0.99, seed: 4 };
     let estimates =
-        resamples.sobol_indices(values.len(), closed, |rows| fitted(basis, xi_samples, values, rows)).unwrap();
+        resamples.sobol_indices(values.len(), closed, &|rows| fitted(basis, xi_samples, values, rows)).unwrap();
     let (_, fit) = Expansion::fit(basis.clone(), xi_samples, values).unwrap();
     (estimates, fit.leave_one_out.relative_error.unwrap())
 }
@@ -96,7 +96,7 @@ fn intervals_cover_the_sobol_g_indices_at_their_level() {
         let (xi_samples, values) = sampled(&[PolynomialFamily::Legendre; 4], 400, seed, SOBOL_G.evaluate);
         let resamples = Resamples { count: 100, level: 0.95, seed };
         let estimates =
-            resamples.sobol_indices(400, &[&[0, 1]], |rows| fitted(&basis, &xi_samples, &values, rows)).unwrap();
+            resamples.sobol_indices(400, &[&[0, 1]], &|rows| fitted(&basis, &xi_samples, &values, rows)).unwrap();
         for (variable, estimate) in estimates.first_order.iter().enumerate() {
             held += usize::from(estimate.interval.contains(projected(1 << variable)));
             let truncation = (projected(1 << variable) - exact(1 << variable)).abs();
@@ -128,16 +128,16 @@ fn missing_intervals_have_a_reason() {
     let basis = Basis::hermite(2, 3).unwrap();
     let (xi_samples, values) = sampled(&[PolynomialFamily::Hermite; 2], 11, 3, |x| x[0]);
     let resamples = Resamples { count: 40, ..Resamples::new(1) };
-    let indices = |values: &[f64]| resamples.sobol_indices(11, &[], |rows| fitted(&basis, &xi_samples, values, rows));
+    let indices = |values: &[f64]| resamples.sobol_indices(11, &[], &|rows| fitted(&basis, &xi_samples, values, rows));
     assert!(matches!(indices(&values), Err(IndexError::TooManyFailures { resamples: 40, .. })));
-    let error = resamples.sobol_indices(1, &[], |_| Err(())).unwrap_err();
+    let error = resamples.sobol_indices(1, &[], &|_| Err(())).unwrap_err();
     assert_eq!(error, IndexError::Resamples(ResamplesError::Samples { samples: 1 }));
-    let refused = |resamples: Resamples| resamples.sobol_indices(9, &[], |_| Err(())).unwrap_err();
+    let refused = |resamples: Resamples| resamples.sobol_indices(9, &[], &|_| Err(())).unwrap_err();
     let few = Resamples { count: 3, ..resamples };
     assert_eq!(refused(few), IndexError::Resamples(ResamplesError::Count { count: 3 }));
     let sure = Resamples { level: 1.0, ..resamples };
     assert_eq!(refused(sure), IndexError::Resamples(ResamplesError::Level { level: 1.0 }));
-    assert_eq!(resamples.sobol_indices(2, &[], |_| Err(())), Err(IndexError::Fit(())));
+    assert_eq!(resamples.sobol_indices(2, &[], &|_| Err(())), Err(IndexError::Fit(())));
     let flat = |_: &[usize]| Ok::<_, ()>(Expansion::new(Basis::hermite(1, 0).unwrap(), vec![1.0]));
-    assert_eq!(resamples.sobol_indices(2, &[], flat), Err(IndexError::Constant));
+    assert_eq!(resamples.sobol_indices(2, &[], &flat), Err(IndexError::Constant));
 }

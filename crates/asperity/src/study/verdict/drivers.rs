@@ -83,7 +83,7 @@ impl MarginModel {
 
     /// Returns the sensitivity of the margin.
     pub(super) fn margin_drivers(&self, machines: &Machines<'_>, seed: u64) -> Result<Vec<Driver>, DriverError> {
-        let drivers = PickFreeze::new(seed).drivers(machines.inputs(), |variables| self.margin(variables))?;
+        let drivers = PickFreeze::new(seed).drivers(machines.inputs(), &|variables| self.margin(variables))?;
         let reductions = self.range_reductions(machines, seed);
         let mut results = self.results(machines, &drivers);
         results.iter_mut().zip(reductions).for_each(|(driver, reduction)| driver.range_reduction = Some(reduction));
@@ -93,7 +93,7 @@ impl MarginModel {
     /// Returns the sensitivity of the event that a machine vibrates.
     pub(super) fn event_drivers(&self, machines: &Machines<'_>, seed: u64) -> Result<Vec<Driver>, DriverError> {
         let event = |variables: &[f64]| if self.margin(variables) < 0.0 { 1.0 } else { 0.0 };
-        Ok(self.results(machines, &PickFreeze::new(seed).drivers(machines.inputs(), event)?))
+        Ok(self.results(machines, &PickFreeze::new(seed).drivers(machines.inputs(), &event)?))
     }
 
     fn results(&self, machines: &Machines<'_>, drivers: &Drivers) -> Vec<Driver> {
@@ -150,7 +150,7 @@ impl MarginModel {
         seed: u64,
     ) -> Result<Option<(Quantiles, Vec<Guess>)>, DriverError> {
         let inputs = machines.inputs();
-        let found = NestedSampling::new(seed).probability_over_unknowns(inputs, |variables| self.margin(variables))?;
+        let found = NestedSampling::new(seed).probability_over_unknowns(inputs, &|variables| self.margin(variables))?;
         Ok(found.map(|ProbabilityOverUnknowns { q05, q50, q95, effects }| {
             let guesses = effects.into_iter().map(|effect| Guess {
                 input: inputs.inputs()[effect.input].name().into(),
