@@ -34,7 +34,7 @@ pub fn deterministic_slips(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Integrator, Trajectory};
+    use crate::{Drive, Forcing, Integrator, Parameters, Trajectory, VelocityLaw};
 
     #[test]
     fn oscillators_in_lockstep_match_single_simulations() {
@@ -49,6 +49,17 @@ mod tests {
             .collect();
         for (machine, slips) in machines.iter().zip(deterministic_slips(&machines, &settings)) {
             assert_eq!(slips, Trajectory::simulate(machine, Steady, &settings).map(|t| t.slips));
+        }
+        // A linear law has no positive value at the speed of the mass, and a start may be no number.
+        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let parameters =
+            Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
+        let fast = Oscillator::new(parameters).unwrap();
+        for settings in [settings, TrajectorySettings { start: Some(f64::NAN), ..settings }] {
+            let alone = Trajectory::simulate(&fast, Steady, &settings).map(|t| t.slips);
+            assert!(alone.is_err(), "{alone:?}");
+            let found = deterministic_slips(std::slice::from_ref(&fast), &settings).remove(0);
+            assert_eq!(format!("{found:?}"), format!("{alone:?}"));
         }
     }
 }
