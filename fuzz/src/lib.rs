@@ -17,14 +17,13 @@ pub fn bounded<T>(length: usize, work: impl FnOnce() -> T) -> T {
     value
 }
 
-/// Returns whether content has the format of the target, or is compressed. `ASPERITY_FORMAT` names the format. Each format has a target of
-/// its own: a target that also followed inputs into other formats would count the edges of their readers, too.
+/// Returns whether content has the format of the target, which `ASPERITY_FORMAT` names. Each format has a target of its own, compressed
+/// content too: a target that also followed inputs into other formats would count the edges of their readers.
 pub fn is_wanted(content: &[u8]) -> bool {
     static NAME: OnceLock<String> = OnceLock::new();
     let wanted = NAME.get_or_init(|| std::env::var("ASPERITY_FORMAT").expect("the name of a format"));
-    let detected = Format::detect(content);
     // The name of a target ends at a slash, as that of a folder does.
-    detected.is_some_and(|format| format == Format::Gzip || format.name().split('/').next() == Some(wanted))
+    Format::detect(content).is_some_and(|format| format.name().split('/').next() == Some(wanted))
 }
 
 /// Reads a scan, and checks its invariants.

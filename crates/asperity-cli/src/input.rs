@@ -23,8 +23,8 @@ pub(crate) struct ScanOptions {
     /// distance stored in other files.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     pixel_size: Option<OneOrTwo<Length>>,
-    /// Unit of the heights: m, mm, um or nm. Required for files that state none (NPY, most text, XYZ, TIFF); replaces
-    /// the unit stated in other files. It applies to the numbers in the file and also replaces a conversion factor in
+    /// Unit of the heights: m, mm, um or nm. Files that state none (NPY, most text, XYZ, TIFF) are in metre if it is
+    /// left out; it replaces the unit stated in other files. It applies to the numbers in the file and also replaces a conversion factor in
     /// the header of a text file.
     #[arg(long, value_name = "U", value_parser = height_unit)]
     height_unit: Option<LengthUnit>,

@@ -15,6 +15,8 @@ use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
 
 /// Largest file that is read, in bytes: twice the size of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
+/// Largest other file, such as a record of friction.
+const MAX_OTHER_BYTES: u64 = 1 << 30;
 /// Bytes that suffice to recognise the format, except for archives. Headers need a few hundred.
 const PROBE_BYTES: u64 = 1 << 16;
 /// Number of bytes that an error shows of unknown content.
@@ -53,6 +55,32 @@ pub fn read_series(path: &Path) -> Result<Vec<f64>, FormatError> {
         None => Err(unrecognised(&bytes, bytes.len() as u64)),
     };
     series.map_err(|error| error.in_file(path))
+}
+
+/// Reads a whole file that contains no map, of at most 1 GiB. Devices and pipes may have no end.
+///
+/// # Errors
+/// Errors of the operating system, and a file that is larger.
+pub fn read_limited(path: &Path) -> io::Result<Vec<u8>> {
+    at_most(MAX_OTHER_BYTES, File::open(path)?)
+}
+
+fn at_most(limit: u64, file: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(io::Error::other("larger than 1 GiB, the limit for such a file"));
+    }
+    Ok(bytes)
+}
+
+/// Reads text as [`read_limited`].
+///
+/// # Errors
+/// Also [`io::ErrorKind::InvalidData`] if it is not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    String::from_utf8(read_limited(path)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
 }
 
 fn content(path: &Path) -> Result<Vec<u8>> {
@@ -220,4 +248,15 @@ pub fn to_bytes(scan: &Scan, path: &Path) -> Result<Vec<u8>, FormatError> {
         },
     };
     bytes.map_err(|error| error.in_file(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::at_most;
+
+    #[test]
+    fn a_file_without_end_is_refused() {
+        assert_eq!(at_most(3, &b"abc"[..]).unwrap(), b"abc");
+        assert!(at_most(3, std::io::repeat(0)).unwrap_err().to_string().contains("limit"));
+    }
 }

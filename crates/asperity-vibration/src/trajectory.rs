@@ -7,6 +7,9 @@ use super::{Drive, Event, EventKind, Integrator, Oscillator, VibrationError, pos
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_process::Fluctuation;
 
+/// Largest displacement at the start in units of μ_st + 2ζV; the rounding of a larger one would change the first slip.
+const LARGEST_START: f64 = 1e9;
+
 /// Settings of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,10 +71,12 @@ pub(super) fn started<F: Fluctuation>(
 /// Returns the displacement X at τ = 0.
 pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -> Result<f64, VibrationError> {
     let start = settings.start.unwrap_or_else(|| oscillator.default_start());
-    if start.is_finite() {
+    let unit = oscillator.static_friction() + 2.0 * oscillator.damping_ratio() * oscillator.belt_velocity();
+    if start.abs() <= LARGEST_START * unit {
         Ok(start)
     } else {
-        Err(VibrationError::Parameter { parameter: "start", value: start, wanted: "finite" })
+        let wanted = "finite and at most 1e9 times μ_st + 2ζV";
+        Err(VibrationError::Parameter { parameter: "start", value: start, wanted })
     }
 }
 
@@ -265,8 +270,11 @@ mod tests {
         assert!(matches!(run(vec![-0.11; 60]), Err(VibrationError::FrictionNotPositive { tau: 0.0, .. })));
         let falling = (0..60).map(|i| -0.005 * f64::from(i)).collect();
         assert!(matches!(run(falling), Err(VibrationError::FrictionNotPositive { tau, .. }) if tau > 1.0));
-        let nowhere = TrajectorySettings { start: Some(f64::NAN), ..settings };
-        assert!(Trajectory::simulate(&oscillator, Steady, &nowhere).is_err());
+        for start in [f64::NAN, -1e160, -1e10, 1e50, f64::INFINITY] {
+            let error =
+                Trajectory::simulate(&oscillator, Steady, &TrajectorySettings { start: Some(start), ..settings });
+            assert!(matches!(error, Err(VibrationError::Parameter { parameter: "start", .. })), "{start}: {error:?}");
+        }
         // A linear law has no positive value at the speed of the mass.
         let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
         let parameters =

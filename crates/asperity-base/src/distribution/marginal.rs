@@ -9,9 +9,13 @@ use super::special::{
 };
 use super::{DistributionError, Johnson, JohnsonSystem, empirical, triangular};
 
-/// Largest shape of a Beta distribution. The logarithm of its norming constant is rounded, which changes quantiles by
-/// 1e-6 standard deviations at this shape.
+/// Largest shapes of Beta, Weibull and Gamma distributions, and smallest σ of a lognormal one. The logarithm of the norming constant of
+/// a Beta distribution is rounded, which changes quantiles by 1e-6 standard deviations at this shape; the others would be so narrow that
+/// their values are equal in eight digits.
 const LARGEST_BETA_SHAPE: f64 = 1e8;
+const LARGEST_WEIBULL_SHAPE: f64 = 1e8;
+const LARGEST_GAMMA_SHAPE: f64 = 1e16;
+const SMALLEST_SIGMA: f64 = 1e-8;
 
 /// Distribution on the real line.
 ///
@@ -31,14 +35,14 @@ pub enum Marginal {
     Lognormal {
         /// Mean of the logarithm.
         mu: f64,
-        /// Standard deviation of the logarithm.
+        /// Standard deviation of the logarithm, at least 1e-8.
         sigma: f64,
         /// Lower end of the support.
         shift: f64,
     },
     /// Weibull distribution: F(x) = 1 − exp(−((x − shift)/scale)^shape).
     Weibull {
-        /// Shape.
+        /// Shape, at most 1e8.
         shape: f64,
         /// Scale.
         scale: f64,
@@ -47,7 +51,7 @@ pub enum Marginal {
     },
     /// Gamma distribution: density ∝ (x − shift)^{shape−1} e^{−(x − shift)/scale}.
     Gamma {
-        /// Shape.
+        /// Shape, at most 1e16.
         shape: f64,
         /// Scale.
         scale: f64,
@@ -260,10 +264,20 @@ impl Marginal {
                 let wanted = if positive { "positive and finite" } else { "finite" };
                 return Err(DistributionError::Parameter { distribution, parameter, value, wanted });
             }
-            if matches!(parameter, "a" | "b") && value > LARGEST_BETA_SHAPE {
-                let wanted = "at most 1e8; such a distribution is practically normal, or a Gamma distribution";
-                return Err(DistributionError::Parameter { distribution, parameter, value, wanted });
-            }
+            let limit = match (distribution, parameter) {
+                ("beta", "a" | "b") if value > LARGEST_BETA_SHAPE => {
+                    "at most 1e8; such a distribution is practically normal, or a Gamma distribution"
+                }
+                ("weibull", "shape") if value > LARGEST_WEIBULL_SHAPE => "at most 1e8",
+                ("gamma", "shape") if value > LARGEST_GAMMA_SHAPE => {
+                    "at most 1e16; such a distribution is practically normal"
+                }
+                ("lognormal", "sigma") if value < SMALLEST_SIGMA => {
+                    "at least 1e-8; such a distribution is practically normal"
+                }
+                _ => continue,
+            };
+            return Err(DistributionError::Parameter { distribution, parameter, value, wanted: limit });
         }
         match self {
             Self::Beta { low, high, .. } | Self::Triangular { low, high, .. } if high <= low => {
@@ -598,6 +612,10 @@ pub(super) mod tests {
         assert!(Marginal::beta(2.1, 5.0, 1.0, 1.0).is_err());
         let error = Marginal::beta(1.1e8, 2.0, 0.0, 1.0).unwrap_err().to_string();
         assert!(error.starts_with("beta: a is 110000000, but must be at most 1e8"), "{error}");
+        for text in ["weibull:1.1e8,1", "gamma:1.1e16,1", "lognormal:0,9e-9"] {
+            let error = text.parse::<Marginal>().unwrap_err().to_string();
+            assert!(error.contains("must be at ") && error.contains("1e"), "{text}: {error}");
+        }
         assert!(Marginal::normal(f64::NAN, 1.0).is_err());
         assert!(Marginal::empirical(vec![1.0, f64::NAN]).is_err());
         assert!(Marginal::empirical(vec![1.0, 1.0]).is_err());

@@ -187,6 +187,9 @@ fn large_shape_score(a: f64, x: f64) -> f64 {
     (0..20).fold(deviation, |z, _| z + deviation - large_shape_deviation(a, z))
 }
 
+/// Quantile of a Gamma distribution below which the leading term of its series is exact.
+const TINY_QUANTILE: f64 = 1e-290;
+
 /// Returns the x with P(a, x) = `lower`, given both tails `lower` + `upper` = 1; the smaller is used.
 ///
 /// Newton's method on the logarithm of that tail as a function of ln x. The density of ln x is log-concave, hence both
@@ -205,15 +208,16 @@ pub(crate) fn gamma_quantile(a: f64, lower: f64, upper: f64) -> f64 {
         return a + a.sqrt() * large_shape_deviation(a, if below { z } else { -z });
     }
     let (log_probability, log_norm, centre) = (probability.ln(), gamma::ln_gamma(a), a.ln());
-    // P ≤ xᵃ/(a Γ(a)), so the leading term is to the left of the root.
-    let leading = (log_probability + a.ln() + log_norm) / a;
+    // P ≤ xᵃ/Γ(1 + a), so the leading term is to the left of the root, and equal to it if x is tiny.
+    let log_lower = if below { log_probability } else { (-upper).ln_1p() };
+    let leading = (log_lower + gamma::ln_gamma(1.0 + a)) / a;
+    if leading < TINY_QUANTILE.ln() {
+        return leading.exp();
+    }
     let mut t = if below { leading } else { centre };
     let mut before = centre;
     for _ in 0..200 {
         let x = t.exp();
-        if below && x < 1e-290 {
-            return leading.exp();
-        }
         let tail = if below { gamma_cdf(a, x) } else { gamma_survival(a, x) };
         if tail.is_nan() || tail <= 0.0 {
             // So far out that the probability underflows.
@@ -536,6 +540,28 @@ mod tests {
             let back = if lower < upper { gamma_cdf(a, x) / lower } else { gamma_survival(a, x) / upper };
             // A rounding of x changes the logarithm of the tail by up to eight times that in standard deviations.
             assert!((back - 1.0).abs() < 8.0 * f64::EPSILON * a.sqrt() + 1e-13, "Gamma({a}) at {lower}: {back}");
+        }
+        // Small shapes, whose median underflows or almost does.
+        for (a, upper, wanted) in [
+            (1e-2, 0.5, 4.465_535_018_910_355e-31),
+            (1e-2, 0.2, 1.153_112_725_949_056_2e-10),
+            (1e-3, 0.5, 5.244_206_408_277_978e-302),
+            (1e-3, 0.01, 2.425_942_838_557_864_9e-5),
+            (1e-3, 1e-4, 1.501_028_147_278_368_3),
+            (1e-3, 1e-9, 11.313_671_592_614_147),
+            (1e-4, 0.5, 0.0),
+            (1e-4, 0.02, 1.023_554_717_729_151_5e-88),
+            (1e-4, 1e-3, 2.536_573_285_467_606_5e-5),
+            (1e-4, 1e-6, 3.210_668_135_083_041),
+            (1e-9, 0.02, 0.0),
+            (1e-300, 1e-16, 0.0),
+        ] {
+            let x = gamma_quantile(a, 1.0 - upper, upper);
+            // The error of ln Γ(1 + a), a few roundings of 1, changes ln x by 1/a of it.
+            assert!(
+                (x - wanted).abs() <= 16.0 * f64::EPSILON / a * wanted,
+                "Gamma({a}) above {upper}: {x}, not {wanted}"
+            );
         }
         // The expansion joins the sums, in which four roundings of 3e5 change a tail by the fraction 1e-10, and x by 3e-8.
         for z in [-6.0, -1.0, 0.0, 3.0, 8.0] {

@@ -54,11 +54,11 @@ fn table() -> String {
         text += &format!("{:names$}  {:endings$}  {}\n", format.format.name(), extensions(format), format.vendor);
         for (label, content) in [("reads", format.reads), ("writes", format.writes)] {
             if !content.is_empty() {
-                text += &format!("  {label:8}{content}\n");
+                text += &format!("  {label:9}{content}\n");
             }
         }
         if !format.reads.is_empty() {
-            text += &format!("  {:8}{}\n", "tried on", format.tested.describe());
+            text += &format!("  {:9}{}\n", "tried on", format.tested.describe());
         }
     }
     text += "The content of a file decides its format, not its name. Files compressed with gzip are unpacked. Row 0 is at the top.\n";

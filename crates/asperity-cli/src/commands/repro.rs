@@ -75,7 +75,7 @@ impl Repro {
         files(&mut |name, bytes| {
             if difference.is_none() {
                 let path = self.dir.join(name);
-                let before = fs::read(&path).map_err(|source| StoreError::Io { path, source })?;
+                let before = fs::read(&path).map_err(|source| StoreError::Input { path, source })?;
                 difference = first_difference(name, &before, bytes);
             }
             Ok(())

@@ -183,6 +183,9 @@ fn a_finished_run_is_resumed_reproduced_and_never_mixed_with_another() {
     let text = fs::read_to_string(&results).unwrap();
     fs::write(&results, text.replacen("\"seed\": 5", "\"seed\": 6", 1)).unwrap();
     assert_eq!(run_in(at, "repro whole/run").stdout, "results.json: seed 6 before, 5 now\n");
+    fs::remove_file(&table).unwrap();
+    fs::write(&results, text).unwrap();
+    run_in(at, "repro whole/run").refuses(3, &["pressure_cdf.csv: no such file"]);
 }
 
 #[test]

@@ -394,6 +394,11 @@ fn a_failed_filling_gives_a_reason_and_leaves_no_file() {
         ("fill map.npy --out out.npy --seed 1", 2, vec!["map.npy", "pixel size"]),
         ("fill map.npy --pixel-size 1um --out out.npy --seed 1 --nugget 2", 2, vec!["nugget", "[0, 1]"]),
         ("fill map.npy --pixel-size 1um --out out.npy --seed 1 --extend -1um", 2, vec!["--extend", "negative"]),
+        (
+            "fill map.npy --pixel-size 1um --out out.npy --seed 1 --extend 1um,1e30m",
+            5,
+            vec!["filling a map of this size"],
+        ),
         ("fill flat.npy --pixel-size 1um --out out.npy --seed 1", 3, vec!["flat.npy", "equal"]),
         ("fill gone.npy --pixel-size 1um --out out.npy --seed 1", 3, vec!["gone.npy"]),
         ("fill map.npy --pixel-size 1um --out map.npy --seed 1", 2, vec!["map.npy", "is an input"]),

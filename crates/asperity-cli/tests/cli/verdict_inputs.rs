@@ -46,13 +46,33 @@ fn samples_with_decimal_commas_wrong_units_or_no_file_are_unusable_data() {
     }
 }
 
+/// Constant friction of 0.2 that falls by 0.5 s/m.
+const PROCESS: &str = r#"{"format": "asperity friction process", "version": 1, "mean": 0.2, "mean_interval": null, "std": 0,
+    "std_interval": null, "marginal": null, "correlation": null, "stribeck_s_per_m": 0.5, "averaged_over_m": null,
+    "mean_pressure_pa": null, "origin": {"kind": "record", "description": "rig"}}"#;
+
+#[test]
+fn a_run_with_files_of_a_process_and_of_samples_is_reproduced() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fs::create_dir(at.join("data")).unwrap();
+    fs::write(at.join("data/process.json"), PROCESS).unwrap();
+    fs::write(at.join("data/m.csv"), "0.10\n0.11\n0.12\n0.13\n").unwrap();
+    let lines = MACHINE.replace("static_friction = 0.3\n", "").replace("friction_std = 0\n", "");
+    let text = format!(
+        "{lines}belt_velocity = \"0.4 m/s\"\nfriction_process = \"data/process.json\"\ndamping_ratio = {{ samples = \"data/m.csv\" }}\n"
+    );
+    fs::write(at.join("study.toml"), text).unwrap();
+    let ended = run_in(at, "run study.toml --out run");
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let again = run_in(at, "repro run");
+    assert_eq!(again.stdout, "IDENTICAL\n", "{}", again.stderr);
+}
+
 #[test]
 fn the_stribeck_coefficient_of_a_friction_process_contradicts_another_uncertain_one() {
     let folder = TempDir::new().unwrap();
-    let process = r#"{"format": "asperity friction process", "version": 1, "mean": 0.2, "mean_interval": null, "std": 0,
-        "std_interval": null, "marginal": null, "correlation": null, "stribeck_s_per_m": 0.5, "averaged_over_m": null,
-        "mean_pressure_pa": null, "origin": {"kind": "record", "description": "rig"}}"#;
-    fs::write(folder.path().join("process.json"), process).unwrap();
+    fs::write(folder.path().join("process.json"), PROCESS).unwrap();
     let lines = MACHINE.replace("static_friction = 0.3\n", "").replace("friction_std = 0\n", "");
     let check = |more: &str| {
         let text = format!("{lines}belt_velocity = \"0.4 m/s\"\nfriction_process = \"process.json\"\n{more}");

@@ -1,5 +1,7 @@
 //! Small files of every format, for tests that damage them.
 
+use asperity_formats::Format;
+
 use crate::fixtures::{gzip, zip};
 
 /// Small file and its properties.
@@ -117,7 +119,8 @@ fn every_format_has_seeds() {
         std::fs::write(folder.join(format!("fixture-{number}")), bytes).unwrap();
     };
     for (number, fixture) in all().iter().enumerate() {
-        write(format!("format-{}", name(fixture)), number, &fixture.bytes());
+        let bytes = fixture.bytes();
+        write(format!("format-{}", Format::detect(&bytes).unwrap().name()), number, &bytes);
         let files = match &fixture.content {
             Content::Bytes(_) => continue,
             Content::Gzip(bytes) => vec![("gzip".to_owned(), bytes.clone())],

@@ -1,5 +1,7 @@
 //! Requests for a random surface, and the model that meets them.
 
+use std::ops::RangeInclusive;
+
 use asperity_base::correlation::CorrelationFamily;
 use asperity_base::distribution::Marginal;
 use asperity_base::translation::TranslationKind;
@@ -7,7 +9,11 @@ use asperity_base::translation::TranslationKind;
 use super::covariance::CovarianceRequest;
 use super::selection::{SelectedCovariance, select};
 use super::{SurfaceModel, SurfaceModelError, Texture, TruncatedExpansion};
+use crate::GeneratorError;
 use crate::scanned::ScannedSurface;
+
+/// Root-mean-square heights in metre of random surfaces. Their variances, and the energies of their contact, can be represented.
+pub const RMS_HEIGHTS_M: RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Quantity that is stated or measured on the scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,16 +66,24 @@ impl SurfaceModel {
     /// Makes the model that a request describes and, for a translated field, reports the selection of its covariance.
     ///
     /// # Errors
-    /// A quantity is to be measured without a scan, the scan has no such quantity, or a stated quantity is invalid.
+    /// A quantity is to be measured without a scan, the scan has no such quantity, a stated quantity is invalid, or the rms height is
+    /// outside [`RMS_HEIGHTS_M`].
     pub fn new(
         request: SurfaceRequest,
         scan: Option<&ScannedSurface>,
     ) -> Result<(Self, Option<SelectedCovariance>), SurfaceModelError> {
         let needed = |quantity| scan.ok_or(SurfaceModelError::NoScan(quantity));
-        let rms_m = || Ok(needed("the rms height")?.sq_m());
+        let of_scan = || Ok(needed("the rms height")?.sq_m());
+        let rms_m = |stated: Measurable<f64>| match stated.or_measure(of_scan)? {
+            value if RMS_HEIGHTS_M.contains(&value) => Ok(value),
+            value => {
+                let (parameter, wanted) = ("rms height in metre", "between 1e-50 and 1e50");
+                Err(SurfaceModelError::from(GeneratorError::Parameter { parameter, value, wanted }))
+            }
+        };
         match request {
             SurfaceRequest::Translated { rms_height_m, covariance, families, marginal, translation, expansion } => {
-                let std_m = rms_height_m.or_measure(rms_m)?;
+                let std_m = rms_m(rms_height_m)?;
                 let heights = || Ok(Marginal::empirical(needed("the marginal distribution")?.heights_of_all_m())?);
                 let marginal = marginal.or_measure(heights)?.standardised(0.0, std_m)?;
                 let selected = select(covariance, translation, &families, (&marginal, std_m), scan)?;
@@ -80,9 +94,31 @@ impl SurfaceModel {
                 let own =
                     || scan.and_then(ScannedSurface::fractal_dimension).ok_or(SurfaceModelError::FractalDimension);
                 let dimension = dimension.or_measure(own)?;
-                let marginal = Marginal::normal(0.0, rms_height_m.or_measure(rms_m)?)?;
+                let marginal = Marginal::normal(0.0, rms_m(rms_height_m)?)?;
                 Ok((Self { marginal, texture: Texture::WeierstrassMandelbrot { dimension } }, None))
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::SurfaceModelError;
+
+    #[test]
+    fn an_rms_height_whose_variance_cannot_be_represented_is_refused() {
+        let of = |rms_height_m| {
+            let request = SurfaceRequest::WeierstrassMandelbrot {
+                rms_height_m: Measurable::Stated(rms_height_m),
+                dimension: Measurable::Stated(2.5),
+            };
+            SurfaceModel::new(request, None)
+        };
+        assert!(of(1e-50).is_ok() && of(1e50).is_ok());
+        for rms_height_m in [0.0, -1e-6, 1e-310, 1e-200, 1e51, f64::INFINITY, f64::NAN] {
+            let error = of(rms_height_m).map(drop);
+            assert!(matches!(error, Err(SurfaceModelError::Generator(_))), "{rms_height_m}: {error:?}");
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Fitted friction process as the input of a study, and records drawn from it.
 
-use std::fs;
 use std::path::Path;
 
 use crate::friction::process::{FittedProcess, ProcessError};
@@ -25,7 +24,7 @@ pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, see
 /// The file cannot be read, or contains no process.
 pub(super) fn read(path: &Path, name: &Path) -> Result<FittedProcess, StudyError> {
     let failed = |reason: String| StudyError::FrictionProcess { file: name.display().to_string(), reason };
-    let text = fs::read_to_string(path).map_err(|error| match error.kind() {
+    let text = asperity_formats::read_text(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => failed("no such file".into()),
         std::io::ErrorKind::InvalidData => failed("not a text file".into()),
         _ => failed(error.to_string()),

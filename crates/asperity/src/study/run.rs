@@ -77,7 +77,9 @@ impl Study {
         Ok(match &vibration.friction {
             FrictionSource::Computed(_) => None,
             FrictionSource::File(file) => {
-                let (process, name) = (friction_process::read(&folder.join(file), file)?, file.display().to_string());
+                let process = friction_process::read(&folder.join(file), file)?;
+                // The folder of a run states the absolute path, so results contain the name alone.
+                let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let unit_m_per_s = vibration.scales.velocity_m_per_s();
                 let mut found = WindowFriction::from_process(&process, &name, nominal, stribeck, unit_m_per_s);
                 if found.stribeck != stribeck && self.varies("vibration.stribeck") {

@@ -222,7 +222,7 @@ pub fn read_samples(section: &str, name: &str, text: &str) -> Option<UncertainIn
 
 /// Reads the samples of a CSV file.
 fn samples_of_file(key: &UncertainKey, file: &Path) -> Result<Vec<f64>, String> {
-    let text = std::fs::read_to_string(file).map_err(|error| match error.kind() {
+    let text = asperity_formats::read_text(file).map_err(|error| match error.kind() {
         ErrorKind::NotFound => format!("{}: no such file", file.display()),
         ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
         _ => format!("{}: {error}", file.display()),

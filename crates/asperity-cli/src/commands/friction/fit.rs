@@ -1,7 +1,6 @@
 //! Fit of a process to a measured record.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use asperity::friction::measured::{
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::ProcessEstimate;
 use asperity::study::{Table, json_bytes};
+use asperity_formats::read_limited;
 use asperity_report::{Figure, record_figures};
 use clap::Args;
 use serde_json::{Value, json};
@@ -182,7 +182,7 @@ impl FitRecord {
             // Check the folder before computing. The check leaves nothing behind.
             begin_folder("--report", folder, self.force, &[&self.record])?;
         }
-        let bytes = fs::read(&self.record).map_err(|e| Failure::io(Kind::Data, self.record.display(), &e))?;
+        let bytes = read_limited(&self.record).map_err(|e| Failure::io(Kind::Data, self.record.display(), &e))?;
         let name = self.record.file_name().unwrap_or_default().to_string_lossy();
         let description = format!("{name}, column {}, trend {}", columns.column, preparation.detrend);
         let (prepared, fitted) = monitor

@@ -1,6 +1,5 @@
 //! Record drawn from a fitted process.
 
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +7,7 @@ use asperity::friction::process::FittedProcess;
 use asperity::quantity::Length;
 use asperity::stats::Moments;
 use asperity::study::simulated_record;
-use asperity_formats::write_series;
+use asperity_formats::{read_text, write_series};
 use clap::Args;
 
 use crate::args;
@@ -90,6 +89,6 @@ impl Simulate {
 
 /// Reads a fitted process from a file.
 pub(crate) fn read_process(path: &Path) -> Result<FittedProcess, Failure> {
-    let text = fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
+    let text = read_text(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
     FittedProcess::from_json(&text).map_err(|e| Failure::data(path.display(), &e))
 }

@@ -66,8 +66,8 @@ impl Fill {
         let probe = self.target.open(self.count, &[&self.input])?;
         let map = input::map(&self.input, &self.options, monitor)?;
         let options = self.fill_options(&map);
-        let sides = [map.grid().nx() + 2 * options.extend_x, map.grid().ny() + 2 * options.extend_y];
-        let points: f64 = sides.iter().map(|n| *n as f64).product();
+        let side = |n: usize, extend: usize| n as f64 + 2.0 * extend as f64;
+        let points = side(map.grid().nx(), options.extend_x) * side(map.grid().ny(), options.extend_y);
         require_memory(filling_memory_bytes(points), "filling a map of this size")?;
         probe.require_disk(self.count, points)?;
         drop(probe);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use asperity::study::{implausible_damping, implausible_friction};
 use asperity::vibration::{Forcing, FrictionTable, MotionKind, Oscillator, Parameters, VelocityLaw};
+use asperity_formats::read_text;
 use clap::Args;
 
 use crate::args;
@@ -109,7 +110,7 @@ impl Friction {
 
 /// Reads the points of a friction law: two numbers per line, with an optional heading.
 fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
-    let text = std::fs::read_to_string(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
+    let text = read_text(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
     let mut points = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let cells: Vec<&str> = line.split([',', ';', '\t', ' ']).filter(|cell| !cell.trim().is_empty()).collect();

@@ -9,7 +9,7 @@ use crate::correlation::{CorrelationFamily, CorrelationModel};
 use crate::distribution::DistributionError;
 use crate::map::{BoundaryKind, PITCH_RANGE_M};
 use crate::study::file::{StudyFile, SurfaceSection};
-use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest, TruncatedExpansion};
+use crate::surface::model::{CovarianceRequest, Measurable, RMS_HEIGHTS_M, SurfaceRequest, TruncatedExpansion};
 use crate::surface::preparation::Preparation;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
@@ -87,7 +87,13 @@ impl SurfaceSection {
             within(SECTION, "l_filter", long, |cutoff| cutoff > short.0, expected)?;
         }
         if let Some(rms) = self.rms_height {
-            within(SECTION, "rms_height", rms, positive, POSITIVE)?;
+            within(
+                SECTION,
+                "rms_height",
+                rms,
+                |rms| RMS_HEIGHTS_M.contains(&rms),
+                "a height between 1e-50 and 1e50 m",
+            )?;
         }
         for length in self.correlation_length.into_iter().flatten() {
             within(SECTION, "correlation_length", length, positive, POSITIVE)?;
