@@ -70,8 +70,14 @@ impl ProcessModel {
     }
 }
 
-/// Distances between grid points whose sums are accurate in double precision.
-const STEPS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
+/// Checks that sums of the distance between values are accurate in double precision.
+pub(super) fn check_step(step: f64) -> Result<(), ProcessError> {
+    if (1e-15..=1e15).contains(&step) {
+        return Ok(());
+    }
+    let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
+    Err(ProcessError::Parameter { parameter, value: step, wanted })
+}
 
 /// Largest number of steps in a window; a realisation stores 8 bytes for each.
 const MOST_STEPS_IN_WINDOW: f64 = 1e6;
@@ -136,10 +142,7 @@ impl FrictionProcess {
     }
 
     fn build(model: ProcessModel, step: f64) -> Result<Self, ProcessError> {
-        if !STEPS.contains(&step) {
-            let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");
-            return Err(ProcessError::Parameter { parameter, value: step, wanted });
-        }
+        check_step(step)?;
         let normal_length = match model.correlation {
             TranslationKind::Corrected if model.generator.translates() => {
                 let wanted = Translation::new(&model.marginal)?.normal_correlation((-1.0_f64).exp())?;

@@ -1,6 +1,7 @@
 //! Given fluctuations: a record, or zero.
 
-use super::{Cell, EqualCells, Fluctuation, ProcessError, positive};
+use super::model::check_step;
+use super::{Cell, EqualCells, Fluctuation, ProcessError};
 
 /// Zero fluctuation, m = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,9 +22,9 @@ pub struct RecordedProcess {
 }
 
 impl RecordedProcess {
-    /// Creates a record from the values m(0), m(h), m(2h), …: at least two, all finite, with h > 0.
+    /// Creates a record from the values m(0), m(h), m(2h), …: at least two, all finite, with h between 1e-15 and 1e15.
     pub fn new(step: f64, values: Vec<f64>) -> Result<Self, ProcessError> {
-        positive("friction step", step)?;
+        check_step(step)?;
         if values.len() < 2 {
             let (parameter, value) = ("number of recorded friction values", values.len() as f64);
             return Err(ProcessError::Parameter { parameter, value, wanted: "at least 2" });
@@ -86,9 +87,13 @@ mod tests {
 
     #[test]
     fn invalid_records_are_refused() {
-        for (step, values) in
-            [(0.0, vec![1.0, 2.0]), (1.0, vec![1.0]), (1.0, vec![1.0, f64::NAN]), (f64::NAN, vec![1.0; 3])]
-        {
+        for (step, values) in [
+            (0.0, vec![1.0, 2.0]),
+            (1e-300, vec![1.0, 2.0]),
+            (1.0, vec![1.0]),
+            (1.0, vec![1.0, f64::NAN]),
+            (f64::NAN, vec![1.0; 3]),
+        ] {
             assert!(RecordedProcess::new(step, values).is_err());
         }
     }

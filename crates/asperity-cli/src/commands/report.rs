@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use asperity::study::StoredRun;
+use asperity::study::{StoredCampaign, StoredRun};
 use clap::Args;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::run_folder::{load_failure, store_failure};
 
@@ -18,6 +18,11 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+        if StoredCampaign::is_campaign(&self.dir) {
+            let message =
+                format!("{} is a campaign, not a run; `asperity campaign` writes its report", self.dir.display());
+            return Err(Failure::new(Kind::Data, message));
+        }
         let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let files = run.report().map_err(|e| store_failure(&e.into()))?;
         monitor.check()?;

@@ -117,7 +117,7 @@ fn members_equal_single_runs() {
     assert_eq!(run_in(at, "campaign sweep.toml --resume").code, 0);
     run_in(at, "campaign sweep.toml").refuses(2, &["is not empty"]);
     run_in(at, "campaign sweep.toml --resume --seed 6").refuses(2, &["another campaign"]);
-    run_in(at, "report campaigns/sweep").refuses(3, &["study.toml is missing"]);
+    run_in(at, "report campaigns/sweep").refuses(3, &["is a campaign"]);
 }
 
 #[test]

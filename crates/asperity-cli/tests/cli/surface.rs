@@ -138,16 +138,18 @@ fn modes_that_do_not_exist_are_usage_errors() {
     asperity(line).refuses(2, &["--hurst", "self-affine"]);
     let line = "surface modes --covariance matern --hurst 0.5 --correlation-length 1m --size 1m --points 8 --modes 2";
     asperity(line).refuses(2, &["--hurst", "self_affine"]);
-    let base = "surface modes --covariance exponential --correlation-length 1m --json";
+    let base = "surface modes --covariance exponential --json";
     for (line, words) in [
         ("--size 1m --points 8 --modes 9", ["9 modes", "8"]),
         ("--size 1m,1m --points 8 --modes 4", ["2 sizes", "1 numbers"]),
         ("--size 1m --points 0 --modes 4", ["--points", "at least 1"]),
         ("--size 1m --points 8 --modes 0", ["--modes", "at least 1"]),
+        ("--size 1m --points 8 --modes 4 --correlation-length 1m,2m", ["--correlation-length", "rectangle"]),
         ("--size -1m --points 8 --modes 4", ["--size", "above 0"]),
         ("--size 1 --points 8 --modes 4", ["--size", "no unit"]),
     ] {
-        asperity(&format!("{base} {line}")).refuses(2, &words);
+        let length = if line.contains("--correlation-length") { "" } else { "--correlation-length 1m" };
+        asperity(&format!("{base} {length} {line}")).refuses(2, &words);
     }
     asperity("surface modes --covariance exponentil --correlation-length 1m --size 1m --points 8 --modes 1")
         .refuses(2, &["exponentil", "exponential"]);

@@ -63,6 +63,11 @@ impl Modes {
         let (length_x, length_y) = self.correlation_length.both();
         let covariance = Covariance::new(model, 1.0, length_x.0, length_y.0).map_err(Failure::usage)?;
         let sizes_m: Vec<f64> = self.size.given().into_iter().map(|size| size.0).collect();
+        if let (OneOrTwo::Two(..), [_]) = (self.correlation_length, &sizes_m[..]) {
+            return Err(Failure::usage(
+                "--correlation-length: an interval has one; give --size two values for a rectangle",
+            ));
+        }
         let points = self.points.given();
         require_memory(modes_memory_bytes(&points, self.modes, self.route), "the eigenproblem")?;
         let found = monitor
