@@ -16,6 +16,8 @@ const LARGEST_BETA_SHAPE: f64 = 1e8;
 const LARGEST_WEIBULL_SHAPE: f64 = 1e8;
 const LARGEST_GAMMA_SHAPE: f64 = 1e16;
 const SMALLEST_SIGMA: f64 = 1e-8;
+/// Smallest standard deviation over the mean of a distribution that is standardised.
+const LEAST_RELATIVE_STD: f64 = 1e-9;
 
 /// Distribution on the real line.
 ///
@@ -219,7 +221,8 @@ impl Marginal {
     /// distribution.
     ///
     /// # Errors
-    /// A standard deviation that is not positive and finite, of this distribution or requested.
+    /// A standard deviation that is not positive and finite, of this distribution or requested, or that is below 1e-9 of the mean, because
+    /// values differ from the mean by a few roundings then.
     pub fn standardised(&self, mean: f64, std: f64) -> Result<Self, DistributionError> {
         let (own_mean, own_std) = (self.mean(), self.std());
         for value in [own_std, std] {
@@ -227,6 +230,11 @@ impl Marginal {
                 let (distribution, parameter, wanted) = (self.name(), "std", "positive and finite");
                 return Err(DistributionError::Parameter { distribution, parameter, value, wanted });
             }
+        }
+        if own_std < LEAST_RELATIVE_STD * own_mean.abs() && !matches!(self, Self::Normal { .. }) {
+            let (distribution, parameter) = (self.name(), "std");
+            let wanted = "at least 1e-9 of the mean, or its values are rounded to a few";
+            return Err(DistributionError::Parameter { distribution, parameter, value: own_std, wanted });
         }
         let scale = std / own_std;
         let at = |x: f64| mean + scale * (x - own_mean);
@@ -612,6 +620,10 @@ pub(super) mod tests {
         assert!(Marginal::beta(2.1, 5.0, 1.0, 1.0).is_err());
         let error = Marginal::beta(1.1e8, 2.0, 0.0, 1.0).unwrap_err().to_string();
         assert!(error.starts_with("beta: a is 110000000, but must be at most 1e8"), "{error}");
+        for text in ["gamma:2,1,1e20", "triangular:1e12,1e12,1000000000001", "normal:1e20,1"] {
+            let standardised = text.parse::<Marginal>().unwrap().standardised(0.0, 1.0);
+            assert_eq!(standardised.is_ok(), text.starts_with("normal"), "{text}: {standardised:?}");
+        }
         for text in ["weibull:1.1e8,1", "gamma:1.1e16,1", "lognormal:0,9e-9"] {
             let error = text.parse::<Marginal>().unwrap_err().to_string();
             assert!(error.contains("must be at ") && error.contains("1e"), "{text}: {error}");
