@@ -401,3 +401,115 @@ fn joint_errors_of_height_slope_and_skewness_equal_their_covariance_over_maps() 
     // Heights and slopes of one map are high together.
     assert!(errors[0][1] > 0.2 * (errors[0][0] * errors[1][1]).sqrt());
 }
+
+/// Returns maps of `side` points a side whose correlation falls to 1/e at `length` points; far below one point they are
+/// white noise.
+fn short_maps(model: CorrelationModel, length: f64, side: usize, count: u64) -> impl Iterator<Item = HeightMap> {
+    let covariance = Covariance::new(model, 1.0, length, length).unwrap();
+    let field = SpectralField::periodic(&covariance, Grid::new(side + 24, side + 24, 1.0, 1.0).unwrap());
+    (0..count).map(move |index| {
+        let xi = random::standard_normal(&mut random::stream(44, "short maps", index), field.xi_len());
+        let heights = field.generate(&xi).heights_m().slice(s![..side, ..side]).to_owned();
+        HeightMap::new(Grid::new(side, side, 1.0, 1.0).unwrap(), heights).unwrap()
+    })
+}
+
+/// Returns maps of white noise averaged over 3 × 3 points, whose correlation is linear: 1, 2/3, 1/3, 0.
+fn averaged_noise(side: usize, count: u64) -> impl Iterator<Item = HeightMap> {
+    (0..count).map(move |index| {
+        let wide = side + 2;
+        let noise = random::standard_normal(&mut random::stream(45, "averaged noise", index), wide * wide);
+        let noise = Array2::from_shape_vec((wide, wide), noise).unwrap();
+        let mean = |(row, column)| noise.slice(s![row..row + 3, column..column + 3]).sum() / 9.0;
+        HeightMap::new(Grid::new(side, side, 1.0, 1.0).unwrap(), Array2::from_shape_fn((side, side), mean)).unwrap()
+    })
+}
+
+/// Counts of intervals of the length along x.
+#[derive(Debug, Default)]
+struct Stated {
+    stated: u64,
+    without_value: u64,
+    without_truth: u64,
+}
+
+fn stated(maps: impl Iterator<Item = HeightMap>, length: f64) -> Stated {
+    let mut found = Stated::default();
+    for map in maps {
+        let e = Uncertainty { resamples: 2, ..Uncertainty::default() }.of(&map, &quick_values(&map)).unwrap();
+        if let Some(Estimate { value, interval, .. }) = e.correlation_length_x_m {
+            found.stated += 1;
+            found.without_value += u64::from(!interval.contains(value));
+            found.without_truth += u64::from(!interval.contains(length));
+        }
+    }
+    found
+}
+
+const SHORT_MODELS: [CorrelationModel; 2] = [CorrelationModel::SquaredExponential, CorrelationModel::Exponential];
+
+#[test]
+fn intervals_of_lengths_of_few_points_contain_their_values() {
+    for model in SHORT_MODELS {
+        for length in [1.5, 1.8, 2.2, 2.6, 3.0] {
+            let found = stated(short_maps(model, length, 72, 3), length);
+            assert!(found.stated == 3 && found.without_value == 0, "{} {length}: {found:?}", model.name());
+        }
+        // Without a lag at which the correlation exceeds 1/e there is no interval.
+        for length in [0.01, 0.5, 0.8] {
+            assert_eq!(stated(short_maps(model, length, 64, 3), length).stated, 0, "{} {length}", model.name());
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn intervals_of_lengths_of_few_points_have_95_percent_coverage() {
+    // Fewer than 177 of 200 intervals cover with a probability below 1e-4 (binomial). More than 95 % cover if the ends of
+    // linear and convex correlations differ.
+    for model in SHORT_MODELS {
+        for length in [1.5, 1.8, 2.2, 2.6, 3.0] {
+            let found = stated(short_maps(model, length, 90, 200), length);
+            assert!(found.stated == 200 && found.without_value == 0, "{} {length}: {found:?}", model.name());
+            assert!(found.without_truth <= 23, "{} {length}: {found:?}", model.name());
+        }
+        // On larger maps the intervals are narrower than the bias of the value.
+        for length in [1.5, 2.5] {
+            let found = stated(short_maps(model, length, 240, 100), length);
+            assert!(found.stated == 100 && found.without_value == 0, "{} {length}: {found:?}", model.name());
+            // More than 14 of 100 with a probability below 2e-4.
+            assert!(found.without_truth <= 14, "{} {length}: {found:?}", model.name());
+        }
+        // Close to one point only maps whose correlation there exceeds 1/e significantly have an interval. Those without
+        // the truth are at most 2.5 % of the maps: more than 15 of 200 with a probability below 1e-4.
+        for length in [1.0, 1.1, 1.2] {
+            let found = stated(short_maps(model, length, 90, 200), length);
+            assert!(found.without_value == 0 && found.without_truth <= 15, "{} {length}: {found:?}", model.name());
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn intervals_of_averaged_noise_have_95_percent_coverage() {
+    let length = 3.0 * (1.0 - (-1.0_f64).exp());
+    for (side, count, most) in [(64, 200, 23), (240, 100, 14)] {
+        let found = stated(averaged_noise(side, count), length);
+        assert!(found.stated == count && found.without_value == 0 && found.without_truth <= most, "{side}: {found:?}");
+    }
+}
+
+#[test]
+fn weights_between_lags_are_those_of_several_shapes() {
+    let level = (-1.0_f64).exp();
+    for (power, tolerance) in [(1.0, 1e-12), (2.0, 1e-12), (1.25, 4e-3), (1.5, 4e-3), (1.75, 4e-3)] {
+        for step in 0..900 {
+            let length = 1.0 + 0.1 * f64::from(step) / 3.0;
+            let sum: f64 = super::lengths::convex(length, level)
+                .into_iter()
+                .map(|(lag, weight)| weight * (-(lag as f64 / length).powf(power)).exp())
+                .sum();
+            assert!((sum - level).abs() < tolerance, "{power} {length}: {sum}");
+        }
+    }
+}

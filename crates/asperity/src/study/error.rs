@@ -82,8 +82,8 @@ pub enum StudyError {
     },
     /// A parameter of the surface is as uncertain as measured, and no interval was.
     #[error(
-        "[friction.uncertainty] {key}: the scan holds too few correlation lengths for an interval of {statistic}; state a \
-         standard deviation instead of \"measured\""
+        "[friction.uncertainty] {key}: the scan contains too few correlation lengths, or too few points to a length, for \
+         an interval of {statistic}; state a standard deviation instead of \"measured\""
     )]
     NoInterval {
         /// Key of the section.
