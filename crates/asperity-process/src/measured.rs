@@ -25,6 +25,13 @@ pub use fit::{DistributionChoice, FittedRecord, Series};
 pub use preparation::{Cut, Detrend, PreparedRecord, RecordPreparation, Removal};
 pub use record::{Abscissa, MeasuredRecord, NormalForce, RecordColumns};
 
+/// Distances between values in metre whose sums are accurate in double precision.
+const MIN_STEP_M: f64 = 1e-15;
+const MAX_STEP_M: f64 = 1e15;
+/// Largest friction coefficients of a record whose moments are accurate in double precision.
+const MIN_FRICTION: f64 = 1e-30;
+const MAX_FRICTION: f64 = 1e30;
+
 /// Error of reading a friction record or of fitting a process to it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -113,6 +120,29 @@ pub enum MeasuredError {
     /// The record is over time, but the velocity is missing.
     #[error("the record is over time, but friction is analysed over the sliding distance: state the sliding velocity")]
     NoVelocity,
+    /// The ends of a cut are times, but the record is over distance.
+    #[error(
+        "the cut is from one time to another, but the record is over the sliding distance: give two distances, or state the \
+         sliding velocity"
+    )]
+    CutOfTime,
+    /// The distance between values is outside the range of exact sums.
+    #[error(
+        "the distance between values is {step_m:e} m, but must be {MIN_STEP_M:e} to {MAX_STEP_M:e} m; check the units"
+    )]
+    Step {
+        /// Distance in metre.
+        step_m: f64,
+    },
+    /// The friction coefficient is outside the range of its moments.
+    #[error(
+        "the largest friction coefficient is {largest:e}, but must be {MIN_FRICTION:e} to {MAX_FRICTION:e}; check the units of \
+         friction and normal force"
+    )]
+    Magnitude {
+        /// Largest absolute value.
+        largest: f64,
+    },
     /// The column is a friction force, but the normal force is missing.
     #[error("column `{column}` is a force: state the normal force, or name its column")]
     NoNormalForce {
@@ -239,6 +269,9 @@ impl MeasuredError {
                 | Self::NoUnit { .. }
                 | Self::WrongUnit { .. }
                 | Self::NoVelocity
+                | Self::CutOfTime
+                | Self::Step { .. }
+                | Self::Magnitude { .. }
                 | Self::NoNormalForce { .. }
                 | Self::IdleNormalForce { .. }
                 | Self::Option { .. }

@@ -16,7 +16,8 @@ use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
 use asperity_base::distribution::goodness::{FitGoodness, ProcessNull};
 use asperity_base::monitor::{Monitor, Silent};
 use asperity_base::stats::{
-    Histogram, Moments, NORMAL_95, ProcessEstimate, ProcessMoments, StatsError, quantile_sorted, sorted_present,
+    Histogram, Interval, Moments, NORMAL_95, ProcessEstimate, ProcessMoments, StatsError, quantile_sorted,
+    sorted_present,
 };
 
 /// Least effective sample size of a record.
@@ -29,6 +30,8 @@ const DRAWS: usize = 499;
 const SEED: u64 = 0;
 /// Length, as a fraction of a step, that replaces shorter lengths.
 const LEAST_LENGTH: f64 = 0.05;
+/// Length in steps below which the step does not resolve the correlation.
+const RESOLVED: f64 = 2.0;
 /// Number of correlation lengths below which moments use the intervals of the correlation model where these are wider.
 const SHORT: f64 = 100.0;
 /// Number of steps of a fit for the progress: correlation, moments, distributions, and quality of their fits.
@@ -155,12 +158,40 @@ fn correlate(
     Ok((found, ObservedLengths::fit(pieces, step_m, history, monitor)?))
 }
 
-/// Returns the standard deviation of the process over the one of the values, which excludes noise and the effect of
-/// averaging.
-fn std_ratio(fit: &LengthFit) -> f64 {
+/// Standard deviation of the process over the one of the values.
+struct StdRatio {
+    best: f64,
+    /// Ratios for the lower and the upper end of the interval.
+    ends: [f64; 2],
+}
+
+/// Returns whether the values are means over a step that does not resolve the correlation.
+fn averages_unresolved(fit: &LengthFit, observation: Observation, step_m: f64) -> bool {
+    let over_step = fit.window_m > 0.0 && !matches!(observation, Observation::MovingAverage { .. });
+    over_step && fit.length_m < RESOLVED * step_m
+}
+
+/// Returns the ratio that excludes noise and the effect of averaging.
+///
+/// The variance of means over a step tends to zero with ℓ. If the step does not resolve the correlation, the ends
+/// include the interval of ℓ; if ℓ may be zero, the ratio excludes noise only.
+fn std_ratio(fit: &LengthFit, observation: Observation, step_m: f64) -> StdRatio {
     let window = WindowedModel::new(fit.model, fit.window_m).with_cells(fit.cell_m);
-    let left = if fit.length_m > 0.0 { window.covariance(0.0, fit.length_m) } else { 1.0 };
-    ((1.0 - fit.noise_fraction) / left).sqrt()
+    let ratio = |length_m: f64| {
+        let left = match observation {
+            _ if length_m > 0.0 => window.covariance(0.0, length_m),
+            Observation::MovingAverage { values } => (values as f64).recip(),
+            Observation::Points | Observation::Means => 1.0,
+        };
+        ((1.0 - fit.noise_fraction) / left).sqrt()
+    };
+    let Interval { low, high } = fit.interval;
+    let (length_m, ends_m) = match averages_unresolved(fit, observation, step_m) {
+        true if low == 0.0 => (0.0, [0.0; 2]),
+        true => (fit.length_m, [high, low]),
+        false => (fit.length_m, [fit.length_m; 2]),
+    };
+    StdRatio { best: ratio(length_m), ends: ends_m.map(ratio) }
 }
 
 /// Returns moments whose intervals account for the fitted correlation if the record is short.
@@ -242,14 +273,17 @@ impl FittedRecord {
         let goodness =
             marginals.fits.iter().position(|fit| fit.marginal == marginal).and_then(|place| marginals.distance(place));
         // With a narrowed band, the fitted noise is not the noise of the values.
-        let ratio = if narrowed_to_per_m.is_some() { 1.0 } else { std_ratio(&best) };
+        let StdRatio { best: ratio, ends: ratios } = match narrowed_to_per_m {
+            Some(_) => StdRatio { best: 1.0, ends: [1.0; 2] },
+            None => std_ratio(&best, observation, record.step_m),
+        };
         let (shape, length_m) =
             CorrelationShape::from_record_model(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
         let process = FittedProcess {
             mean: moments.moments.mean,
             mean_interval: moments.mean.filter(|_| prepared.history.band.high_pass_m.is_none()).map(pair),
             std: ratio * moments.moments.std,
-            std_interval: moments.std.map(pair).map(|ends| ends.map(|end| ratio * end)),
+            std_interval: moments.std.map(pair).map(|ends| [ratios[0] * ends[0], ratios[1] * ends[1]]),
             marginal: Some(marginal),
             correlation: Some(FittedCorrelation {
                 shape,
@@ -280,12 +314,9 @@ impl FittedRecord {
             );
         }
         warnings.extend(notes_on(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
-        if best.length_m < 2.0 * record.step_m {
-            warnings.push(format!(
-                "the correlation length of {:.3e} m is not much longer than the step of {:.3e} m: with finer sampling it may be \
-                 shorter",
-                best.length_m, record.step_m
-            ));
+        if best.length_m < RESOLVED * record.step_m {
+            let whole = narrowed_to_per_m.is_none();
+            warnings.push(unresolved(&best, observation, record.step_m, whole));
         }
         if let Some(fit) = goodness.filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
             warnings.push(format!(
@@ -431,6 +462,29 @@ fn notes_on(
         ));
     }
     notes
+}
+
+/// Returns the warning that the step does not resolve the correlation; `whole` if the fit uses all frequencies.
+fn unresolved(fit: &LengthFit, observation: Observation, step_m: f64, whole: bool) -> String {
+    let metre = |value: f64| if value == 0.0 { "0".to_owned() } else { format!("{value:.3e}") };
+    let Interval { low, high } = fit.interval;
+    let start = format!(
+        "the correlation length of {} m (95 %: {} to {} m) is not much longer than the step of {step_m:.3e} m: ",
+        metre(fit.length_m),
+        metre(low),
+        metre(high)
+    );
+    let rest = if whole && averages_unresolved(fit, observation, step_m) && low == 0.0 {
+        "the effect of the averaging is unknown, and the standard deviation is the one of the averages; sample more finely, or average \
+         fewer values"
+    } else if whole && observation == Observation::Points && fit.window_m == 0.0 && fit.noise_fraction == 0.0 {
+        "the spectrum hardly distinguishes values at points from means over the step, or the process from white noise; the \
+         values are taken as values at points without noise, and the standard deviation is the one of the recorded values; \
+         sample more finely"
+    } else {
+        "with finer sampling it may be shorter"
+    };
+    start + rest
 }
 
 fn pair(estimate: ProcessEstimate) -> [f64; 2] {

@@ -194,7 +194,7 @@ impl RecordPreparation {
         let (from_m, to_m) = match cut {
             Cut::Distance(from, to) => (from, to),
             Cut::Time(from, to) => {
-                let velocity = record.velocity_m_per_s.ok_or(MeasuredError::NoVelocity)?;
+                let velocity = record.velocity_m_per_s.ok_or(MeasuredError::CutOfTime)?;
                 (from * velocity, to * velocity)
             }
         };
@@ -306,6 +306,10 @@ mod tests {
         assert!((part.start_m - 0.011).abs() < 1e-12);
         assert!(cut(Cut::Distance(0.0, 0.0105)).is_err_and(|error| error.is_too_few()));
         assert!(cut(Cut::Distance(0.02, 0.01)).is_err_and(|error| error.is_request()));
+        let by_distance = MeasuredRecord { velocity_m_per_s: None, ..record(values.clone()) };
+        let times = RecordPreparation { cut: Some(Cut::Time(0.11, 0.21)), ..RecordPreparation::default() };
+        let error = times.apply(&by_distance).unwrap_err();
+        assert!(error.is_request() && error.to_string().contains("the record is over the sliding distance"), "{error}");
     }
 
     #[test]

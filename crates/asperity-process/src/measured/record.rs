@@ -4,7 +4,7 @@ use super::columns::{Chosen, ColumnTable};
 use super::sampling::{Grid, even};
 use super::strokes::{Signs, Strokes, signs};
 use super::units::{force_factor, is_none, length_factor, time_factor};
-use super::{MeasuredError, sampling};
+use super::{MAX_FRICTION, MAX_STEP_M, MIN_FRICTION, MIN_STEP_M, MeasuredError, sampling};
 
 /// Columns of a file that contain the record, by name or by number counted from 1.
 ///
@@ -106,7 +106,8 @@ impl MeasuredRecord {
     /// # Errors
     /// Fails if columns are missing or contain text, if units are absent or have the wrong dimension, if the velocity
     /// for a time or the normal force for a force is missing, if the sampling is uneven, if there are fewer than 2
-    /// rows, or if values lie on both sides of zero without being strokes.
+    /// rows, if the distance between values is not between 1e-15 and 1e15 m or the largest friction coefficient not
+    /// between 1e-30 and 1e30, or if values lie on both sides of zero without being strokes.
     pub fn new(table: &ColumnTable, columns: &RecordColumns) -> Result<Self, MeasuredError> {
         if table.rows() < 2 {
             return Err(MeasuredError::TooFew { present: table.rows(), what: "are in the file", wanted: 2 });
@@ -145,6 +146,14 @@ impl MeasuredRecord {
         if present == 0 {
             return Err(MeasuredError::TooFew { present, what: "are present in the column", wanted: 2 });
         }
+        let (start_m, step_m) = (start * per_axis, step * per_axis);
+        if !(MIN_STEP_M..=MAX_STEP_M).contains(&step_m) {
+            return Err(MeasuredError::Step { step_m });
+        }
+        let largest = friction.iter().map(|mu| mu.abs()).fold(0.0, f64::max);
+        if largest != 0.0 && !(MIN_FRICTION..=MAX_FRICTION).contains(&largest) {
+            return Err(MeasuredError::Magnitude { largest });
+        }
         let mut starts = Vec::new();
         match signs(&friction) {
             Signs::One { reversed: false } => {}
@@ -169,7 +178,6 @@ impl MeasuredRecord {
             let fraction = 100.0 * gaps as f64 / friction.len() as f64;
             warnings.push(format!("{gaps} of {} values are missing ({fraction:.2} %) and remain gaps", friction.len()));
         }
-        let (start_m, step_m) = (start * per_axis, step * per_axis);
         Ok(Self {
             start_m,
             step_m,

@@ -3,14 +3,17 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Mutex;
 
+use asperity_base::correlation::Observation;
 use asperity_base::distribution::Marginal;
 use asperity_base::monitor::Monitor;
+use asperity_base::random;
 use asperity_base::stats::NORMAL_95;
 use asperity_process::measured::{
     Abscissa, ColumnTable, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
     PreparedRecord, RecordColumns, RecordPreparation,
 };
 use asperity_process::{CorrelationShape, FittedProcess, FrictionProcess, ProcessModel, TranslationKind};
+use asperity_testing::autoregressive;
 
 const LENGTH_M: f64 = 250e-6;
 const STEP_M: f64 = 10e-6;
@@ -235,6 +238,18 @@ fn wrong_requests_report_the_value_found_and_the_value_wanted() {
     refused(&RecordColumns { abscissa: by_length, ..right.clone() }, &["`Zeit`", "`ms` is not a unit of length"]);
     let rate = Abscissa::SamplingRate { hertz: 0.0 };
     refused(&RecordColumns { abscissa: rate, ..right.clone() }, &["sampling rate is 0"]);
+    // At 1 kHz.
+    for velocity in [1e-200, 1e-13, 1e19, 1e300] {
+        let columns = RecordColumns { velocity_m_per_s: Some(velocity), ..right.clone() };
+        refused(&columns, &["the distance between values is", "1e-15 to 1e15 m"]);
+    }
+    let rate = Abscissa::SamplingRate { hertz: 1e-200 };
+    refused(&RecordColumns { abscissa: rate, ..right.clone() }, &["the distance between values is", "e198 m"]);
+    for newton in [1e-300, 1e-31, 1e33] {
+        let normal_force = Some(NormalForce::Constant { newton });
+        let columns = RecordColumns { normal_force, ..right.clone() };
+        refused(&columns, &["the largest friction coefficient is", "1e-30 to 1e30", "units"]);
+    }
     let normal_force = Some(NormalForce::Column { column: "Kommentar".into(), unit: None });
     refused(&RecordColumns { normal_force, ..right.clone() }, &["`Kommentar` has no unit", "N or mN"]);
     // Without a time column the sampling rate gives the same result.
@@ -242,6 +257,120 @@ fn wrong_requests_report_the_value_found_and_the_value_wanted() {
     let by_rate = MeasuredRecord::new(&table, &RecordColumns { abscissa: rate, ..right.clone() }).unwrap();
     let by_column = MeasuredRecord::new(&table, &right).unwrap();
     assert!(by_rate.friction == by_column.friction && (by_rate.step_m / by_column.step_m - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn distances_and_coefficients_outside_double_precision_are_errors() {
+    let of = |step: f64, scale: f64| {
+        let text: String =
+            (0..20).map(|i| format!("{:e},{:e}\n", f64::from(i) * step, scale * f64::from(3 + i % 3))).collect();
+        let table = ColumnTable::read(format!("s [m],mu\n{text}").as_bytes()).unwrap();
+        MeasuredRecord::new(&table, &by_distance())
+    };
+    assert!(of(1e-14, 1e-29).is_ok() && of(1e14, 1e29).is_ok());
+    for step in [1e-200, 1e-16, 1e16, 1e300] {
+        assert!(
+            matches!(of(step, 1.0), Err(MeasuredError::Step { step_m }) if (step_m / step - 1.0).abs() < 1e-9),
+            "{step}"
+        );
+    }
+    for scale in [1e-200, 1e-31, 1e31, 1e200] {
+        let error = of(1.0, scale).unwrap_err();
+        assert!(matches!(error, MeasuredError::Magnitude { largest } if largest == 5.0 * scale), "{error}");
+    }
+}
+
+/// Fits a record at steps of one metre.
+fn fitted(friction: Vec<f64>, decimation: usize) -> Result<FittedRecord, MeasuredError> {
+    let record = MeasuredRecord {
+        start_m: 0.0,
+        step_m: 1.0,
+        friction,
+        velocity_m_per_s: None,
+        strokes_m: vec![],
+        warnings: vec![],
+    };
+    let prepared = RecordPreparation { decimation, ..RecordPreparation::default() }.apply(&record)?;
+    FittedRecord::new(&prepared, "normal".parse().unwrap(), "rig")
+}
+
+/// Returns μ of mean 0.4, standard deviation 0.03 and correlation e^{−lag/ℓ}; ℓ = 0 for uncorrelated values.
+fn exponential(length: f64, values: usize, index: u64) -> Vec<f64> {
+    let phi = if length > 0.0 { (-1.0 / length).exp() } else { 0.0 };
+    let normal = autoregressive(phi, values, &mut random::stream(83, "unresolved", index));
+    normal.into_iter().map(|value| 0.4 + 0.03 * value).collect()
+}
+
+/// Returns the numbers of records whose interval of the standard deviation contains the one of the recorded values, and
+/// the one of the process.
+fn covering(length: f64, values: usize, records: u64) -> (usize, usize) {
+    let (mut recorded, mut process) = (0, 0);
+    for index in 0..records {
+        let fit = fitted(exponential(length, values, index), 1).unwrap();
+        let [low, high] = fit.process.std_interval.unwrap();
+        recorded += usize::from((low..=high).contains(&fit.std_measured));
+        process += usize::from((low..=high).contains(&0.03));
+        if fit.process.std == fit.std_measured {
+            let hint = "hardly distinguishes values at points from means over the step";
+            assert!(fit.length.length_m >= 2.0 || fit.warnings.iter().any(|warning| warning.contains(hint)), "{fit:?}");
+        }
+    }
+    (recorded, process)
+}
+
+#[test]
+fn unresolved_records_have_the_standard_deviation_of_their_values() {
+    for (length, values) in [(0.0, 200), (0.0, 600), (0.3, 300)] {
+        let (recorded, process) = covering(length, values, 10);
+        assert!(recorded == 10 && process >= 7, "ℓ = {length}, {values} values: {recorded}, {process} of 10");
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn intervals_of_unresolved_records_cover_the_standard_deviation() {
+    // Of 100, 95 % are 95 ± 2.2. Chance selects noise or means in less than one record in a hundred.
+    let cases = [(0.0, 50, 100), (0.0, 200, 100), (0.0, 600, 100), (0.0, 4000, 30), (0.1, 600, 100), (0.3, 600, 100)];
+    for (length, values, records) in cases.into_iter().chain([(0.6, 600, 100), (1.0, 600, 100), (1.0, 2000, 40)]) {
+        let (recorded, process) = covering(length, values, records);
+        let least = records as usize * 88 / 100;
+        assert!(
+            recorded + 1 >= records as usize && process >= least,
+            "ℓ = {length}: {recorded}, {process} of {records}"
+        );
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn means_over_a_step_near_the_correlation_length_are_recognised_in_long_records() {
+    for (length, least) in [(0.5, 7), (1.0, 10), (2.0, 10)] {
+        let fits = (0..10).map(|index| {
+            let fine = exponential(20.0 * length, 80_000, 1000 + index);
+            fitted(fine.chunks_exact(20).map(|part| part.iter().sum::<f64>() / 20.0).collect(), 1).unwrap()
+        });
+        let means: Vec<FittedRecord> = fits.filter(|fit| fit.observation == Observation::Means).collect();
+        let covering = means.iter().filter(|fit| {
+            let [low, high] = fit.process.std_interval.unwrap();
+            (low..=high).contains(&0.03)
+        });
+        assert!(means.len() >= least && covering.count() + 2 >= means.len(), "ℓ = {length}: {} of 10", means.len());
+    }
+}
+
+#[test]
+fn averages_of_uncorrelated_values_have_a_known_or_a_stated_standard_deviation() {
+    // A moving average of k uncorrelated values has 1/√k of their standard deviation.
+    for index in 0..4 {
+        let values = exponential(0.0, 1000, index);
+        let smooth = values.windows(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
+        let [low, high] = fitted(smooth, 1).unwrap().process.std_interval.unwrap();
+        assert!(low < 0.033 && high > 0.027 && high / low < 1.4, "{low} to {high}");
+    }
+    // Means of ten values that are uncorrelated do not determine the correlation length, or the effect of averaging.
+    let fit = fitted(exponential(0.0, 3000, 5), 10).unwrap();
+    assert!(fit.length.interval.low == 0.0 && fit.process.std == fit.std_measured, "{:?}", fit.length);
+    assert!(fit.warnings.iter().any(|warning| warning.contains("the effect of the averaging is unknown")));
 }
 
 #[test]

@@ -185,8 +185,13 @@ pub(super) fn fit_likelihood(
 
 /// Returns the minimum of −ln L without the rest of [`fit_length`].
 pub(super) fn least(likelihood: &Likelihood, channel: &WindowedRecords<'_>, noise: bool) -> f64 {
+    length_and_least(likelihood, channel, noise).1
+}
+
+/// Returns ℓ in metre and the minimum of −ln L without the rest of [`fit_length`].
+pub(super) fn length_and_least(likelihood: &Likelihood, channel: &WindowedRecords<'_>, noise: bool) -> (f64, f64) {
     let (low_m, high_m) = range_m(std::slice::from_ref(channel));
-    minimum(&|length_m| likelihood.profile(length_m, noise).1, low_m, high_m).1
+    minimum(&|length_m| likelihood.profile(length_m, noise).1, low_m, high_m)
 }
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {

@@ -2,7 +2,7 @@
 
 use super::RecordCorrelation;
 use super::band::RecordBand;
-use super::length::{LengthFit, LengthSettings, fit_likelihood, least, likelihood};
+use super::length::{LengthFit, LengthSettings, fit_likelihood, least, length_and_least, likelihood};
 use super::likelihood::WindowedRecords;
 use super::model::{RecordModel, WindowedModel};
 use super::ranking::{RankedLength, ranked};
@@ -18,6 +18,11 @@ const AVERAGES: [usize; 12] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20];
 /// Required gain of 2 ln L for noise, and for a moving average, chosen from twelve.
 const NOISE_COST: f64 = 4.0;
 const AVERAGE_COST: f64 = 9.0;
+/// Length of the exponential model of values at points, in steps, below which the step does not resolve the correlation.
+const RESOLVED: f64 = 2.0;
+/// Required gain of 2 ln L over values at points without noise if the step does not resolve the correlation. Of 950
+/// white records none exceeded 10.
+const UNRESOLVED_COST: f64 = 12.0;
 /// Least number of wavenumbers, and of lengths per wave, of a reduced band.
 const LEAST_WAVENUMBERS: f64 = 40.0;
 const LEAST_WAVE: f64 = 1.0;
@@ -92,6 +97,10 @@ impl ObservedLengths {
     /// All candidates are compared on the same wavenumbers. If the best does not fit (see [`super::LackOfFit`]), as
     /// with filters of another kind, the upper half of the frequencies is excluded repeatedly, as long as waves of
     /// length ℓ remain. If no reduction helps, the result is the fit to all frequencies with its test.
+    ///
+    /// The spectrum of an unresolved correlation is nearly flat. It distinguishes neither values at points from means
+    /// over the step nor the process from noise. If the exponential model of values at points is shorter than two
+    /// steps, another observation model, or noise, must therefore gain 12 in 2 ln L.
     ///
     /// More than 32,768 values are divided into segments of at least 32 correlation lengths. Waves longer than two
     /// segments are those of the whole records, so all frequencies are used, and the cost of an evaluation of the
@@ -177,6 +186,10 @@ impl ObservedLengths {
             step_m,
             band,
         );
+        let points = channel(Observation::Points);
+        let (length_m, of_points) = length_and_least(&all, &points, false);
+        // Largest −2 ln L of another observation model, or of noise, if the step does not resolve the correlation.
+        let most = if length_m < RESOLVED * step_m { 2.0 * of_points - UNRESOLVED_COST } else { f64::INFINITY };
         // Candidates with and without noise, averages without, and the fit of the best.
         let steps = MODELS.len() * (averages.len() + if averages.is_empty() { 4 } else { 6 } + 1);
         let task = Task::new(monitor, "correlation fits", steps);
@@ -204,7 +217,9 @@ impl ObservedLengths {
                     (observation, noise, cost(observation, noise) + 2.0 * value(observation, noise))
                 })
                 .min_by(|a, b| a.2.total_cmp(&b.2));
-            if let Some((observation, noise, _)) = best {
+            if let Some((observation, noise, criterion)) = best {
+                let indistinct = criterion - cost(observation, noise) > most;
+                let (observation, noise) = if indistinct { (Observation::Points, false) } else { (observation, noise) };
                 let channel = channel(observation);
                 let fit = fit_likelihood(&likelihood(&channel), &[channel], model, settings(noise));
                 task.advance(1);
@@ -212,7 +227,7 @@ impl ObservedLengths {
                 observations.push((model, observation, cost(observation, noise)));
             }
         }
-        let models = ranked(&[channel(Observation::Points)], fits, settings(false));
+        let models = ranked(&[points], fits, settings(false));
         let of = |model: RecordModel| observations.iter().find(|(own, _, _)| *own == model);
         let best = models.first().ok_or(EstimateError::Nothing)?;
         let cost_of = |ranked: &RankedLength| of(ranked.fit.model).map_or(f64::INFINITY, |(_, _, cost)| *cost);
