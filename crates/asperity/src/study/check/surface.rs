@@ -92,7 +92,7 @@ impl SurfaceSection {
                 "rms_height",
                 rms,
                 |rms| RMS_HEIGHTS_M.contains(&rms),
-                "a height between 1e-50 and 1e50 m",
+                "a positive value between 1e-50 and 1e50 m",
             )?;
         }
         for length in self.correlation_length.into_iter().flatten() {
