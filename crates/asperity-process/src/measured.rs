@@ -16,6 +16,7 @@ mod units;
 use thiserror::Error;
 
 use crate::ProcessError;
+use crate::model::STEPS;
 use asperity_base::correlation::EstimateError;
 use asperity_base::distribution::DistributionError;
 use asperity_base::stats::StatsError;
@@ -25,9 +26,6 @@ pub use fit::{DistributionChoice, FittedRecord, Series};
 pub use preparation::{Cut, Detrend, PreparedRecord, RecordPreparation, Removal};
 pub use record::{Abscissa, MeasuredRecord, NormalForce, RecordColumns};
 
-/// Distances between values in metre whose sums are accurate in double precision.
-const MIN_STEP_M: f64 = 1e-15;
-const MAX_STEP_M: f64 = 1e15;
 /// Largest friction coefficients of a record whose moments are accurate in double precision.
 const MIN_FRICTION: f64 = 1e-30;
 const MAX_FRICTION: f64 = 1e30;
@@ -128,7 +126,9 @@ pub enum MeasuredError {
     CutOfTime,
     /// The distance between values is outside the range of exact sums.
     #[error(
-        "the distance between values is {step_m:e} m, but must be {MIN_STEP_M:e} to {MAX_STEP_M:e} m; check the units"
+        "the distance between values is {step_m:e} m, but must be {:e} to {:e} m; check the units",
+        STEPS.start(),
+        STEPS.end()
     )]
     Step {
         /// Distance in metre.

@@ -1,5 +1,6 @@
 //! Stationary random friction processes.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -70,9 +71,12 @@ impl ProcessModel {
     }
 }
 
-/// Checks that sums of the distance between values are accurate in double precision.
+/// Distances between values whose sums are accurate in double precision.
+pub(super) const STEPS: RangeInclusive<f64> = 1e-15..=1e15;
+
+/// Checks that a distance between values is one of [`STEPS`].
 pub(super) fn check_step(step: f64) -> Result<(), ProcessError> {
-    if (1e-15..=1e15).contains(&step) {
+    if STEPS.contains(&step) {
         return Ok(());
     }
     let (parameter, wanted) = ("distance between values of friction", "between 1e-15 and 1e15");

@@ -32,8 +32,6 @@ const SEED: u64 = 0;
 const LEAST_LENGTH: f64 = 0.05;
 /// Fraction of noise in the variance below which the leakage of a smooth record exceeds the noise.
 const LITTLE_NOISE: f64 = 5e-5;
-/// Length in steps below which the step does not resolve the correlation.
-const RESOLVED: f64 = 2.0;
 /// Number of correlation lengths below which moments use the intervals of the correlation model where these are wider.
 const SHORT: f64 = 100.0;
 /// Number of steps of a fit for the progress: correlation, moments, distributions, and quality of their fits.
@@ -170,7 +168,7 @@ struct StdRatio {
 /// Returns whether the values are means over a step that does not resolve the correlation.
 fn averages_unresolved(fit: &LengthFit, observation: Observation, step_m: f64) -> bool {
     let over_step = fit.window_m > 0.0 && !matches!(observation, Observation::MovingAverage { .. });
-    over_step && fit.length_m < RESOLVED * step_m
+    over_step && fit.length_m < ObservedLengths::RESOLVED * step_m
 }
 
 /// Returns the ratio that excludes noise and the effect of averaging.
@@ -316,12 +314,13 @@ impl FittedRecord {
             );
         }
         warnings.extend(notes_on(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
-        if best.length_m < RESOLVED * record.step_m {
+        if best.length_m < ObservedLengths::RESOLVED * record.step_m {
             let whole = narrowed_to_per_m.is_none();
             warnings.push(unresolved(&best, observation, record.step_m, whole));
         } else if best.model == RecordModel::SquaredExponential && best.noise_fraction < LITTLE_NOISE {
             warnings.push(
-                "the record is smooth and has almost no noise, so its short waves are leakage of the long ones: the interval                  of the correlation length is too narrow, and contains the true length in two of three such records"
+                "the record is smooth and has almost no noise, so its short waves are leakage of the long ones: the interval \
+                 of the correlation length is too narrow, and contains the true length in two of three such records"
                     .into(),
             );
         }

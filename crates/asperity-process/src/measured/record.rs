@@ -4,7 +4,8 @@ use super::columns::{Chosen, ColumnTable};
 use super::sampling::{Grid, even};
 use super::strokes::{Signs, Strokes, signs};
 use super::units::{force_factor, is_none, length_factor, time_factor};
-use super::{MAX_FRICTION, MAX_STEP_M, MIN_FRICTION, MIN_STEP_M, MeasuredError, sampling};
+use super::{MAX_FRICTION, MIN_FRICTION, MeasuredError, sampling};
+use crate::model::STEPS;
 
 /// Columns of a file that contain the record, by name or by number counted from 1.
 ///
@@ -147,7 +148,7 @@ impl MeasuredRecord {
             return Err(MeasuredError::TooFew { present, what: "are present in the column", wanted: 2 });
         }
         let (start_m, step_m) = (start * per_axis, step * per_axis);
-        if !(MIN_STEP_M..=MAX_STEP_M).contains(&step_m) {
+        if !STEPS.contains(&step_m) {
             return Err(MeasuredError::Step { step_m });
         }
         let largest = friction.iter().map(|mu| mu.abs()).fold(0.0, f64::max);

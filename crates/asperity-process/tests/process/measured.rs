@@ -446,5 +446,6 @@ fn a_smooth_record_without_noise_has_a_warning() {
         let found = fitted(friction, 1).unwrap();
         assert!((found.process.correlation.unwrap().length_m / LENGTH - 1.0).abs() < 0.1);
         assert_eq!(found.warnings.iter().any(|warning| warning.contains("leakage")), warns, "{:?}", found.warnings);
+        assert!(found.warnings.iter().all(|warning| !warning.contains("  ")), "{:?}", found.warnings);
     }
 }

@@ -18,8 +18,6 @@ const AVERAGES: [usize; 12] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20];
 /// Required gain of 2 ln L for noise, and for a moving average, chosen from twelve.
 const NOISE_COST: f64 = 4.0;
 const AVERAGE_COST: f64 = 9.0;
-/// Length of the exponential model of values at points, in steps, below which the step does not resolve the correlation.
-const RESOLVED: f64 = 2.0;
 /// Required gain of 2 ln L over values at points without noise if the step does not resolve the correlation. Of 950
 /// white records none exceeded 10.
 const UNRESOLVED_COST: f64 = 12.0;
@@ -90,6 +88,9 @@ pub struct ObservedLengths {
 }
 
 impl ObservedLengths {
+    /// Correlation length in steps below which the step does not resolve the correlation.
+    pub const RESOLVED: f64 = 2.0;
+
     /// Fits the usual models to records of one process with equal steps, NaN being a missing value. The observation
     /// models are values at points, means over the step and moving averages of up to twenty values, each with and
     /// without white noise.
@@ -189,7 +190,7 @@ impl ObservedLengths {
         let points = channel(Observation::Points);
         let (length_m, of_points) = length_and_least(&all, &points, false);
         // Largest −2 ln L of another observation model, or of noise, if the step does not resolve the correlation.
-        let most = if length_m < RESOLVED * step_m { 2.0 * of_points - UNRESOLVED_COST } else { f64::INFINITY };
+        let most = if length_m < Self::RESOLVED * step_m { 2.0 * of_points - UNRESOLVED_COST } else { f64::INFINITY };
         // Candidates with and without noise, averages without, and the fit of the best.
         let steps = MODELS.len() * (averages.len() + if averages.is_empty() { 4 } else { 6 } + 1);
         let task = Task::new(monitor, "correlation fits", steps);
