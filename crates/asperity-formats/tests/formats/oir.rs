@@ -99,8 +99,30 @@ fn poir() -> Vec<u8> {
     zip(&[("info.xml", b"<a/>"), ("camera.oir", &camera), ("Sample/Image0001.oir", &usual())])
 }
 
+/// A file with channels of one byte, of two bytes without a stated size, and without a pixel size.
+fn sizes_of_points() -> Vec<u8> {
+    let channels = [
+        channel("a", "HEIGHT", "<commonphase:depth>1</commonphase:depth>"),
+        channel("b", "HEIGHT", "<commonphase:bitCounts>14</commonphase:bitCounts>"),
+        channel("c", "HEIGHT", DEPTH).replace("UNIT", "s"),
+    ];
+    let blocks = [
+        block("p_c_0", &numbers(2)),
+        block("p_a_1", &[0; 6]),
+        block("p_a_0", &numbers(1)),
+        block("p_b_0", &numbers(2)[..6]),
+        block("p_b_1", &numbers(2)[6..]),
+    ];
+    oir(&xml(&channels, "um"), &blocks)
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![Fixture::open_ended("OIR", usual()), Fixture::open_ended("POIR", poir())]
+    vec![
+        Fixture::open_ended("OIR", usual()),
+        Fixture::open_ended("OIR with points of several sizes", sizes_of_points()),
+        Fixture::open_ended("POIR", poir()),
+        Fixture::open_ended("POIR of two files", zip(&[("a.oir", &usual()), ("b.oir", &sizes_of_points())])),
+    ]
 }
 
 fn assert_usual(scan: &Scan) {

@@ -1,4 +1,4 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
 
 use crate::assert_heights;
 use crate::fixture::Fixture;
@@ -75,8 +75,60 @@ fn opdx(maps: &[Vec<u8>]) -> Vec<u8> {
     .concat()
 }
 
+/// A file with an item of every type, several maps, and a matrix without the name of its type.
+fn every_type() -> Vec<u8> {
+    let numbers = [
+        item("u8", 0x01, &[200]),
+        item("i16", 0x04, &(-2_i16).to_le_bytes()),
+        item("u16", 0x05, &65_000_u16.to_le_bytes()),
+        item("i32", 0x06, &(-4_i32).to_le_bytes()),
+        item("u32", 0x07, &4_000_000_000_u32.to_le_bytes()),
+        item("i64", 0x0a, &(-8_i64).to_le_bytes()),
+        item("u64", 0x0b, &8_u64.to_le_bytes()),
+        item("f32", 0x0c, &0.5_f32.to_le_bytes()),
+        item("f64", 0x0d, &(-0.25_f64).to_le_bytes()),
+    ];
+    let long = [&[4][..], &4_u32.to_le_bytes(), b"unit"].concat();
+    let named = [0x40, 0x42, 0x7c].map(|kind| item("named", kind, &[name("Type"), sized(&[1, 2])].concat()));
+    let shape = [2_u32, 3].map(u32::to_le_bytes).concat();
+    let heights: Vec<u8> = [1_f32, 2.0, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|z| z.to_le_bytes()).collect();
+    let plain = item("Matrix", 0x45, &[name("Matrix<float>"), sized(&[shape, heights].concat())].concat());
+    let maps = [
+        data("Image", "counts", (2, 3)),
+        data("Raw", "\u{b5}m", (3, 2)),
+        container("Plain", &[quantity("DataScale", 1.0, "mm"), plain]),
+    ];
+    [
+        b"VCA DATA\x01\x00\x00\x55".as_slice(),
+        &container("MetaData", &[numbers.concat(), text("PrimaryData2D", "Raw")]),
+        &item("Group", 0x46, &sized(&named.concat())),
+        &item("Group", 0x47, &sized(&item("Unit", 0x0e, &[name("m"), long.clone()].concat()))),
+        &item("Position", 0x18, &long),
+        &container("2D_Data", &maps),
+        &name(""),
+        &[0x7f],
+    ]
+    .concat()
+}
+
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![Fixture::open_ended("OPDx", opdx(&[data("Raw", "nm", (2, 3))]))]
+    vec![
+        Fixture::open_ended("OPDx", opdx(&[data("Raw", "nm", (2, 3))])),
+        Fixture::open_ended("OPDx with items of every type", every_type()),
+    ]
+}
+
+#[test]
+fn items_of_every_type_are_read_or_passed_over() {
+    let scan = read_bytes(&every_type()).unwrap();
+    assert_eq!(scan.channels, ["Raw", "Plain"]);
+    assert_heights(&scan, &[10e-6, 20e-6, 30e-6, 40e-6, f64::NAN, 60e-6]);
+    let numbers = ["u8", "i16", "u16", "i32", "u32", "i64", "u64", "f32", "f64"].map(|key| scan.metadata[key].as_str());
+    assert_eq!(numbers, ["200", "-2", "65000", "-4", "4000000000", "-8", "8", "0.5", "-0.25"]);
+    let options = ReadOptions { channel: Some(Channel::Number(2)), ..ReadOptions::default() };
+    let scan = read_bytes_with(&every_type(), &options).unwrap();
+    assert_heights(&scan, &[1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]);
+    assert_eq!(scan.pitch_m, None);
 }
 
 #[test]
