@@ -39,7 +39,7 @@ pub(super) fn under_plane(
     let workspace = &mut **workspace.coarse.get_or_insert_default();
     coarse.prepare(workspace);
     let start = under_plane(&guess, plane_m, workspace, monitor);
-    let solution = Descent::new(&guess, closure, &start, None, workspace).run(COARSE, monitor);
+    let solution = Descent::new(&guess, closure, start, None, workspace).run(COARSE, monitor);
     let hardness_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     fine.indexed_iter().map(|((row, column), _)| solution.pressure_pa[[row / 2, column / 2]].min(hardness_pa)).collect()
 }

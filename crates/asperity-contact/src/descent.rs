@@ -84,12 +84,12 @@ enum Attempt {
 }
 
 impl<'a> Descent<'a> {
-    /// Starts from the pressure `p` within the bounds. On a periodic half-space the mean compliance in m/Pa can be
-    /// given.
+    /// Starts from the pressure `start` within the bounds, in whose memory the descent keeps v. On a periodic half-space
+    /// the mean compliance in m/Pa can be given.
     pub(super) fn new(
         problem: &'a ContactProblem<'a>,
         closure: Closure,
-        p: &[f64],
+        start: Vec<f64>,
         mean_compliance: Option<f64>,
         workspace: &'a mut ContactWorkspace,
     ) -> Self {
@@ -98,7 +98,8 @@ impl<'a> Descent<'a> {
             _ => 0.0,
         };
         let unit_m = problem.rms_height_m();
-        workspace.near.begin(problem.heights_m().ncols(), p, problem.hardness_pa(), unit_m);
+        workspace.near.begin(problem.heights_m().ncols(), &start, problem.hardness_pa(), unit_m);
+        let uniform = start.first().filter(|first| start.iter().all(|p| p == *first)).copied();
         let mut descent = Self {
             problem,
             closure,
@@ -106,7 +107,7 @@ impl<'a> Descent<'a> {
             mean: problem.half_space().mean_mode(mean_compliance),
             missing_compliance_m_per_pa,
             heights_m: problem.heights_m().as_standard_layout(),
-            v: vec![0.0; p.len()],
+            v: start,
             is_fresh: false,
             bound: closure.plane_m().map_or(f64::NEG_INFINITY, |plane_m| -plane_m),
             next_bound: f64::NEG_INFINITY,
@@ -121,7 +122,6 @@ impl<'a> Descent<'a> {
             drift_m: 0.0,
         };
         descent.next_bound = descent.bound;
-        let uniform = p.first().filter(|first| p.iter().all(|p| p == *first)).copied();
         descent.refresh(uniform);
         descent
     }

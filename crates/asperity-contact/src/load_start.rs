@@ -33,11 +33,14 @@ pub(super) fn under_load(problem: &ContactProblem<'_>, pascal: f64) -> Vec<f64> 
         return uniform();
     }
     let stride = if fraction * SAMPLE as f64 > ABOVE { stride(heights_m.len(), heights_m.ncols()) } else { 1 };
-    let mut sample: Vec<f64> = heights_m.iter().copied().step_by(stride).collect();
-    let place = (((1.0 - fraction) * sample.len() as f64) as usize).min(sample.len() - 1);
-    let (_, level_m, _) = sample.select_nth_unstable_by(place, f64::total_cmp);
+    // First the sample, then the pressure.
+    let mut p = Vec::with_capacity(heights_m.len());
+    p.extend(heights_m.iter().step_by(stride));
+    let place = (((1.0 - fraction) * p.len() as f64) as usize).min(p.len() - 1);
+    let (_, level_m, _) = p.select_nth_unstable_by(place, f64::total_cmp);
     let level_m = level_m.min(problem.highest_m() - 1e-3 * problem.rms_height_m());
-    let mut p: Vec<f64> = heights_m.iter().map(|z| (z - level_m).max(0.0)).collect();
+    p.clear();
+    p.extend(heights_m.iter().map(|z| (z - level_m).max(0.0)));
     let scale = pascal * p.len() as f64 / p.iter().sum::<f64>();
     p.iter_mut().for_each(|p| *p *= scale);
     // If the cells can carry the load, the solver's projection restores the pressure that is cut off here.

@@ -32,7 +32,7 @@ pub(super) fn solve(
     let periodic = matches!(problem.half_space().boundary(), Boundary::Periodic { .. });
     if untouched || (periodic && problem.hardness_pa().is_none()) {
         let closure = Closure::Gap { metre: gap_m };
-        return Descent::new(problem, closure, &vec![0.0; points], problem.rigid_mean_m_per_pa(), workspace)
+        return Descent::new(problem, closure, vec![0.0; points], problem.rigid_mean_m_per_pa(), workspace)
             .run(limits, monitor);
     }
     let mut search = Search::new(limits, problem, gap_m, workspace, monitor);
@@ -148,7 +148,7 @@ impl<'a> Search<'a> {
         loop {
             let max_iterations = self.limits.max_iterations.saturating_sub(self.iterations);
             let closure = Closure::Plane { height_m };
-            let descent = Descent::new(self.problem, closure, &pressure_pa, self.mean_compliance, self.workspace);
+            let descent = Descent::new(self.problem, closure, pressure_pa, self.mean_compliance, self.workspace);
             let mut solution = descent.run(Limits { tolerance, max_iterations }, self.monitor);
             self.iterations += solution.iterations;
             // Cells that are about to lose contact still have a gap, which the solution counts as zero.

@@ -88,7 +88,7 @@ impl Solver {
         if let Some(plane_m) = problem.plane_m() {
             let closure = Closure::Plane { height_m: plane_m - problem.mean_height_m() };
             let start = start.unwrap_or_else(|| coarse_start::under_plane(problem, plane_m, workspace, monitor));
-            return Ok(self.run(Descent::new(problem, closure, &start, None, workspace), start, monitor));
+            return Ok(Descent::new(problem, closure, start, None, workspace).run(self.limits(), monitor));
         }
         if let Control::MeanGap { metre } = problem.control() {
             return Ok(mean_gap::solve(self.limits(), problem, metre, workspace, monitor));
@@ -97,17 +97,12 @@ impl Solver {
         let pascal = problem.mean_pressure_pa().unwrap_or(0.0);
         let closure = Closure::Sum { pascal: pascal * points as f64 };
         let start = start.unwrap_or_else(|| load_start::under_load(problem, pascal));
-        Ok(self.run(Descent::new(problem, closure, &start, problem.rigid_mean_m_per_pa(), workspace), start, monitor))
+        let descent = Descent::new(problem, closure, start, problem.rigid_mean_m_per_pa(), workspace);
+        Ok(descent.run(self.limits(), monitor))
     }
 
     fn limits(&self) -> Limits {
         Limits { tolerance: self.tolerance, max_iterations: self.max_iterations }
-    }
-
-    /// Runs a descent after freeing its start.
-    fn run(&self, descent: Descent<'_>, start: Vec<f64>, monitor: &dyn Monitor) -> Solution {
-        drop(start);
-        descent.run(self.limits(), monitor)
     }
 }
 
