@@ -70,6 +70,11 @@ impl Interval {
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }
+
+    /// Returns the smallest interval that contains this one and another.
+    pub fn around(&self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
 }
 
 /// Returns the quantile of *sorted* values at `probability` by linear interpolation between order statistics, the i-th

@@ -9,7 +9,7 @@ use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::{CorrelationShape, FittedCorrelation, FittedProcess, IMPLAUSIBLE_FRICTION, Origin, OriginKind};
 use asperity_base::blocks::Task;
 use asperity_base::correlation::{
-    LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, RecordModel, WindowedModel,
+    LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
 };
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
@@ -30,8 +30,6 @@ const DRAWS: usize = 499;
 const SEED: u64 = 0;
 /// Length, as a fraction of a step, that replaces shorter lengths.
 const LEAST_LENGTH: f64 = 0.05;
-/// Fraction of noise in the variance below which the leakage of a smooth record exceeds the noise.
-const LITTLE_NOISE: f64 = 5e-5;
 /// Number of correlation lengths below which moments use the intervals of the correlation model where these are wider.
 const SHORT: f64 = 100.0;
 /// Number of steps of a fit for the progress: correlation, moments, distributions, and quality of their fits.
@@ -317,12 +315,6 @@ impl FittedRecord {
         if best.length_m < ObservedLengths::RESOLVED * record.step_m {
             let whole = narrowed_to_per_m.is_none();
             warnings.push(unresolved(&best, observation, record.step_m, whole));
-        } else if best.model == RecordModel::SquaredExponential && best.noise_fraction < LITTLE_NOISE {
-            warnings.push(
-                "the record is smooth and has almost no noise, so its short waves are leakage of the long ones: the interval \
-                 of the correlation length is too narrow, and contains the true length in two of three such records"
-                    .into(),
-            );
         }
         if let Some(fit) = goodness.filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
             warnings.push(format!(

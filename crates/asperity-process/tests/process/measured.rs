@@ -427,25 +427,3 @@ fn too_short_or_constant_records_are_errors() {
     let error = record(vec![0.2; 100]);
     assert!(!error.is_too_few() && !error.is_request(), "{error}");
 }
-
-#[test]
-fn a_smooth_record_without_noise_has_a_warning() {
-    const LENGTH: f64 = 10.0;
-    const REACH: usize = 50;
-    const VALUES: usize = 1000;
-    // White noise weighted by e^{−2(s/ℓ)²} has the correlation e^{−(s/ℓ)²}.
-    let kernel: Vec<f64> =
-        (0..=2 * REACH).map(|k| (-2.0 * ((k as f64 - REACH as f64) / LENGTH).powi(2)).exp()).collect();
-    let norm = kernel.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
-    let white = random::standard_normal(&mut random::stream(46, "smooth", 0), VALUES + 2 * REACH);
-    let noise = random::standard_normal(&mut random::stream(47, "noise", 0), VALUES);
-    let smooth: Vec<f64> =
-        white.windows(kernel.len()).map(|values| values.iter().zip(&kernel).map(|(v, w)| v * w / norm).sum()).collect();
-    for (share, warns) in [(0.0, true), (0.03, false)] {
-        let friction = smooth.iter().zip(&noise).map(|(x, noise)| 0.4 + 0.03 * (x + share * noise)).collect();
-        let found = fitted(friction, 1).unwrap();
-        assert!((found.process.correlation.unwrap().length_m / LENGTH - 1.0).abs() < 0.1);
-        assert_eq!(found.warnings.iter().any(|warning| warning.contains("leakage")), warns, "{:?}", found.warnings);
-        assert!(found.warnings.iter().all(|warning| !warning.contains("  ")), "{:?}", found.warnings);
-    }
-}

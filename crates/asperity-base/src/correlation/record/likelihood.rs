@@ -15,6 +15,10 @@ const SHORTEST: usize = 8;
 const MANY: usize = 1 << 15;
 /// Range of the noise fraction.
 const NOISE: (f64, f64) = (1e-6, 0.98);
+/// Least expected power relative to its maximum, and largest fraction of leakage in it, of ordinates of a smooth process
+/// without noise.
+const LEAST_POWER: f64 = 1e-5;
+const MOST_LEAKAGE: f64 = 0.2;
 
 /// Boundary condition of records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -425,6 +429,22 @@ impl Likelihood {
             expected.iter().zip(&group.passed).map(|(e, passed)| (1.0 - noise) * e + floor * passed).collect()
         };
         Spectra(self.groups.iter().zip(&spectra.0).map(mixed).collect())
+    }
+
+    /// Returns the lowest frequency in 1/metre at which the expected power at a length is below [`LEAST_POWER`] of its
+    /// maximum, or contains more than [`MOST_LEAKAGE`] of leakage of longer waves through the taper. Ordinates beyond it
+    /// are correlated, or depend on noise too weak to be fitted.
+    pub(super) fn leakage_from_per_m(&self, length_m: f64) -> Option<f64> {
+        let cyclic = |group: &Group| Group { ends: RecordEnds::Periodic, ..group.clone() };
+        let without = Self { groups: Arc::new(self.groups.iter().map(cyclic).collect()), ..self.clone() };
+        let of_group = |(group, (with, without)): (&Group, (&Vec<f64>, &Vec<f64>))| {
+            let least = LEAST_POWER * with.iter().copied().fold(0.0, f64::max);
+            let leaks = |(with, without): (&f64, &f64)| *with < least || *without < (1.0 - MOST_LEAKAGE) * with;
+            let place = with.iter().zip(without).position(leaks)?;
+            group.segments.is_none().then(|| group.frequency_per_m(place))
+        };
+        let (with, without) = (self.spectra(length_m), without.spectra(length_m));
+        self.groups.iter().zip(with.0.iter().zip(&without.0)).filter_map(of_group).reduce(f64::min)
     }
 
     /// Returns the most likely noise fraction at a length, and −ln L there.
