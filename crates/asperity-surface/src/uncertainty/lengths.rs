@@ -97,7 +97,8 @@ impl<'a> Lengths<'a> {
     /// lengths along x and y of that order.
     ///
     /// The shortest of many estimates is too short. The lower end is the shortest lower end of all directions. The
-    /// upper end is the shortest upper end, with simultaneous limits for all directions, which is conservative.
+    /// upper end is the shortest upper end, with simultaneous limits for all directions, which is conservative. Returns
+    /// `None` if the lower end is below the shortest lag.
     pub(super) fn sal(&self, sal_m: Option<f64>, guess_m: [Option<f64>; 2]) -> Option<Estimate> {
         let (sal_m, level) = (sal_m?, 0.2);
         let mut shortest: Option<(f64, f64, f64)> = None;
@@ -114,6 +115,10 @@ impl<'a> Lengths<'a> {
             }
         }
         let (centre, se, blocks) = shortest?;
+        let grid = self.cells.grid();
+        if low < grid.dx_m().min(grid.dy_m()) {
+            return None;
+        }
         estimate(sal_m, centre, se, Interval { low, high }, blocks)
     }
 

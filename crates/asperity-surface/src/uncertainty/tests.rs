@@ -463,6 +463,19 @@ fn intervals_of_lengths_of_few_points_contain_their_values() {
 }
 
 #[test]
+fn sal_below_the_shortest_lag_has_no_interval() {
+    let sal = |length: f64| {
+        let map = short_maps(CorrelationModel::Exponential, length, 64, 1).next().unwrap();
+        let estimates = Uncertainty { resamples: 2, ..Uncertainty::default() }.of(&map, &values(&map)).unwrap();
+        estimates.sal_m.map(|estimate| estimate.interval)
+    };
+    assert_eq!(sal(0.01), None);
+    // ln 5 times as long.
+    let Interval { low, high } = sal(2.0).unwrap();
+    assert!(low > 1.0 && low < 3.2 && high > 3.2, "{low} {high}");
+}
+
+#[test]
 #[ignore = "slow"]
 fn intervals_of_lengths_of_few_points_have_95_percent_coverage() {
     // Fewer than 177 of 200 intervals cover with a probability below 1e-4 (binomial). More than 95 % cover if the ends of
