@@ -39,6 +39,18 @@ fn means(values: &[f64], count: usize) -> Vec<f64> {
     values.chunks_exact(count).map(|part| part.iter().sum::<f64>() / count as f64).collect()
 }
 
+/// Returns a record of the correlation e^{−(lag/ℓ)²} with noise of a standard deviation relative to that of the record.
+fn smooth(noise: f64, run: usize) -> Vec<f64> {
+    // White noise weighted by e^{−2(lag/ℓ)²}.
+    let reach = (5.0 * LENGTH) as i32;
+    let kernel: Vec<f64> = (-reach..=reach).map(|k| (-2.0 * (f64::from(k) / LENGTH).powi(2)).exp()).collect();
+    let norm = kernel.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+    let normal = |name, count| random::standard_normal(&mut random::stream(79, name, run as u64), count);
+    let (white, errors) = (normal("smooth", VALUES + kernel.len() - 1), normal("noise", VALUES));
+    let sum = |values: &[f64]| values.iter().zip(&kernel).map(|(value, weight)| value * weight).sum::<f64>() / norm;
+    white.windows(kernel.len()).zip(errors).map(|(values, error)| sum(values) + noise * error).collect()
+}
+
 /// Returns the Gaussian mean line of ISO 16610-21.
 fn mean_line(values: &[f64], cutoff: f64) -> Vec<f64> {
     let reach = (1.5 * cutoff) as usize;
@@ -79,6 +91,12 @@ fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> = vec![
         ("points", RecordHistory::default(), Box::new(plain)),
         ("points, χ² of 3 (skewness 1.63)", RecordHistory::default(), Box::new(chi_square)),
+        ("squared exponential", RecordHistory::default(), Box::new(|run| smooth(0.0, run))),
+        (
+            "squared exponential, white noise of 0.01 % of the sd",
+            RecordHistory::default(),
+            Box::new(|run| smooth(1e-4, run)),
+        ),
         ("white noise of 10 % of the sd", RecordHistory::default(), Box::new(noisy(0.1))),
         ("white noise of 30 % of the sd", RecordHistory::default(), Box::new(noisy(0.3))),
         (
@@ -112,8 +130,8 @@ fn cases() -> Vec<Case> {
 
 fn lengths(runs: usize) -> Result<String> {
     let mut text = String::from(
-        "\n### Length of a record of 4,000 values and 200 ℓ, exponential, with an estimated model of the instrument\n\n“Assuming points” is the \
-         bias of a fit that treats the values as values at points. “Noise” and “means or moving average” count the runs whose fitted model \
+        "\n### Length of a record of 4,000 values and 200 ℓ, exponential unless stated, with an estimated model of the instrument\n\n“Assuming points” is the \
+         bias of an exponential fit that treats the values as values at points. “Noise” and “means or moving average” count the runs whose fitted model \
          includes them; “narrowed”: no model fits all wavenumbers, and the fit leaves out the upper ones; “refused”: no model fits even then.\n\n\
          | record | coverage % (95 %) | bias % | sd % | assuming points, bias % | noise % of runs | \
          mean variance of the noise % | means or moving average % of runs | narrowed % | refused % |\n\
