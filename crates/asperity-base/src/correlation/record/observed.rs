@@ -21,8 +21,9 @@ const AVERAGE_COST: f64 = 9.0;
 /// Required gain of 2 ln L over values at points without noise if the step does not resolve the correlation. Of 950
 /// white records none exceeded 10.
 const UNRESOLVED_COST: f64 = 12.0;
-/// Difference of 2 ln L below which values at points and means over the step are not distinguished.
-const INDISTINCT: f64 = 4.0;
+/// Required gain of 2 ln L for means over the step, and difference below which the interval includes theirs, if the step
+/// resolves the correlation.
+const MEANS_GAIN: f64 = 4.0;
 /// Largest number of fits without leakage, and relative change of its lowest frequency that ends them.
 const LEAKAGE_ROUNDS: usize = 4;
 const LEAKAGE_CHANGE: f64 = 0.02;
@@ -109,8 +110,10 @@ impl ObservedLengths {
     /// steps, another observation model, or noise, must therefore gain 12 in 2 ln L.
     ///
     /// If the best is a squared exponential without noise, it is fitted again without the waves whose expected power is
-    /// below 1e-5 of the largest one or contains more than 20 % of leakage through the taper. If the likelihood does not
-    /// distinguish values at points from means over the step, the interval of the length includes the intervals of both.
+    /// below 1e-5 of the largest one or contains more than 20 % of leakage through the taper.
+    ///
+    /// If the step resolves the correlation, means over it must gain 4 in 2 ln L over values at points. If they lose or
+    /// gain less, the interval of the length includes the interval for means.
     ///
     /// More than 32,768 values are divided into segments of at least 32 correlation lengths. Waves longer than two
     /// segments are those of the whole records, so all frequencies are used, and the cost of an evaluation of the
@@ -224,7 +227,8 @@ impl ObservedLengths {
         let points = channel(Observation::Points);
         let (length_m, of_points) = length_and_least(&all, &points, false);
         // Largest −2 ln L of another observation model, or of noise, if the step does not resolve the correlation.
-        let most = if length_m < Self::RESOLVED * step_m { 2.0 * of_points - UNRESOLVED_COST } else { f64::INFINITY };
+        let resolved = length_m >= Self::RESOLVED * step_m;
+        let most = if resolved { f64::INFINITY } else { 2.0 * of_points - UNRESOLVED_COST };
         // Candidates with and without noise, averages without, and the fit of the best.
         let steps = models.len() * (averages.len() + if averages.is_empty() { 4 } else { 6 } + 1);
         let task = Task::new(monitor, "correlation fits", steps);
@@ -246,15 +250,22 @@ impl ObservedLengths {
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(observation, _)| observation);
             let candidates = [Observation::Points, Observation::Means].into_iter().chain(average);
-            let best = candidates
+            let candidates: Vec<(Observation, bool, f64)> = candidates
                 .flat_map(|observation| [(observation, false), (observation, true)])
-                .map(|(observation, noise)| {
-                    (observation, noise, cost(observation, noise) + 2.0 * value(observation, noise))
-                })
-                .min_by(|a, b| a.2.total_cmp(&b.2));
-            if let Some((observation, noise, criterion)) = best {
-                let indistinct = criterion - cost(observation, noise) > most;
-                let (observation, noise) = if indistinct { (Observation::Points, false) } else { (observation, noise) };
+                .map(|(observation, noise)| (observation, noise, 2.0 * value(observation, noise)))
+                .collect();
+            let criterion = |candidate: &(Observation, bool, f64)| cost(candidate.0, candidate.1) + candidate.2;
+            let best = candidates.iter().min_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+            if let Some(&(observation, noise, value)) = best {
+                let of_points = |other: &&(Observation, bool, f64)| (other.0, other.1) == (Observation::Points, noise);
+                let gain = candidates.iter().find(of_points).map_or(0.0, |other| other.2 - value);
+                let (observation, noise) = if value > most {
+                    (Observation::Points, false)
+                } else if resolved && observation == Observation::Means && gain < MEANS_GAIN {
+                    (Observation::Points, noise)
+                } else {
+                    (observation, noise)
+                };
                 let channel = channel(observation);
                 let fit = fit_likelihood(&likelihood(&channel), &[channel], model, settings(noise));
                 task.advance(1);
@@ -281,18 +292,13 @@ impl ObservedLengths {
                 all.with_model(&WindowedModel::new(chosen.model, channel.window_m).with_cells(channel.cell_m));
             (channel, likelihood)
         };
-        let other = match observation {
-            Observation::Points => Some(Observation::Means),
-            Observation::Means => Some(Observation::Points),
-            Observation::MovingAverage { .. } => None,
-        };
         let mut interval = chosen.interval;
-        if let Some(other) = other.filter(|_| chosen.length_m >= Self::RESOLVED * step_m) {
+        if resolved && observation == Observation::Points {
+            let (channel, likelihood) = windowed(Observation::Means);
             let noise = chosen.noise_interval.is_some();
-            let (channel, likelihood) = windowed(other);
-            let fit = fit_likelihood(&likelihood, &[channel], chosen.model, settings(noise));
-            if 2.0 * (chosen.log_likelihood - fit.log_likelihood) < INDISTINCT {
-                interval = interval.around(fit.interval);
+            let means = fit_likelihood(&likelihood, &[channel], chosen.model, settings(noise));
+            if 2.0 * (chosen.log_likelihood - means.log_likelihood) < MEANS_GAIN {
+                interval = interval.around(means.interval);
             }
         }
         let smooth = chosen.model == RecordModel::SquaredExponential && chosen.noise_fraction == 0.0;
