@@ -72,7 +72,7 @@ impl Interval {
     }
 
     /// Returns the smallest interval that contains this one and another.
-    pub fn around(&self, other: Self) -> Self {
+    pub(crate) fn around(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 }
