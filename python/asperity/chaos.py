@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
+from asperity._arrays import numbers
 from asperity._record import Record
 
 if TYPE_CHECKING:
@@ -76,8 +77,7 @@ class Expansion:
         >>> round(expansion.mean, 9), round(expansion.variance, 9)
         (2.0, 10.0)
         """
-        samples = np.asarray(xi, dtype=np.float64)
-        return Expansion(_core.Expansion.fit(samples, np.asarray(values, dtype=np.float64), degree, sparse))
+        return Expansion(_core.Expansion.fit(numbers(xi), numbers(values), degree, sparse))
 
     @staticmethod
     def of(
@@ -117,7 +117,7 @@ class Expansion:
 
     def evaluate(self, xi: ArrayLike) -> NDArray[np.float64]:
         """Return the values at samples of shape (samples, variables)."""
-        values: NDArray[np.float64] = self._own.evaluate(np.asarray(xi, dtype=np.float64))
+        values: NDArray[np.float64] = self._own.evaluate(numbers(xi))
         return values
 
     @property

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
+from asperity._arrays import numbers
 from asperity._record import Record
 from asperity.surface import HeightMap, field_to_xarray
 
@@ -159,5 +160,5 @@ def solve_contact(
         "mean_compliance_m_per_pa": mean_compliance_m_per_pa,
         "tolerance": tolerance,
     }
-    found = _core.solve_contact(np.asarray(heights, dtype=np.float64), dx_m, dy_m, settings)
+    found = _core.solve_contact(numbers(heights), dx_m, dy_m, settings)
     return ContactSolution(**found, dx_m=dx_m, dy_m=dy_m)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
+from asperity._arrays import numbers
 from asperity._record import Record
 
 if TYPE_CHECKING:
@@ -152,6 +153,5 @@ def fit_friction_record(
     NotConvergedError
         The record has too few values.
     """
-    values = np.asarray(friction, dtype=np.float64)
-    found = _core.fit_friction_record(values, step_m, law, detrend, low_pass_m, decimation)
+    found = _core.fit_friction_record(numbers(friction), step_m, law, detrend, low_pass_m, decimation)
     return FrictionProcess.from_dict(found)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity import _core
+from asperity._arrays import numbers
 from asperity.surface import HeightMap
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class RandomSurface:
 
     def generate(self, xi: ArrayLike) -> HeightMap:
         """Return the map of `xi_len` standard normal variables."""
-        heights = self._own.generate(np.asarray(xi, dtype=np.float64))
+        heights = self._own.generate(numbers(xi))
         return HeightMap(heights, self.dx_m, self.dy_m)
 
 

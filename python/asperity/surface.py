@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
+from asperity._arrays import numbers
 from asperity._record import Record
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class HeightMap:
 
     @staticmethod
     def from_array(z: ArrayLike, *, dx_m: float, dy_m: float | None = None) -> HeightMap:
-        """Create a map from heights in metre, shape (ny, nx). NaN and infinite heights are missing.
+        """Create a map from heights in metre, shape (ny, nx). NaN, infinite and masked heights are missing.
 
         Examples
         --------
@@ -135,7 +136,7 @@ class HeightMap:
         HeightMap(2 × 2 points, 1e-06 × 1e-06 m, 1 missing)
         """
         dy_m = dx_m if dy_m is None else dy_m
-        return HeightMap(_core.height_map(np.asarray(z, dtype=np.float64), dx_m, dy_m), dx_m, dy_m)
+        return HeightMap(_core.height_map(numbers(z), dx_m, dy_m), dx_m, dy_m)
 
     @staticmethod
     def from_xarray(array: xarray.DataArray) -> HeightMap:

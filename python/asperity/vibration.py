@@ -101,10 +101,9 @@ class Oscillator:
     _checked: _core.Oscillator = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        law: Any = self.law.points if isinstance(self.law, Tabulated) else dataclasses.asdict(self.law)
         parameters = {
             "static_friction": self.static_friction,
-            "law": {type(self.law).__name__.lower(): law},
+            "law": {type(self.law).__name__.lower(): dataclasses.asdict(self.law)},
             "damping_ratio": self.damping_ratio,
             "belt_velocity": self.belt_velocity,
             "forcing": self.forcing and dataclasses.asdict(self.forcing),

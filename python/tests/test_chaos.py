@@ -59,3 +59,11 @@ def test_wrong_samples_are_refused():
         expansion.evaluate(np.zeros((3, 0)))
     with pytest.raises(TypeError):
         expansion.evaluate([1.0, 2.0])
+
+
+def test_a_sparse_expansion_has_its_constant_at_any_number_of_samples():
+    xi = asperity.design("latin_hypercube", seed=1, samples=1500, variables=2)
+    expansion = asperity.Expansion.fit(xi, xi[:, 0], degree=1, sparse=True)
+    assert expansion.variance == pytest.approx(1)
+    with pytest.raises(ValueError, match="5 variables"):
+        expansion.evaluate(np.ones((1, 5)))

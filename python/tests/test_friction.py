@@ -39,7 +39,11 @@ def test_wrong_processes_and_records_raise_by_kind():
         asperity.friction_process(mean=0.2, std=-0.01, correlation_length_m=1e-4)
     with pytest.raises(ValueError, match="colour"):
         asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=1e-4, marginal="colour")
-    with pytest.raises(ValueError, match="step_m"):
+    with pytest.raises(ValueError, match="distance between values is 0e0 m"):
         asperity.fit_friction_record(np.ones(100), step_m=0)
     with pytest.raises(asperity.NotConvergedError):
         asperity.fit_friction_record([0.1, 0.2, 0.1], step_m=1e-5)
+    with pytest.raises(ValueError, match="decimation"):
+        asperity.fit_friction_record(np.ones(100), step_m=1, decimation=0)
+    with pytest.raises(ValueError, match="1e300 m"):
+        asperity.fit_friction_record(np.ones(100), step_m=1e300)

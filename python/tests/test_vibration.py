@@ -100,3 +100,13 @@ def test_wrong_parameters_are_named():
         asperity.ensemble(paper(), friction_std=0.1, marginal="colour", **settings)
     with pytest.warns(UserWarning, match="were clipped"):
         asperity.ensemble(paper(), friction_std=0.1, marginal="normal", allow_clipping=True, **settings)
+
+
+def test_a_tabulated_law_is_that_of_its_points():
+    # μ falls by 0.3 per unit of velocity, as on the line.
+    points = [(0.0, 0.1), (0.05, 0.085), (0.1, 0.07)]
+    tabulated = Oscillator(
+        static_friction=0.1, law=asperity.Tabulated(points=points), damping_ratio=0.05, belt_velocity=0.003
+    )
+    linear = dataclasses.replace(tabulated, law=asperity.Linear(kinetic=0.1, slope=0.3))
+    assert asperity.limit_cycle(tabulated).period == pytest.approx(asperity.limit_cycle(linear).period, rel=1e-9)

@@ -10,6 +10,7 @@ use crate::convert::{owned, whole};
 use crate::errors::{Raise, value_error};
 use crate::long;
 use crate::pool::detached;
+use crate::resources::require_memory;
 
 /// Name of the random stream of designs of Python programs.
 const STAGE: &str = "python design";
@@ -24,6 +25,8 @@ pub(crate) fn design<'py>(
     #[pyo3(from_py_with = whole)] variables: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let method = SamplingMethod::from_name(method).raise()?;
+    // Points, and for designs that are searched their strata.
+    require_memory(16.0 * samples as f64 * variables as f64, "the design")?;
     let xi = long::run(py, None, move |_| {
         let design = Design::new(method, seed, STAGE, samples, variables).raise()?;
         let mut xi = Array2::zeros((samples, variables));
@@ -40,6 +43,19 @@ pub(crate) fn design<'py>(
 pub(crate) struct Expansion {
     expansion: chaos::Expansion,
     relative_error: Option<f64>,
+}
+
+/// Returns the number of terms of total degree `degree`, (variables + degree)! / (variables! degree!), or one above 1e18.
+fn terms(variables: usize, degree: usize) -> f64 {
+    let (fewer, more) = (variables.min(degree), variables.max(degree) as f64);
+    let mut terms = 1.0;
+    for i in 1..=fewer {
+        if terms > 1e18 {
+            break;
+        }
+        terms *= (more + i as f64) / i as f64;
+    }
+    terms
 }
 
 /// Returns the rows of samples with contiguous rows.
@@ -65,6 +81,9 @@ impl Expansion {
         if !xi.iter().chain(&values).all(|value| value.is_finite()) {
             return Err(value_error("a sample or a value is not finite"));
         }
+        // Polynomials of all samples, and their factors.
+        let terms = terms(xi.ncols(), degree);
+        require_memory(16.0 * terms * xi.nrows() as f64 + 2.0 * terms * xi.ncols() as f64, "the regression")?;
         let (expansion, fit) = long::run(py, None, move |_| {
             let mut basis = Basis::hermite(xi.ncols(), degree).raise()?;
             if sparse {
@@ -81,7 +100,7 @@ impl Expansion {
     /// Returns the values at samples.
     fn evaluate<'py>(&self, py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (found, wanted) = (xi.as_array().ncols(), self.variables());
-        if found < wanted {
+        if found != wanted {
             return Err(value_error(format_args!("samples have {found} variables, the expansion {wanted}")));
         }
         let xi = owned(&xi);

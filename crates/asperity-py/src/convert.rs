@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::errors::{Raise, value_error};
+use crate::resources::require_memory;
 
 /// Returns a result as dictionaries, lists, numbers and strings; undefined numbers are `None`, as in JSON.
 pub(crate) fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
@@ -101,6 +102,7 @@ pub(crate) fn owned(array: &PyReadonlyArray2<'_, f64>) -> Array2<f64> {
 
 /// Copies heights in metre into a map.
 pub(crate) fn map_of(heights_m: &PyReadonlyArray2<'_, f64>, dx_m: f64, dy_m: f64) -> PyResult<HeightMap> {
+    require_memory(16.0 * heights_m.as_array().len() as f64, "the map")?;
     let heights_m = owned(heights_m);
     let (ny, nx) = heights_m.dim();
     HeightMap::new(Grid::new(nx, ny, dx_m, dy_m).raise()?, heights_m).raise()

@@ -57,8 +57,8 @@ pub(crate) fn fit_friction_record<'py>(
     low_pass_m: Option<f64>,
     #[pyo3(from_py_with = whole)] decimation: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
-    if !(step_m.is_finite() && step_m > 0.0) {
-        return Err(value_error(format_args!("step_m is {step_m}, but must be positive")));
+    if decimation == 0 {
+        return Err(value_error("decimation is 0, but must be at least 1"));
     }
     let record = MeasuredRecord {
         start_m: 0.0,

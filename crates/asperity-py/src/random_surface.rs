@@ -22,7 +22,11 @@ use crate::convert::{from_python, map_of, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
 use crate::pool::detached;
+use crate::resources::require_memory;
 use crate::surface::History;
+
+/// Largest standard normal variable of a map.
+const LARGEST_XI: f64 = 1e6;
 
 /// Settings of a random surface. What is left out is measured on the scans.
 #[derive(Deserialize)]
@@ -127,6 +131,8 @@ impl SurfaceModel {
     ) -> PyResult<RandomSurface> {
         let grid = Grid::with_size(nx, ny, size_x_m, size_y_m).raise()?;
         let periodic = BoundaryKind::from_name(boundary).raise()? == BoundaryKind::Periodic;
+        // A free patch is cut from one with twice as many points along each side, which has a spectrum.
+        require_memory(64.0 * grid.points() as f64, "the random surface")?;
         let model = self.model.clone();
         let generated = long::run(py, None, move |_| model.patch(grid, periodic).raise())?;
         generated.warnings.iter().try_for_each(|warning| warn(py, warning))?;
@@ -153,8 +159,11 @@ impl RandomSurface {
     /// Returns the map of standard normal variables.
     fn generate<'py>(&self, py: Python<'py>, xi: Vec<f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let wanted = self.0.xi_len();
-        if xi.len() != wanted || xi.iter().any(|xi| !xi.is_finite()) {
-            return Err(value_error(format_args!("xi has {} values, expected {wanted} finite numbers", xi.len())));
+        if xi.len() != wanted || !xi.iter().all(|xi| xi.abs() <= LARGEST_XI) {
+            return Err(value_error(format_args!(
+                "xi has {} values, expected {wanted} numbers from -{LARGEST_XI} to {LARGEST_XI}",
+                xi.len()
+            )));
         }
         let map = detached(py, || Ok(self.0.generate(&xi)))?;
         Ok(PyArray2::from_owned_array(py, map.into_heights_m()))
@@ -165,8 +174,9 @@ impl RandomSurface {
         &self,
         py: Python<'py>,
         #[pyo3(from_py_with = whole)] seed: u64,
-        count: usize,
+        #[pyo3(from_py_with = whole)] count: usize,
     ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+        require_memory(8.0 * count as f64 * self.0.grid().points() as f64, "the maps")?;
         let surface = Arc::clone(&self.0);
         let maps = long::run(py, None, move |monitor| {
             let draw = |index: usize| (!monitor.cancelled()).then(|| draw_map(surface.as_ref(), seed, index as u64));

@@ -62,13 +62,13 @@ pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyRe
 /// Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
 #[pyfunction]
 pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
-    let own = &oscillator.0;
-    let (found, limit) = detached(py, || {
-        let limit = match limit_damping(own) {
+    let own = oscillator.0.clone();
+    let (found, limit) = long::run(py, None, move |_| {
+        let limit = match limit_damping(&own) {
             Err(VibrationError::NotFound { .. }) => None,
             limit => Some(limit.raise()?),
         };
-        Ok::<_, PyErr>((vibration::critical_damping(own).raise()?, limit))
+        Ok((vibration::critical_damping(&own).raise()?, limit))
     })?;
     let answer = to_python(py, &found)?;
     answer.set_item("limit_damping_ratio", limit)?;

@@ -35,8 +35,8 @@ fn check(parameter: &'static str, value: f64, valid: bool, wanted: &'static str)
 #[derive(Debug, Clone)]
 pub struct WeierstrassMandelbrot {
     grid: Grid,
-    dimension: f64,
-    roughness_m: f64,
+    /// G^{D−2}. G itself underflows for D near 2.
+    scale: f64,
     waves: Vec<Wave>,
 }
 
@@ -82,7 +82,7 @@ impl WeierstrassMandelbrot {
         let wavenumbers = std::iter::once(first).chain(more.take_while(|q| *q <= nyquist * (1.0 + 1e-12)));
         let angles: Vec<f64> = (1..=ridges).map(|m| PI * m as f64 / ridges as f64).collect();
         let waves = waves(wavenumbers, &angles, dimension, gamma);
-        Ok(Self { grid, dimension, roughness_m, waves })
+        Ok(Self { grid, scale: roughness_m.powf(dimension - 2.0), waves })
     }
 
     /// Returns the same surface with G such that the variance is `rms_height_m`².
@@ -93,19 +93,14 @@ impl WeierstrassMandelbrot {
     /// An rms height that is not positive.
     pub fn with_rms_height(mut self, rms_height_m: f64) -> Result<Self, GeneratorError> {
         check("rms_height_m", rms_height_m, rms_height_m > 0.0, "positive")?;
-        let factor = rms_height_m / self.variance_m2().sqrt();
-        self.roughness_m *= factor.powf(1.0 / (self.dimension - 2.0));
+        self.scale *= rms_height_m / self.variance_m2().sqrt();
         Ok(self)
-    }
-
-    fn scale(&self) -> f64 {
-        self.roughness_m.powf(self.dimension - 2.0)
     }
 
     /// Returns the variance in m².
     fn variance_m2(&self) -> f64 {
         let sum: f64 = self.waves.iter().map(|wave| wave.amplitude * wave.amplitude).sum();
-        0.5 * self.scale() * self.scale() * sum
+        0.5 * self.scale * self.scale * sum
     }
 }
 
@@ -129,7 +124,7 @@ impl RandomSurface for WeierstrassMandelbrot {
             for (column, value) in along_x.iter_mut().enumerate() {
                 *value = Complex64::cis(wave.qx * column as f64 * self.grid.dx_m());
             }
-            let amplitude = self.scale() * wave.amplitude;
+            let amplitude = self.scale * wave.amplitude;
             for (row, line) in heights.chunks_exact_mut(nx).enumerate() {
                 let along_y = Complex64::cis(wave.qy * row as f64 * self.grid.dy_m() + phase) * amplitude;
                 for (z, x) in line.iter_mut().zip(&along_x) {

@@ -52,12 +52,15 @@ impl<'a> Candidates<'a> {
         let n = samples as f64;
         let mut means = vec![0.0; columns];
         let mut squares = vec![0.0; columns];
+        // Differences from the first row are exactly zero if a column is constant.
+        let first = design.row(0);
         for row in design.rows() {
-            for ((mean, square), a) in means.iter_mut().zip(&mut squares).zip(row) {
-                *mean += a / n;
+            for (((mean, square), a), first) in means.iter_mut().zip(&mut squares).zip(row).zip(first) {
+                *mean += (a - first) / n;
                 *square += a * a;
             }
         }
+        means.iter_mut().zip(first).for_each(|(mean, first)| *mean += first);
         let mut norms = vec![0.0; columns];
         for row in design.rows() {
             norms.iter_mut().zip(&means).zip(row).for_each(|((norm, mean), a)| *norm += (a - mean).powi(2));

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::record::check_scales;
 use super::smoothing::{gaussian, polynomial};
 use super::{MeasuredError, MeasuredRecord};
 use asperity_base::correlation::{RecordBand, RecordHistory};
@@ -122,6 +123,7 @@ impl RecordPreparation {
     /// Fails if a cut leaves fewer than 10 values or is a cut of time without a velocity, if a degree exceeds 30, or if
     /// a cutoff or a decimation does not fit the record.
     pub fn apply(&self, record: &MeasuredRecord) -> Result<PreparedRecord, MeasuredError> {
+        check_scales(record.step_m, &record.friction)?;
         let mut record = self.cut(record)?;
         let (step_m, length_m) = (record.step_m, record.step_m * record.friction.len() as f64);
         let fits = |option, cutoff_m: f64| {

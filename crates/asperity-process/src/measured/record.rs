@@ -148,13 +148,7 @@ impl MeasuredRecord {
             return Err(MeasuredError::TooFew { present, what: "are present in the column", wanted: 2 });
         }
         let (start_m, step_m) = (start * per_axis, step * per_axis);
-        if !STEPS.contains(&step_m) {
-            return Err(MeasuredError::Step { step_m });
-        }
-        let largest = friction.iter().map(|mu| mu.abs()).fold(0.0, f64::max);
-        if largest != 0.0 && !(MIN_FRICTION..=MAX_FRICTION).contains(&largest) {
-            return Err(MeasuredError::Magnitude { largest });
-        }
+        check_scales(step_m, &friction)?;
         let mut starts = Vec::new();
         match signs(&friction) {
             Signs::One { reversed: false } => {}
@@ -276,4 +270,16 @@ fn coefficient(
             Ok(chosen.values.iter().zip(pressing.values).map(quotient).collect())
         }
     }
+}
+
+/// Checks that sums over distances and powers of the friction coefficient are exact.
+pub(super) fn check_scales(step_m: f64, friction: &[f64]) -> Result<(), MeasuredError> {
+    if !STEPS.contains(&step_m) {
+        return Err(MeasuredError::Step { step_m });
+    }
+    let largest = friction.iter().map(|mu| mu.abs()).fold(0.0, f64::max);
+    if largest != 0.0 && !(MIN_FRICTION..=MAX_FRICTION).contains(&largest) {
+        return Err(MeasuredError::Magnitude { largest });
+    }
+    Ok(())
 }

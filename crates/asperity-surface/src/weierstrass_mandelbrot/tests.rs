@@ -12,14 +12,14 @@ fn left_out(gamma: f64, hurst: f64) -> f64 {
 fn structure_function_m2(surface: &WeierstrassMandelbrot, x: f64, y: f64) -> f64 {
     // 1 − cos by the half angle, which is accurate for small values.
     let term = |wave: &Wave| 2.0 * (wave.amplitude * (0.5 * (wave.qx * x + wave.qy * y)).sin()).powi(2);
-    surface.scale().powi(2) * surface.waves.iter().map(term).sum::<f64>()
+    surface.scale.powi(2) * surface.waves.iter().map(term).sum::<f64>()
 }
 
 /// Returns the sum over the wavenumbers γ^j.
 fn sum_over(exponents: impl Iterator<Item = i32>, angles: &[f64], dimension: f64, gamma: f64) -> WeierstrassMandelbrot {
     let grid = Grid::new(2, 2, 1.0, 1.0).unwrap();
     let waves = waves(exponents.map(|j| gamma.powi(j)), angles, dimension, gamma);
-    WeierstrassMandelbrot { grid, dimension, roughness_m: 0.3, waves }
+    WeierstrassMandelbrot { grid, scale: 0.3_f64.powf(dimension - 2.0), waves }
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn the_structure_function_of_a_two_sided_surface_is_self_affine_in_every_directi
 #[test]
 fn the_variance_of_the_truncated_sum_is_the_published_number() {
     // One ridge is the profile times √(ln γ) at G = 1.
-    let profile = WeierstrassMandelbrot { roughness_m: 1.0, ..sum_over(0..=20, &[0.0], 2.5, 1.5) };
+    let profile = WeierstrassMandelbrot { scale: 1.0, ..sum_over(0..=20, &[0.0], 2.5, 1.5) };
     assert!((profile.variance_m2() / 1.5_f64.ln() - 1.499_699_271).abs() < 5e-10);
 }
 
@@ -168,4 +168,13 @@ fn parameters_outside_their_ranges_are_refused() {
     assert!(WeierstrassMandelbrot::new(grid, 1.5, 1.5, 4, 1.0).is_err());
     assert!(WeierstrassMandelbrot::new(grid, 2.5, 1.5, 0, 1.0).is_err());
     assert!(WeierstrassMandelbrot::new(grid, 2.5, f64::NAN, 4, 1.0).is_err());
+}
+
+#[test]
+fn the_rms_height_is_reached_at_every_dimension() {
+    let grid = Grid::new(16, 16, 1e-5, 1e-5).unwrap();
+    for dimension in [2.0 + 1e-9, 2.001, 2.01, 2.5, 2.999] {
+        let surface = WeierstrassMandelbrot::new(grid, dimension, 1.5, 10, 1.0).unwrap().with_rms_height(1e-6).unwrap();
+        assert!((surface.variance_m2().sqrt() / 1e-6 - 1.0).abs() < 1e-12, "{dimension}");
+    }
 }

@@ -139,3 +139,15 @@ fn a_model_has_fewer_terms_than_samples() {
     let candidates = Candidates::new(design.view()).unwrap();
     assert_eq!(SparseRegression::default().term_limit(&candidates), 40);
 }
+
+#[test]
+fn a_constant_column_is_recognised_at_any_number_of_samples() {
+    for samples in [1025, 1500, 3000, 10_001] {
+        let mut design = normal_design(5, samples, 3);
+        design.column_mut(0).fill(0.1);
+        let candidates = Candidates::new(design.view()).unwrap();
+        // The mean of the response is almost zero, so only a recognised constant is selected.
+        let chosen = SparseRegression::default().select(&candidates, &combination(&design, &[(2, 1.0)])).unwrap();
+        assert!(chosen.terms.starts_with(&[0, 2]), "{samples}: {:?}", chosen.terms);
+    }
+}
