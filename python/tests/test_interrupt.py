@@ -25,6 +25,8 @@ CALLS = {
     "ensemble": "asperity.ensemble(machine, friction_std=1e-3, correlation_length=0.01, marginal='normal', "
     "trajectories=1000000, duration=1e4, seed=1)",
     "study": f"asperity.run_study({str(ROOT / 'studies' / 'quickstart.toml')!r}, progress=False)",
+    "critical_damping": "asperity.critical_damping(asperity.Oscillator(static_friction=2.1, law=asperity.Exponential("
+    "kinetic=0.7, high_speed=0.21, stribeck_velocity=3e-4), damping_ratio=0, belt_velocity=4e-5))",
     "statistics": "asperity.HeightMap.from_array(z, dx_m=1e-6).level('polynomial:12').statistics()",
 }
 
