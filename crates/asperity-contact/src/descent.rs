@@ -519,6 +519,10 @@ impl<'a> Descent<'a> {
     fn finish(self, iterations: usize, stop_reason: SolverStop, residual: Residual) -> Solution {
         let problem = self.problem;
         let shape = problem.heights_m().dim();
+        // What rounding leaves of a pressure that fell to zero is no contact.
+        let near = &mut self.workspace.near;
+        let largest = near.fold(0.0, |slab| slab.largest_pressure(), f64::max);
+        near.each(|slab| slab.drop_below(f64::EPSILON * largest));
         let mut pressure_pa = Array2::zeros(shape);
         for (row, out) in pressure_pa.as_slice_mut().unwrap_or(&mut []).chunks_mut(shape.1).enumerate() {
             self.workspace.near.of_row(row).write_pressure(row, out);

@@ -180,6 +180,16 @@ impl Slab {
         !cells.is_empty()
     }
 
+    /// Returns the largest pressure.
+    pub(super) fn largest_pressure(&self) -> f64 {
+        self.lists.p.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Sets pressures below `least` to zero.
+    pub(super) fn drop_below(&mut self, least: f64) {
+        self.lists.p.iter_mut().filter(|p| **p < least).for_each(|p| *p = 0.0);
+    }
+
     /// Stores v of a row of the grid and, after the last row, adds all cells near contact to the lists.
     pub(super) fn settle(&mut self, row: usize, v: &[f64], origin_m: f64, bound: f64) {
         let row = row % ROWS_OF_SLAB;

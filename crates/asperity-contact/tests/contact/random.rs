@@ -179,6 +179,25 @@ fn random_problems_are_solved_and_their_residuals_are_correct() {
 }
 
 #[test]
+fn rounding_errors_of_pressure_are_no_contact() {
+    // Of 120,000 such problems these are some in which rounding left a pressure where the surfaces are apart.
+    for sample in [6955, 13_863, 16_128, 38_702, 44_510, 56_421, 68_181, 75_410, 76_879, 77_344] {
+        let mut choices = Choices::new(11, "rounding", sample);
+        let (nx, ny) = choices.one_of(&[(8, 8), (9, 8), (15, 15), (17, 13), (13, 26), (12, 20), (5, 30)]);
+        let grid = Grid::new(nx, ny, 1.0, choices.decades(-0.5, 0.5)).unwrap();
+        let heights = surface(&mut choices, KINDS[sample as usize % KINDS.len()], grid);
+        let control = Control::Penetration { metre: choices.decades(-2.0, 0.7) };
+        let hardness = choices.decades(-5.0, 0.0);
+        let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+        let problem = ContactProblem::new(&half_space, &heights, control, Some(hardness)).unwrap();
+        let solution = Solver::default().solve(&problem).unwrap();
+        let largest = solution.pressure_pa().iter().copied().fold(0.0, f64::max);
+        let carries = |p: &f64| *p == 0.0 || *p >= f64::EPSILON * largest;
+        assert!(solution.converged() && solution.pressure_pa().iter().all(carries), "{sample}");
+    }
+}
+
+#[test]
 #[ignore = "slow"]
 fn no_iteration_raises_the_energy() {
     for sample in 0..33 {
