@@ -63,7 +63,7 @@ class RandomSurface:
         """
         Returns the distances between points.
         """
-    def sample(self, /, seed, count: SupportsIndex) -> list[Incomplete]:
+    def sample(self, /, seed, count) -> list[Incomplete]:
         """
         Draws maps, the same for any number of threads.
         """
