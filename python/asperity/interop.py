@@ -30,7 +30,7 @@ def from_surfacetopography(topography: Topography) -> HeightMap:
         raise ValueError("the topography has no unit; create it with a unit, such as Topography(..., unit='m')")
     own = topography.to_unit("m")
     dx_m, dy_m = map(float, own.pixel_size)
-    return HeightMap.from_array(np.ma.filled(own.heights(), np.nan).T, dx_m=dx_m, dy_m=dy_m)
+    return HeightMap.from_array(own.heights().T, dx_m=dx_m, dy_m=dy_m)
 
 
 def to_surfacetopography(heights: HeightMap, periodic: bool) -> Topography:

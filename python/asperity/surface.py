@@ -86,7 +86,7 @@ class HeightMap:
     _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, repr=False)
 
     def __post_init__(self) -> None:
-        own = self.heights.view()
+        own = numbers(self.heights).view()
         own.flags.writeable = False
         object.__setattr__(self, "heights", own)
 

@@ -12,6 +12,7 @@ def test_fields_of_packed_records_are_copied():
     records = np.zeros((4, 4), dtype=[("a", "f4"), ("z", "f8")])
     records["z"] = HEIGHTS
     assert np.array_equal(HeightMap.from_array(records["z"], dx_m=1e-6).heights, HEIGHTS)
+    assert np.array_equal(HeightMap(records["z"], 1e-6, 1e-6).level("none").heights, HEIGHTS)
     shifted = np.frombuffer(b"x" + HEIGHTS.tobytes(), dtype=np.float64, offset=1).reshape(4, 4)
     assert np.array_equal(HeightMap.from_array(shifted, dx_m=1e-6).heights, HEIGHTS)
 
