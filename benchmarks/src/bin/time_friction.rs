@@ -94,7 +94,7 @@ fn main() -> Result<()> {
         let level = level?;
         solved.push(json!({
             "percentile": percentile, "mean_pressure_pa": level.mean_pressure_pa, "failures": level.failures.len(),
-            "contact_fraction": level.contact_fraction, "plastic_share": level.plastic_fraction,
+            "contact_fraction": level.contact_fraction, "plastic_share": level.plastic_fraction(),
         }));
     }
     let solves = settings.strips * PERCENTILES.len();

@@ -167,7 +167,7 @@ impl<'a> CutoffStudy<'a> {
             rms_gradient(strips.map(index).heights_m(), problem.grid(), Boundary::Free).powi(2)
         });
         let rms_slope = (squares.sum::<f64>() / STRIPS as f64).sqrt();
-        Ok(Ok(CutoffBlock { means, plastic_fraction: level.plastic_fraction, rms_slope }))
+        Ok(Ok(CutoffBlock { means, plastic_fraction: level.plastic_fraction(), rms_slope }))
     }
 }
 

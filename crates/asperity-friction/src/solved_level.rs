@@ -62,8 +62,8 @@ impl SolvedLevel {
         let process = FrictionStatistics::new(&at_mean_load, window.step_m(), layout, seed)?;
         // The window study requires rectangles.
         let own = window.is_rectangle().then(|| (window.clone(), at_mean_load.clone()));
-        let narrower =
-            strips.narrower.iter().map(|(window, records)| (window.clone(), Record::at_mean_load(records).1));
+        let narrower = window.narrower().into_iter().zip(&strips.narrower);
+        let narrower = narrower.map(|(window, records)| (window, Record::at_mean_load(records).1));
         let windows: Vec<(Window, Vec<Record>)> = own.into_iter().chain(narrower).collect();
         let varies = process.moments.std > 0.0;
         let whole = |(window, records): &(Window, Vec<Record>)| record_ends(records, window, periodic, strip_m);

@@ -126,7 +126,7 @@ impl Record {
 }
 
 /// A strip without a solution.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FailedStrip {
     /// Index of the realisation.
     pub index: usize,
@@ -135,14 +135,14 @@ pub struct FailedStrip {
 }
 
 /// Solved strips at one level of contact.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SolvedStrips {
     /// Records in the order of realisations and then of tracks, failed strips left out.
     pub records: Vec<Record>,
     /// Number of records per strip: tracks of the window.
     pub tracks: usize,
-    /// Records of the rectangles of [`Window::narrower`].
-    pub narrower: Vec<(Window, Vec<Record>)>,
+    /// Records of each rectangle of [`Window::narrower`].
+    pub narrower: Vec<Vec<Record>>,
     /// Strips left out.
     pub failures: Vec<FailedStrip>,
     /// Mean depth of the plane below the highest point of each strip, in metre.
@@ -156,28 +156,16 @@ pub struct SolvedStrips {
     pub strip_stiffnesses_pa_per_m: Vec<f64>,
     /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
     pub contact_fraction: f64,
-    /// Fraction of the contact cells with p = H.
-    pub plastic_fraction: f64,
+    /// Number of contact cells of all strips.
+    pub contact_cells: f64,
+    /// Number of cells of all strips with p = H.
+    pub plastic_cells: f64,
     /// Pressure on the first strip in pascal; absent if that strip failed.
     pub sample_pressure_pa: Option<Array2<f64>>,
 }
 
-/// Block of one strip: its result at every level, or the reason why it has no solution there.
-type StripBlock = Vec<Result<StripResult, String>>;
-
-/// One strip at one level.
-#[derive(Serialize, Deserialize)]
-struct StripResult {
-    records: Vec<Record>,
-    narrower: Vec<Vec<Record>>,
-    penetration_m: f64,
-    mean_pressure_pa: f64,
-    stiffness_pa_per_m: Option<f64>,
-    contact_fraction: f64,
-    contact_cells: f64,
-    plastic_cells: f64,
-    pressure_pa: Option<Array2<f64>>,
-}
+/// Block of one strip: the strip solved at every level, or the reason why it has no solution there.
+type StripBlock = Vec<Result<SolvedStrips, String>>;
 
 impl SolvedStrips {
     /// Returns the mean contact stiffness over the strips in Pa/m and its standard error; `None` if it was not computed or is unknown.
@@ -185,6 +173,11 @@ impl SolvedStrips {
     pub fn stiffness_pa_per_m(&self) -> Option<(f64, f64)> {
         let moments = Moments::new(&self.strip_stiffnesses_pa_per_m);
         moments.mean.is_finite().then(|| (moments.mean, moments.standard_error()))
+    }
+
+    /// Returns the fraction of the contact cells with p = H; 0 without contact.
+    pub fn plastic_fraction(&self) -> f64 {
+        if self.contact_cells > 0.0 { self.plastic_cells / self.contact_cells } else { 0.0 }
     }
 }
 
@@ -300,7 +293,7 @@ impl Strips<'_> {
         solution: &Solution,
         stiffness_pa_per_m: Option<f64>,
         keep: bool,
-    ) -> StripResult {
+    ) -> SolvedStrips {
         let StripProblem { window, law, .. } = self.problem;
         let narrower = window.narrower();
         let windows: Vec<&Window> = std::iter::once(window).chain(&narrower).collect();
@@ -308,56 +301,46 @@ impl Strips<'_> {
         let mut records = contacts.iter().map(|tracks| -> Vec<Record> {
             tracks.iter().map(|track| Record::from_contacts(track, law.as_ref())).collect()
         });
-        let points = heights_m.len() as f64;
-        StripResult {
+        let (points, mean_pressure_pa) = (heights_m.len() as f64, solution.mean_pressure_pa());
+        SolvedStrips {
             records: records.next().unwrap_or_default(),
+            tracks: contacts[0].len(),
             narrower: records.collect(),
+            failures: Vec::new(),
             penetration_m: solution.penetration_m(),
-            mean_pressure_pa: solution.mean_pressure_pa(),
-            stiffness_pa_per_m,
+            mean_pressure_pa,
+            strip_pressures_pa: vec![mean_pressure_pa],
+            strip_stiffnesses_pa_per_m: stiffness_pa_per_m.into_iter().collect(),
             contact_fraction: solution.corrected_contact_fraction(),
             contact_cells: solution.contact_fraction() * points,
             plastic_cells: solution.plastic_fraction() * points,
-            pressure_pa: keep.then(|| solution.pressure_pa().clone()),
+            sample_pressure_pa: keep.then(|| solution.pressure_pa().clone()),
         }
     }
 
-    /// Reduces the results of all strips at one level, in the order of the strips.
+    /// Returns all strips at one level from the single ones, in their order.
     fn gather(
         &self,
-        results: impl Iterator<Item = Result<StripResult, String>>,
+        strips: impl Iterator<Item = Result<SolvedStrips, String>>,
     ) -> Result<SolvedStrips, FrictionError> {
-        let mut level = SolvedStrips {
-            records: Vec::new(),
-            tracks: self.problem.window.tracks(self.problem.is_periodic()).len(),
-            narrower: self.problem.window.narrower().into_iter().map(|window| (window, Vec::new())).collect(),
-            failures: Vec::new(),
-            penetration_m: 0.0,
-            mean_pressure_pa: 0.0,
-            strip_pressures_pa: Vec::new(),
-            strip_stiffnesses_pa_per_m: Vec::new(),
-            contact_fraction: 0.0,
-            plastic_fraction: 0.0,
-            sample_pressure_pa: None,
-        };
-        let (mut contact_cells, mut plastic_cells) = (0.0, 0.0);
-        for (index, result) in results.enumerate() {
-            match result {
+        let narrower = vec![Vec::new(); self.problem.window.narrower().len()];
+        let mut level = SolvedStrips { narrower, ..SolvedStrips::default() };
+        for (index, strip) in strips.enumerate() {
+            match strip {
                 Ok(strip) => {
+                    level.tracks = strip.tracks;
                     level.penetration_m += strip.penetration_m;
                     level.mean_pressure_pa += strip.mean_pressure_pa;
-                    level.strip_pressures_pa.push(strip.mean_pressure_pa);
-                    level.strip_stiffnesses_pa_per_m.extend(strip.stiffness_pa_per_m);
+                    level.strip_pressures_pa.extend(strip.strip_pressures_pa);
+                    level.strip_stiffnesses_pa_per_m.extend(strip.strip_stiffnesses_pa_per_m);
                     level.contact_fraction += strip.contact_fraction;
-                    contact_cells += strip.contact_cells;
-                    plastic_cells += strip.plastic_cells;
+                    level.contact_cells += strip.contact_cells;
+                    level.plastic_cells += strip.plastic_cells;
                     level.records.extend(strip.records);
-                    for ((_, records), tracks) in level.narrower.iter_mut().zip(strip.narrower) {
+                    for (records, tracks) in level.narrower.iter_mut().zip(strip.narrower) {
                         records.extend(tracks);
                     }
-                    if strip.pressure_pa.is_some() {
-                        level.sample_pressure_pa = strip.pressure_pa;
-                    }
+                    level.sample_pressure_pa = level.sample_pressure_pa.or(strip.sample_pressure_pa);
                 }
                 Err(reason) => level.failures.push(FailedStrip { index, reason }),
             }
@@ -367,12 +350,9 @@ impl Strips<'_> {
         level.penetration_m /= count;
         level.mean_pressure_pa /= count;
         level.contact_fraction /= count;
-        level.plastic_fraction = if contact_cells > 0.0 { plastic_cells / contact_cells } else { 0.0 };
         Ok(level)
     }
-}
 
-impl Strips<'_> {
     /// Returns an error if too few strips converged.
     pub(super) fn check_valid(&self, failures: &[FailedStrip]) -> Result<(), FrictionError> {
         let (total, wanted) = (self.realisations, self.problem.valid_share);

@@ -137,7 +137,7 @@ impl WindowFriction {
             stribeck,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
-            plastic_fraction: Some(level.strips.plastic_fraction),
+            plastic_fraction: Some(level.strips.plastic_fraction()),
             variance_reduction: level.variance_reduction(nominal.area_m2),
             stiffness_pa_per_m: level.strips.stiffness_pa_per_m().map(|(mean, _)| mean),
             computed: true,

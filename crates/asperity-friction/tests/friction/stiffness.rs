@@ -115,7 +115,7 @@ fn replicates_leave_one_strip_out_and_plastic_cells_unload_elastically() {
     let surface = SpectralField::periodic(&covariance, grid);
     let plastic = problem(grid, periodic(grid), Some(1e9));
     let level = solve(&plastic, &surface, 3, &[1e8]).remove(0);
-    assert!(level.plastic_fraction > 0.5, "{}", level.plastic_fraction);
+    assert!(level.plastic_fraction() > 0.5, "{}", level.plastic_fraction());
     let strips = &level.strip_stiffnesses_pa_per_m;
     let replicates = MomentReplicates::from_mean_load(&level, plastic.window.step_m());
     assert_eq!(replicates.all.stiffness_pa_per_m, level.stiffness_pa_per_m().unwrap().0);

@@ -176,8 +176,8 @@ fn friction_is_never_below_shear_strength_over_hardness() {
     let mut empty = 0;
     for level in solved {
         let level = level.unwrap();
-        assert!(level.plastic_fraction > 0.0 && level.plastic_fraction < 1.0);
-        for record in level.records.iter().chain(level.narrower.iter().flat_map(|(_, records)| records)) {
+        assert!(level.plastic_fraction() > 0.0 && level.plastic_fraction() < 1.0);
+        for record in level.records.iter().chain(level.narrower.iter().flatten()) {
             for (mu, load_n) in record.friction.iter().zip(&record.load_n) {
                 assert_eq!(mu.is_nan(), *load_n == 0.0, "μ is undefined exactly where no load is carried");
                 assert!(mu.is_nan() || *mu >= 385.0 / 2000.0 * (1.0 - 1e-12), "{mu}");
@@ -199,7 +199,7 @@ fn fully_plastic_friction_is_constant_at_shear_strength_over_hardness() {
     let problem = problem(half_space, &law, 1.0, &window);
     let strips = problem.strips(&surface, 3, 9);
     let level = strips.solve(&[Control::Percentile { percent: 30.0 }], &Silent).unwrap().remove(0).unwrap();
-    assert_eq!(level.plastic_fraction, 1.0);
+    assert_eq!(level.plastic_fraction(), 1.0);
     let statistics = FrictionStatistics::new(&level.records, window.step_m(), true, 1).unwrap();
     assert!((statistics.moments.mean - 0.2).abs() < 1e-15 && statistics.moments.std == 0.0);
     assert!(statistics.correlation.is_err(), "what does not vary has no correlation");

@@ -70,7 +70,7 @@ impl Surface {
             "mean_pressure_pa": strips.mean_pressure_pa,
             "penetration_m": strips.penetration_m,
             "contact_fraction": strips.contact_fraction,
-            "plastic_fraction": strips.plastic_fraction,
+            "plastic_fraction": strips.plastic_fraction(),
             "window_m": window.length_m(),
             "window_width_m": window.width_m(),
             "warnings": generated.warnings,

@@ -96,7 +96,7 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         penetration_m: strips.penetration_m,
         mean_pressure_pa: strips.mean_pressure_pa,
         contact_fraction: strips.contact_fraction,
-        plastic_share: strips.plastic_fraction,
+        plastic_share: strips.plastic_fraction(),
         mean: solved.quotient_mean(),
         mean_interval: interval(statistics.estimates.mean),
         std: moment(statistics.moments.std),
