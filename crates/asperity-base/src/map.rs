@@ -10,6 +10,10 @@ use thiserror::Error;
 /// not overflow.
 pub const PITCH_RANGE_M: RangeInclusive<f64> = 1e-15..=1e3;
 
+/// Range of differences of heights in metre, and of root-mean-square heights. Variances of heights, and the energies of their contact, can
+/// be represented.
+pub const HEIGHT_RANGE_M: RangeInclusive<f64> = 1e-50..=1e50;
+
 /// Error in the construction of a map.
 #[derive(Debug, Clone, Error, PartialEq)]
 #[non_exhaustive]
@@ -33,6 +37,19 @@ pub enum MapError {
         dx_m: f64,
         /// Pitch along y in metre.
         dy_m: f64,
+    },
+    /// Measured heights outside of [`HEIGHT_RANGE_M`].
+    #[error(
+        "the heights lie between {lowest_m:?} m and {highest_m:?} m; none may exceed {:e} m, and they must differ by {:e} m if not all \
+         are equal",
+        HEIGHT_RANGE_M.end(),
+        HEIGHT_RANGE_M.start()
+    )]
+    BadHeights {
+        /// Lowest height in metre.
+        lowest_m: f64,
+        /// Highest height in metre.
+        highest_m: f64,
     },
     /// A file without the distance between its points.
     #[error("the file carries no pixel size; state one (--pixel-size, in a study `pixel_size`)")]
@@ -195,6 +212,22 @@ impl HeightMap {
         Ok(Self { grid, heights_m })
     }
 
+    /// Creates a map of measured heights in metre, as [`HeightMap::new`].
+    ///
+    /// # Errors
+    /// As [`HeightMap::new`], or heights whose statistics cannot be represented: see [`HEIGHT_RANGE_M`].
+    pub fn measured(grid: Grid, heights_m: Array2<f64>) -> Result<Self, MapError> {
+        let map = Self::new(grid, heights_m)?;
+        let (lowest_m, highest_m) =
+            map.present_m().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
+        let differ = lowest_m == highest_m || highest_m - lowest_m >= *HEIGHT_RANGE_M.start();
+        if differ && lowest_m.abs().max(highest_m.abs()) <= *HEIGHT_RANGE_M.end() {
+            Ok(map)
+        } else {
+            Err(MapError::BadHeights { lowest_m, highest_m })
+        }
+    }
+
     /// Creates a map from a function of the cell centre (x, y) in metre.
     ///
     /// # Errors
@@ -262,7 +295,7 @@ impl TryFrom<Scan> for HeightMap {
     fn try_from(scan: Scan) -> Result<Self, MapError> {
         let (ny, nx) = scan.heights_m.dim();
         let (dx_m, dy_m) = scan.pitch_m.ok_or(MapError::NoPitch)?;
-        Self::new(Grid::new(nx, ny, dx_m, dy_m)?, scan.heights_m)
+        Self::measured(Grid::new(nx, ny, dx_m, dy_m)?, scan.heights_m)
     }
 }
 
@@ -278,6 +311,20 @@ mod tests {
         assert_eq!(map.missing_points(), 2);
         assert_eq!(map.present_m().collect::<Vec<_>>(), [1.0, 2.0]);
         assert_eq!(map.complete_heights_m(), Err(MapError::Incomplete { missing: 2, points: 4 }));
+    }
+
+    #[test]
+    fn measured_heights_whose_statistics_cannot_be_represented_are_refused() {
+        let measured = |a, b| HeightMap::measured(Grid::new(2, 2, 1.0, 1.0).unwrap(), array![[a, a], [f64::NAN, b]]);
+        for (a, b) in [(0.0, 1e51), (-1e300, 1.0), (-f64::MAX, f64::MAX), (0.0, 5e-324), (1e-60, 2e-60)] {
+            assert_eq!(measured(a, b), Err(MapError::BadHeights { lowest_m: a, highest_m: b }));
+        }
+        for (a, b) in [(0.0, 0.0), (3.0, 3.0), (1e-300, 1e-300), (0.0, 1e-50), (-1e50, 1e50), (1.0, 1.0 + f64::EPSILON)]
+        {
+            assert!(measured(a, b).is_ok(), "{a} and {b}");
+        }
+        let error = measured(0.0, 1e-200).unwrap_err().to_string();
+        assert!(error.contains("between 0.0 m and 1e-200 m; none may exceed 1e50 m"), "{error}");
     }
 
     #[test]

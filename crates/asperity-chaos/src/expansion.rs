@@ -39,7 +39,12 @@ impl Expansion {
         if xi_samples.len() <= basis.len() {
             return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
-        let fit = LeastSquares::new(basis.design_matrix(xi_samples))?.fit(response)?;
+        // The first function is 1. Without a constant response, the others have no rounding errors for coefficients.
+        let constant = response.first().filter(|first| response.iter().all(|value| value == *first));
+        let constant = constant.copied().unwrap_or_default();
+        let varying: Vec<f64> = response.iter().map(|value| value - constant).collect();
+        let mut fit = LeastSquares::new(basis.design_matrix(xi_samples))?.fit(&varying)?;
+        fit.coefficients[0] += constant;
         Ok((Self::new(basis, fit.coefficients.clone()), fit))
     }
 

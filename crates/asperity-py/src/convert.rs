@@ -105,5 +105,5 @@ pub(crate) fn map_of(heights_m: &PyReadonlyArray2<'_, f64>, dx_m: f64, dy_m: f64
     require_memory(16.0 * heights_m.as_array().len() as f64, "the map")?;
     let heights_m = owned(heights_m);
     let (ny, nx) = heights_m.dim();
-    HeightMap::new(Grid::new(nx, ny, dx_m, dy_m).raise()?, heights_m).raise()
+    HeightMap::measured(Grid::new(nx, ny, dx_m, dy_m).raise()?, heights_m).raise()
 }

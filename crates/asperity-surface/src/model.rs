@@ -42,7 +42,7 @@ pub use composite::CompositeModel;
 pub use covariance::{CovarianceRequest, SurfaceCovariance};
 pub use error::SurfaceModelError;
 pub use generated::{CapturedModes, GAMMA, Generated, PatchSize, RIDGES, XiOrder};
-pub use request::{Measurable, RMS_HEIGHTS_M, SurfaceRequest};
+pub use request::{Measurable, SurfaceRequest};
 pub use selection::{CovarianceCandidate, SelectedCovariance};
 pub use trial::TrialMaps;
 pub use variation::Variation;

@@ -97,6 +97,15 @@ fn the_sobol_g_function_comes_within_its_known_truncation() {
 }
 
 #[test]
+fn a_constant_response_has_one_coefficient_and_no_indices() {
+    for value in [0.0, 0.1, -1e300, 5e-324] {
+        let (expansion, fit) = expand(&[PolynomialFamily::Hermite; 3], 3, 50, |_| value);
+        assert_eq!((expansion.mean(), expansion.variance(), fit.leave_one_out.relative_error), (value, 0.0, None));
+        assert!(expansion.first_order_indices().iter().chain(&expansion.total_indices()).all(|index| index.is_nan()));
+    }
+}
+
+#[test]
 fn fewer_samples_than_coefficients_are_refused() {
     let basis = Basis::hermite(8, 3).unwrap();
     let xi_samples = vec![vec![0.0; 8]; 165];

@@ -177,6 +177,7 @@ fn scans_without_texture_and_wrong_flags_leave_nothing_behind() {
         ("scan.x3p --covariance matern --correlation-length 5um", 2, vec!["--smoothness"]),
         ("scan.x3p --covariance self_affine --correlation-length 5um", 2, vec!["--hurst"]),
         ("scan.x3p --hurst 0.7", 2, vec!["--correlation-length"]),
+        ("scan.x3p --modes 20", 2, vec!["--modes", "karhunen_loeve"]),
         ("scan.x3p --points 1,40", 2, vec!["--points", "2 × 2"]),
         ("scan.x3p --s-filter 9um --l-filter 5um", 2, vec!["scan.x3p", "no scale is left"]),
         ("scan.x3p --channel 3", 2, vec!["scan.x3p"]),

@@ -1,9 +1,8 @@
 //! Requests for a random surface, and the model that meets them.
 
-use std::ops::RangeInclusive;
-
 use asperity_base::correlation::CorrelationFamily;
 use asperity_base::distribution::Marginal;
+use asperity_base::map::HEIGHT_RANGE_M;
 use asperity_base::translation::TranslationKind;
 
 use super::covariance::CovarianceRequest;
@@ -11,9 +10,6 @@ use super::selection::{SelectedCovariance, select};
 use super::{SurfaceModel, SurfaceModelError, Texture, TruncatedExpansion};
 use crate::GeneratorError;
 use crate::scanned::ScannedSurface;
-
-/// Root-mean-square heights in metre of random surfaces. Their variances, and the energies of their contact, can be represented.
-pub const RMS_HEIGHTS_M: RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Quantity that is stated or measured on the scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +63,7 @@ impl SurfaceModel {
     ///
     /// # Errors
     /// A quantity is to be measured without a scan, the scan has no such quantity, a stated quantity is invalid, or the rms height is
-    /// outside [`RMS_HEIGHTS_M`].
+    /// outside [`HEIGHT_RANGE_M`].
     pub fn new(
         request: SurfaceRequest,
         scan: Option<&ScannedSurface>,
@@ -75,7 +71,7 @@ impl SurfaceModel {
         let needed = |quantity| scan.ok_or(SurfaceModelError::NoScan(quantity));
         let of_scan = || Ok(needed("the rms height")?.sq_m());
         let rms_m = |stated: Measurable<f64>| match stated.or_measure(of_scan)? {
-            value if RMS_HEIGHTS_M.contains(&value) => Ok(value),
+            value if HEIGHT_RANGE_M.contains(&value) => Ok(value),
             value => {
                 let (parameter, wanted) = ("rms height in metre", "between 1e-50 and 1e50");
                 Err(SurfaceModelError::from(GeneratorError::Parameter { parameter, value, wanted }))

@@ -125,5 +125,10 @@ fn a_key_without_effect_gives_a_warning() {
     assert_eq!(idle.len(), 2, "{idle:?}");
     assert!(idle[0].contains("hurst") && idle[1].contains("[pressure] mean_compliance"), "{idle:?}");
     assert_eq!(run(&text, Some(Stage::Surface)).results.warnings[..2], idle);
+    let spectral = study(&changed(MODEL, &[("modes = 30", "modes = 30\ngenerator = \"spectral\"")]));
+    assert_eq!(
+        spectral.file().keys_without_effect(),
+        ["[surface] modes has no effect without the generator karhunen_loeve"]
+    );
     assert!(study(MODEL).file().keys_without_effect().is_empty());
 }

@@ -158,6 +158,9 @@ impl Twin {
     fn options(&self) -> Result<TwinOptions, Failure> {
         let model = &self.model;
         let (covariance, families) = model.covariance()?;
+        if model.modes.is_some() && model.generator != SurfaceGenerator::KarhunenLoeve {
+            return Err(Failure::usage("--modes: requires --generator karhunen_loeve"));
+        }
         let preparation = &self.preparation;
         let surface = SurfaceSection {
             level: preparation.level,

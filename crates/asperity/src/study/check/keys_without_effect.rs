@@ -9,6 +9,9 @@ impl StudyFile {
     pub fn keys_without_effect(&self) -> Vec<String> {
         let mut keys: Vec<String> =
             self.surface.iter().flat_map(|surface| surface.keys_without_effect("surface")).collect();
+        let expanded = |surface: &&SurfaceSection| surface.generator == SurfaceGenerator::KarhunenLoeve;
+        let modes = self.surface.as_ref().filter(|surface| !expanded(surface)).and_then(|surface| surface.modes);
+        keys.extend(modes.map(|_| "[surface] modes has no effect without the generator karhunen_loeve".to_owned()));
         if let (Some(counterface), Some(surface)) = (&self.counterface, &self.surface) {
             keys.extend(counterface.keys_without_effect(surface));
         }

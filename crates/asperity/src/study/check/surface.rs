@@ -7,9 +7,9 @@ use asperity_formats::{Channel, FormatError, LengthUnit, ReadOptions, Scan};
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::correlation::{CorrelationFamily, CorrelationModel};
 use crate::distribution::DistributionError;
-use crate::map::{BoundaryKind, PITCH_RANGE_M};
+use crate::map::{BoundaryKind, HEIGHT_RANGE_M, PITCH_RANGE_M};
 use crate::study::file::{StudyFile, SurfaceSection};
-use crate::surface::model::{CovarianceRequest, Measurable, RMS_HEIGHTS_M, SurfaceRequest, TruncatedExpansion};
+use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest, TruncatedExpansion};
 use crate::surface::preparation::Preparation;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
@@ -91,7 +91,7 @@ impl SurfaceSection {
                 SECTION,
                 "rms_height",
                 rms,
-                |rms| RMS_HEIGHTS_M.contains(&rms),
+                |rms| HEIGHT_RANGE_M.contains(&rms),
                 "a positive value between 1e-50 and 1e50 m",
             )?;
         }
