@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "psd", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part"]
 
 @final
 class Expansion:
@@ -156,6 +156,11 @@ def module_program(library: str | PathLike[str]) -> Any:
 def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:
     """
     Computes the radially averaged power spectral density.
+    """
+
+def read_friction_process(path: str | PathLike[str]) -> Any:
+    """
+    Reads a process from a file.
     """
 
 def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat | SupportsIndex | None, dy_m: SupportsFloat | SupportsIndex | None, height_unit: str | None) -> tuple[Incomplete, tuple[float, float], list[str]]:

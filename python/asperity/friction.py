@@ -72,8 +72,7 @@ class FrictionProcess(Record):
     @staticmethod
     def read(path: str | os.PathLike[str]) -> FrictionProcess:
         """Read a process that a study, or ``asperity friction fit --out``, wrote."""
-        data = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-        return FrictionProcess.from_dict(_core.friction_process(data))
+        return FrictionProcess.from_dict(_core.read_friction_process(path))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the process to a file."""

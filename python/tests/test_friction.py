@@ -34,6 +34,15 @@ def test_a_simulated_record_equals_that_of_the_command_line(program, tmp_path):
     assert json.loads((tmp_path / "process.json").read_text())["format"] == "asperity friction process"
 
 
+@pytest.mark.parametrize("content", [b'{"format": "asperity fric', b"[1, 2]", b"\xff\xfe\x00", b"[" * 100_000])
+def test_a_damaged_process_is_named(tmp_path, content):
+    (tmp_path / "process.json").write_bytes(content)
+    with pytest.raises(asperity.FormatError, match=r"process\.json: "):
+        asperity.FrictionProcess.read(tmp_path / "process.json")
+    with pytest.raises(FileNotFoundError, match=r"gone\.json"):
+        asperity.FrictionProcess.read(tmp_path / "gone.json")
+
+
 def test_wrong_processes_and_records_raise_by_kind():
     with pytest.raises(ValueError, match="std"):
         asperity.friction_process(mean=0.2, std=-0.01, correlation_length_m=1e-4)

@@ -63,6 +63,9 @@ def test_wrong_maps_and_files_raise_by_kind(tmp_path):
         HeightMap.from_array([[1.0]], dx_m=1e-6)
     with pytest.raises(ValueError, match="pixel size"):
         HeightMap.from_array(np.ones((3, 3)), dx_m=-1)
+    for heights in ([[0, 1e200], [1, 2]], [[0, 1e-200], [0, 0]]):
+        with pytest.raises(ValueError, match="none may exceed"):
+            HeightMap(np.array(heights), 1e-6, 1e-6).acf()
     with pytest.raises(FileNotFoundError, match=r"gone\.x3p"):
         HeightMap.read(tmp_path / "gone.x3p")
     damaged = tmp_path / "damaged.x3p"

@@ -43,6 +43,11 @@ pub(crate) fn value_error(message: impl Display) -> PyErr {
     PyValueError::new_err(message.to_string())
 }
 
+/// Returns the exception of a damaged file.
+pub(crate) fn format_error(message: impl Display) -> PyErr {
+    defined::FormatError::new_err(message.to_string())
+}
+
 /// Returns the exception of an error.
 pub(crate) fn exception(error: &(dyn Error + 'static)) -> PyErr {
     with_message(error, chain(error))
@@ -55,7 +60,7 @@ pub(crate) fn with_message(error: &(dyn Error + 'static), message: String) -> Py
             FormatError::NotFound { .. } => PyFileNotFoundError::new_err(message),
             FormatError::Io { .. } => PyOSError::new_err(message),
             FormatError::NoSuchChannel { .. } | FormatError::UnknownUnit { .. } => value_error(message),
-            _ => defined::FormatError::new_err(message),
+            _ => format_error(message),
         };
     }
     if let Some(StudyError::Scan(error)) = error.downcast_ref() {
@@ -65,7 +70,7 @@ pub(crate) fn with_message(error: &(dyn Error + 'static), message: String) -> Py
         return with_message(&**error, message);
     }
     if let Some(StudyFileError { in_data: true, .. }) = error.downcast_ref() {
-        return defined::FormatError::new_err(message);
+        return format_error(message);
     }
     if let Some(StudyError::Blocks(error)) = error.downcast_ref() {
         return with_message(error, message);

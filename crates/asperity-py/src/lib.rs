@@ -30,7 +30,7 @@ mod _core {
     #[pymodule_export]
     use crate::parts::{merge_parts, module_program, study_part};
     #[pymodule_export]
-    use crate::process::{fit_friction_record, friction_process, simulate_friction};
+    use crate::process::{fit_friction_record, friction_process, read_friction_process, simulate_friction};
     #[pymodule_export]
     use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]

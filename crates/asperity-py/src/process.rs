@@ -1,14 +1,19 @@
 //! Friction processes: fitted to records, stored as JSON, simulated.
 
+use std::fmt::Display;
+use std::io;
+use std::path::PathBuf;
+
 use asperity::distribution::Marginal;
 use asperity::friction::measured::{DistributionChoice, FittedRecord, MeasuredRecord, RecordPreparation};
 use asperity::friction::process::FittedProcess;
+use asperity_formats::read_text;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use serde_json::Value;
 
 use crate::convert::{from_json, to_value, whole};
-use crate::errors::{Raise, value_error, warn};
+use crate::errors::{Raise, format_error, refused, value_error, warn};
 use crate::long;
 
 /// Returns the process of a dictionary, with the keys of its file. The marginal distribution may be a text.
@@ -30,6 +35,20 @@ pub(crate) fn dictionary<'py>(py: Python<'py>, process: &FittedProcess) -> PyRes
 #[pyfunction]
 pub(crate) fn friction_process<'py>(process: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     dictionary(process.py(), &process_of(process)?)
+}
+
+/// Reads a process from a file.
+#[pyfunction]
+pub(crate) fn read_friction_process(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+    let process = long::run(py, None, move |_| {
+        let damaged = |reason: &dyn Display| format_error(format_args!("{}: {reason}", path.display()));
+        let text = read_text(&path).map_err(|error| match error.kind() {
+            io::ErrorKind::InvalidData => damaged(&"not a text file"),
+            _ => refused(path.display(), &error),
+        })?;
+        FittedProcess::from_json(&text).map_err(|error| damaged(&error))
+    })?;
+    dictionary(py, &process)
 }
 
 /// Draws values of the friction coefficient along a path.
