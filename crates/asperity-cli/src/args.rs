@@ -149,9 +149,9 @@ pub(crate) fn seed(text: &str) -> Result<u64, Refusal> {
     text.trim().parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX).into())
 }
 
-/// Parses a number of threads, at most 4096.
+/// Parses a number of threads. Thousands of them on a few cores only wait for one another.
 pub(crate) fn threads(text: &str) -> Result<usize, Refusal> {
-    const MOST: usize = 4096;
+    const MOST: usize = 1024;
     match count(text)? {
         n if n <= MOST => Ok(n),
         n => Err(format!("{n} is out of range: it must be at most {MOST}").into()),

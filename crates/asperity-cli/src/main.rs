@@ -12,6 +12,7 @@ mod provenance;
 mod resources;
 mod run_folder;
 
+use std::env;
 use std::panic;
 use std::process::ExitCode;
 use std::sync::OnceLock;
@@ -82,13 +83,25 @@ fn main() -> ExitCode {
     ExitCode::from(kind.exit_code())
 }
 
+/// Starts the worker threads: as many as the flag or the variable of rayon states, otherwise one for each core.
+fn start_threads(stated: Option<usize>) -> Result<(), Failure> {
+    const VARIABLE: &str = "RAYON_NUM_THREADS";
+    let of_variable = || env::var(VARIABLE).ok().filter(|text| text.parse::<usize>().is_ok_and(|threads| threads > 0));
+    let threads = match (stated, of_variable()) {
+        (Some(threads), _) => threads,
+        (None, Some(text)) => {
+            args::threads(&text).map_err(|error| Failure::usage(format_args!("{VARIABLE}: {error}")))?
+        }
+        (None, None) => 0,
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|e| Failure::new(Kind::Resources, format!("cannot start the threads: {e}; state fewer by --threads")))
+}
+
 fn run(cli: &Cli) -> Result<(), Failure> {
-    if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .map_err(|e| Failure::new(Kind::Resources, format!("cannot start {threads} threads: {e}")))?;
-    }
+    start_threads(cli.threads)?;
     let monitor = Terminal::new(cli.quiet)?;
     let result = cli.command.run(Cli::command, &monitor);
     monitor.finish();

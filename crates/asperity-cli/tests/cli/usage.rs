@@ -40,6 +40,21 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
 }
 
 #[test]
+fn thousands_of_threads_in_the_environment_are_refused() {
+    let formats = |threads: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asperity"));
+        command.arg("formats").env("RAYON_NUM_THREADS", threads).output().unwrap()
+    };
+    let refused = formats("5000");
+    assert_eq!(refused.status.code(), Some(2));
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(message.contains("RAYON_NUM_THREADS: 5000") && message.contains("at most 1024"), "{message}");
+    for usual in ["", "0", "3", "many"] {
+        assert!(formats(usual).status.success(), "{usual}");
+    }
+}
+
+#[test]
 fn a_schema_is_one_json_object_with_the_name_of_its_file() {
     for (line, id, key) in [
         ("schema", "urn:asperity:results:1", "/$defs/Results/properties/schema_version"),
