@@ -9,6 +9,8 @@ use asperity_formats::refusal;
 
 /// Error number of a failed device on Unix.
 const EIO: i32 = 5;
+/// Error numbers on Unix if the system or the program may open no further file: ENFILE, EMFILE.
+const TOO_MANY_FILES: [i32; 2] = [23, 24];
 
 /// Kind of an error; it determines the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,10 +72,13 @@ impl Failure {
             io::ErrorKind::StorageFull
             | io::ErrorKind::QuotaExceeded
             | io::ErrorKind::FileTooLarge
-            | io::ErrorKind::OutOfMemory => Kind::Resources,
+            | io::ErrorKind::OutOfMemory
+            // No further thread.
+            | io::ErrorKind::WouldBlock => Kind::Resources,
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem if kind == Kind::Runtime => {
                 Kind::Resources
             }
+            _ if cause.raw_os_error().is_some_and(|code| TOO_MANY_FILES.contains(&code)) => Kind::Resources,
             // A disk that fails to write is a lack of one.
             _ if kind == Kind::Runtime && cause.raw_os_error() == Some(EIO) => Kind::Resources,
             _ => kind,

@@ -119,7 +119,7 @@ impl Terminal {
                 std::thread::spawn(move || exit_soon(&last));
             }
         })
-        .map_err(|e| Failure::new(Kind::Runtime, format!("cannot listen for Ctrl-C: {e}")))?;
+        .map_err(|error| Failure::io(Kind::Runtime, "cannot listen for Ctrl-C", &error))?;
         let display = if quiet {
             Display::Nothing
         } else if io::stderr().is_terminal() {

@@ -340,6 +340,7 @@ impl Options {
         if let Some(shard) = self.shard {
             return self.part(computation, shard, monitor);
         }
+        Staging::clean_beside(&destination);
         if self.resume && computation.print_finished(&destination, self.json)? {
             monitor.note(&format!("{} is finished", destination.display()));
             return Ok(());

@@ -293,11 +293,35 @@ fn the_next_run_removes_only_the_remains_of_a_killed_run() {
     fs::rename(at.join("old"), at.join(left.replace(".maps.partial-", ".old.replaced-"))).unwrap();
     assert_eq!(run_in(at, "surface generate spec.toml --count 2 --out new").code, 0);
     assert_eq!(written(&at.join("old")).len(), 3);
+    fs::rename(at.join("old"), at.join(left.replace(".maps.partial-", ".old.replaced-"))).unwrap();
+    assert_eq!(run_in(at, "surface generate spec.toml --count 2 --out old").code, 2);
+    assert_eq!(written(&at.join("old")).len(), 3);
     // The same for temporary files.
     let temporary = at.join(left.replace(".maps.partial-", ".asperity-") + ".tmp");
     fs::write(&temporary, "half").unwrap();
     assert_eq!(run_in(at, "surface generate spec.toml --out map.x3p").code, 0);
     assert!(!temporary.exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_study_whose_path_is_no_unicode_runs() {
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = bench();
+    let at = folder.path();
+    let study = std::ffi::OsStr::from_bytes(b"\xff.toml");
+    fs::copy(at.join("study.toml"), at.join(study)).unwrap();
+    let run = || {
+        Command::new(env!("CARGO_BIN_EXE_asperity"))
+            .arg("run")
+            .arg(study)
+            .args(["--out", "out"])
+            .current_dir(at)
+            .output()
+    };
+    let found = run().unwrap();
+    assert!(found.status.success() && at.join("out/results.json").is_file(), "{found:?}");
 }
 
 /// Runs `asperity` with a small disk in the folder `disk` and lists the disk; `None` if no disk can be made.

@@ -9,7 +9,9 @@ mod folder;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use asperity_base::blocks::{self, Task};
+use asperity_base::blocks::{self, Loop, Task};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use self::factors::{Column, Factor, Key, MOST, Reader, SCAN, set};
@@ -298,20 +300,28 @@ impl Campaign {
     /// Blocks cannot be stored, blocks of other parts are missing ([`StudyError::Incomplete`]), or the monitor cancelled. A member that
     /// fails has its reason in the results.
     pub fn run_with(&self, blocks: Option<&RunBlocks>, monitor: &dyn Monitor) -> Result<CampaignResults, StudyError> {
-        let hashes = match blocks {
-            Some(_) => self.files().iter().skip(1).map(|(file, _)| file_hash(file).unwrap_or_default()).collect(),
-            None => Vec::<String>::new(),
+        let hash = |(file, _): (PathBuf, bool)| (file_hash(&file).unwrap_or_default(), file);
+        let inputs: Vec<(String, PathBuf)> = match blocks {
+            Some(_) => self.files().into_iter().skip(1).map(hash).collect(),
+            None => Vec::new(),
         };
+        let hashes: Vec<&String> = inputs.iter().map(|(hash, _)| hash).collect();
         let scans: Vec<&Factor> = self.factors.iter().filter(|factor| matches!(factor, Factor::Scans(_))).collect();
         let stages = Stages { blocks, monitor };
-        let members = stages
-            .run(STAGE, &[&self.text, &self.study, &self.seed, &scans, &hashes], |monitor| self.compute(monitor))?;
+        let members = stages.run(STAGE, &[&self.text, &self.study, &self.seed, &scans, &hashes], |monitor| {
+            self.compute(&inputs, monitor)
+        })?;
         let members = members.ok_or(StudyError::Incomplete)?;
         Ok(self.results(members))
     }
 
-    /// Computes the friction stages that several members have in common, then the members.
-    fn compute(&self, monitor: &dyn Monitor) -> Result<Vec<Result<Answered, String>>, StudyError> {
+    /// Computes the friction stages that several members have in common, then the members. Blocks depend on the files that the members
+    /// read, `inputs` with their hashes.
+    fn compute(
+        &self,
+        inputs: &[(String, PathBuf)],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Result<Answered, String>>, StudyError> {
         let inner = Inner(monitor);
         let folder = self.study_folder();
         let alone = |count: usize| count >= rayon::current_num_threads();
@@ -319,11 +329,12 @@ impl Campaign {
         let mut shared = Vec::new();
         if groups > 0 {
             let task = Task::new(monitor, "campaign: friction", groups);
-            shared = task.try_map(groups, |group| {
-                on(alone(groups), || {
-                    let study = self.member(self.shared[group][0])?;
-                    study.share_friction(&folder, &inner).map_err(|error| self.reason(&error))
-                })
+            let share = |study: &Study| study.share_friction(&folder, &inner).map_err(|error| self.reason(&error));
+            shared = members_of(&task, groups, |group| {
+                let study = self.member(self.shared[group][0]);
+                let found = on(alone(groups), || study.as_ref().map_err(String::clone).and_then(share));
+                study.map_or(Ok(()), |study| study.refuse_changed(&folder, inputs))?;
+                Ok(found)
             })?;
         }
         let mut shared_of: BTreeMap<usize, &Result<SharedFriction, String>> = BTreeMap::new();
@@ -332,19 +343,21 @@ impl Campaign {
         }
         let count = self.members();
         let task = Task::new(monitor, "campaign: members", count);
-        let members = task.try_map(count, |member| {
-            if let Some(reason) = self.refused.get(&member) {
-                return Err(reason.clone());
-            }
-            let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
-            on(alone(count), || {
-                let study = self.member(member)?;
+        members_of(&task, count, |member| {
+            let refused = self.refused.get(&member).map_or(Ok(()), |reason| Err(reason.clone()));
+            let study = refused.and_then(|()| self.member(member));
+            let answer = |study: &Study| {
+                let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
                 let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;
                 let damping = study.vibration.as_ref().map(|vibration| vibration.damping_ratio);
                 Ok((answers(&found.0, found.1.as_ref(), damping), found.0.warnings))
-            })
-        })?;
-        Ok(members)
+            };
+            let found = on(alone(count), || study.as_ref().map_err(String::clone).and_then(answer));
+            // Members with friction in common read no scan, unless they state a verdict.
+            let reads = |study: &Study| study.states_verdict() || !shared_of.contains_key(&member);
+            study.ok().filter(reads).map_or(Ok(()), |study| study.refuse_changed(&folder, inputs))?;
+            Ok(found)
+        })
     }
 
     /// Returns an error as the reason of a failed member, without the folder, so that it is the same from every place.
@@ -436,6 +449,22 @@ impl Campaign {
         }
         first + &text
     }
+}
+
+/// Computes `count` blocks, each an answer or the reason why there is none, and returns them in index order.
+///
+/// # Errors
+/// The error of a block, which is not stored, or the monitor cancelled.
+fn members_of<T: Serialize + DeserializeOwned + Send>(
+    task: &Task<'_>,
+    count: usize,
+    block: impl Fn(usize) -> Result<Result<T, String>, StudyError> + Sync,
+) -> Result<Vec<Result<T, String>>, StudyError> {
+    let failure = |found: &Result<T, String>| found.as_ref().err().cloned();
+    let members = Loop { count, block_bytes: size_of::<Result<T, String>>(), steps: 1, failure };
+    let mut found = Vec::with_capacity(count);
+    task.reduce(&members, || (), |(), index| task.step(|| block(index))?, |_, block| found.push(block))?;
+    Ok(found)
 }
 
 /// Returns the warnings of the members, those that differ in numbers only as one.

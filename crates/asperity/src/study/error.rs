@@ -36,6 +36,9 @@ pub enum StudyError {
         /// Reason, with the remedy if there is one.
         error: MapError,
     },
+    /// A file that the study reads changed during the computation.
+    #[error("{0}: the file changed or disappeared during the computation; nothing that depends on it is stored")]
+    Changed(String),
     /// One of several scans cannot be used.
     #[error("{file}: {error}")]
     OneOf {
@@ -219,6 +222,7 @@ impl StudyError {
             | Self::Map { .. }
             | Self::Heights(_)
             | Self::NoInterval { .. }
+            | Self::Changed(_)
             | Self::Blocks(StoreError::Input { .. })
             | Self::FrictionProcess { .. } => FailureKind::Input,
             Self::Cancelled(_)

@@ -30,8 +30,8 @@ const FLUCTUATION_VALUES: f64 = 20.0;
 const MAP_POINT_BYTES: f64 = 400.0;
 /// Bytes of a value of a field in a run folder: a double in the NPY file, and in base64 in the VTK image.
 const FIELD_BYTES: f64 = 8.0 + 32.0 / 3.0;
-/// Bytes of the tables, the figures and the page of one stage in a run folder.
-const STAGE_BYTES: f64 = 1e6;
+/// Bytes of the tables, the figures and the page of one stage in a run folder, and of its blocks beside it.
+const STAGE_BYTES: f64 = 2e6;
 /// Number of maps of a patch in a run folder: one sample with its pressures, and the distribution of the pressure.
 const PATCH_FIELDS: f64 = 8.0;
 

@@ -301,6 +301,8 @@ impl Study {
         if self.surface.is_some() && (given.is_none() || wants_verdict) {
             monitor.begin(Stage::Surface.name());
             surface = self.run_surface(answers.is_none(), folder, &mut gathered)?;
+            let hashes = of_surface.2.iter().cloned();
+            self.refuse_changed(folder, &hashes.zip(self.scan_paths(folder)).collect::<Vec<_>>())?;
         }
         if let Some(stage) = surface.as_mut().filter(|_| given.is_none()) {
             stage.output.assumptions.extend(counterface::contact_sentence(self.file()));
@@ -368,6 +370,18 @@ impl Study {
         }
         gathered.results.surface = surface.map(|stage| stage.result(karhunen_loeve));
         Ok((gathered.outcome(), window))
+    }
+
+    /// Fails if a file that the study reads is among `inputs` and has another SHA-256.
+    pub(super) fn refuse_changed(&self, folder: &Path, inputs: &[(String, PathBuf)]) -> Result<(), StudyError> {
+        let files = self.scan_paths(folder).into_iter().chain(self.friction_process_path(folder));
+        for file in files {
+            let changed = |(hash, _): &(String, PathBuf)| *hash != file_hash(&file).unwrap_or_default();
+            if inputs.iter().find(|(_, input)| *input == file).is_some_and(changed) {
+                return Err(StudyError::Changed(file.display().to_string()));
+            }
+        }
+        Ok(())
     }
 
     /// Returns the SHA-256 of the scans.

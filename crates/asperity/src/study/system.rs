@@ -17,9 +17,21 @@ pub fn machine() -> Machine {
     }
 }
 
-/// Returns the free memory of the machine in byte, where the system reports it.
+/// Returns the free memory of the machine in byte, at most what the limit of the program's address space leaves, where the system reports
+/// it.
 pub fn free_memory_bytes() -> Option<f64> {
-    entry_bytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
+    let free = entry_bytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
+    let left = || {
+        let limit = address_space_bytes(&fs::read_to_string("/proc/self/limits").ok()?)?;
+        Some((limit - entry_bytes(&fs::read_to_string("/proc/self/status").ok()?, "VmSize:")?).max(0.0))
+    };
+    Some(free.min(left().unwrap_or(f64::INFINITY)))
+}
+
+/// Returns the soft limit of the address space in a list of limits; `None` if there is none.
+fn address_space_bytes(list: &str) -> Option<f64> {
+    let limits = list.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    limits.split_whitespace().next()?.parse().ok()
 }
 
 /// Returns the largest resident memory of the program in byte since the last [`forget_peak_memory`], where the system reports it.
@@ -49,5 +61,9 @@ mod tests {
         let list = "MemTotal:       16000000 kB\nMemFree:  1 kB\nMemAvailable:    8000000 kB\n";
         assert_eq!(entry_bytes(list, "MemAvailable:"), Some(8_192_000_000.0));
         assert_eq!(entry_bytes("nothing", "MemAvailable:"), None);
+        let limits =
+            |soft| format!("Max processes  95890  95890  processes\nMax address space  {soft}  unlimited  bytes\n");
+        assert_eq!(address_space_bytes(&limits("204800000")), Some(204_800_000.0));
+        assert_eq!(address_space_bytes(&limits("unlimited")), None);
     }
 }

@@ -19,7 +19,8 @@ use crate::study::{Field, Outcome, Staging, StoreError, Study, StudyFile, json_b
 pub fn provenance(name: &str, seed: u64, inputs: &[PathBuf]) -> Result<Provenance, StoreError> {
     let mut provenance =
         Provenance { asperity: env!("CARGO_PKG_VERSION").into(), study: name.into(), seed, ..Provenance::default() };
-    for file in inputs {
+    // What a pipe contained can be read only once; the folder of a run has the text of its study.
+    for file in inputs.iter().filter(|file| file.is_file() || !file.exists()) {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Two inputs in different folders may have the same name.
         let whole = || std::path::absolute(file).unwrap_or_else(|_| file.clone()).display().to_string();

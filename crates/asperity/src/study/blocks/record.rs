@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use asperity_formats::replace_file;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::study::result::Program;
 use crate::study::{Stage, StoreError, file_hash, json_bytes};
@@ -19,7 +19,8 @@ const EXTENSION: &str = "json";
 pub struct RunRecord {
     /// Name of the study.
     pub name: String,
-    /// File of the study or of the campaign, an absolute path.
+    /// File of the study or of the campaign, an absolute path. What is no Unicode in it is replaced where the record is written.
+    #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
     /// Text of the study; of a campaign, that of the study which its members vary.
     pub study: String,
@@ -43,6 +44,10 @@ pub struct RunRecord {
     pub earlier: BTreeSet<String>,
     /// Whether all stages are finished.
     pub finished: bool,
+}
+
+fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    path.to_string_lossy().serialize(serializer)
 }
 
 /// Returns the program in a file, the hash of the list of its libraries, and the instruction sets and functions of this machine. They

@@ -1,6 +1,7 @@
 use super::*;
 use crate::monitor::Silent;
 use crate::study::result::InputValue;
+use crate::study::{RunRecord, Share};
 
 const MACHINE: &str = "seed = 5\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
                        nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
@@ -172,4 +173,46 @@ fn a_member_is_its_study() {
         assert_eq!((member.answers.kind, member.failed), (Some(vibration.kind), false));
         assert_eq!(member.answers.warnings, Some(outcome.results.warnings.len()));
     }
+}
+
+/// Writes a file when a stage begins.
+struct Writes<'a>(&'a Path, String);
+
+impl Monitor for Writes<'_> {
+    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+
+    fn cancelled(&self) -> bool {
+        false
+    }
+
+    fn begin(&self, _stage: &str) {
+        std::fs::write(self.0, &self.1).unwrap();
+    }
+}
+
+#[test]
+fn no_member_is_stored_whose_file_changed_meanwhile() {
+    let process = |mean: f64| {
+        format!(
+            "{{\"format\":\"asperity friction process\",\"version\":1,\"mean\":{mean},\"std\":0,\
+             \"origin\":{{\"kind\":\"stated\",\"description\":\"\"}}}}"
+        )
+    };
+    let temporary = tempfile::tempdir().unwrap();
+    let (folder, file) = (temporary.path(), temporary.path().join("b.json"));
+    std::fs::write(folder.join("a.json"), process(0.3)).unwrap();
+    std::fs::write(&file, process(0.2)).unwrap();
+    let study = MACHINE.replace("static_friction = 0.3\nfriction_std = 0\n", "friction_process = \"a.json\"\n");
+    let text = "study = \"study.toml\"\n[values]\nvibration.friction_process = [\"a.json\", \"b.json\"]\n";
+    let found = Campaign::parse(text, &folder.join("sweep.toml"), &study, None).unwrap();
+    let answers = |monitor: &dyn Monitor| {
+        let blocks = RunBlocks::open(&folder.join("run"), RunRecord::default(), Share::All).unwrap();
+        let found = found.run_with(Some(&blocks), monitor);
+        blocks.flush().unwrap();
+        found.map(|results| results.members.into_iter().map(|member| member.answers.friction_mean).collect::<Vec<_>>())
+    };
+    let error = answers(&Writes(&file, process(0.9))).unwrap_err();
+    assert!(matches!(&error, StudyError::Changed(name) if name.ends_with("b.json")), "{error}");
+    std::fs::write(&file, process(0.2)).unwrap();
+    assert_eq!(answers(&Silent).unwrap(), [Some(0.3), Some(0.2)]);
 }

@@ -38,7 +38,7 @@ impl Staging {
     /// Creates an unfinished folder for `destination`. With `force`, the commit replaces an existing folder if it
     /// contains only unchanged files that asperity wrote and none of the `inputs`.
     ///
-    /// Removes the hidden folders and files that ended processes left beside the destination.
+    /// Calls [`Staging::clean_beside`] first.
     ///
     /// # Errors
     /// The destination is no folder, has no name of its own, contains files that may not be replaced, or its parent
@@ -46,13 +46,13 @@ impl Staging {
     pub fn open(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Self, StoreError> {
         // Without a trailing slash, which would make the system follow a link.
         let destination: PathBuf = destination.components().collect();
+        Self::clean_beside(&destination);
         let replaced = replaceable(&destination, force, inputs)?;
         let Some(name) = destination.file_name() else { return Err(StoreError::Unnamed { path: destination }) };
         let parent = parent_of(&destination);
         let above = parent.ancestors().filter(|folder| !folder.as_os_str().is_empty());
         let new_parents: Vec<PathBuf> = above.take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect();
         let made = fs::create_dir_all(parent).and_then(|()| {
-            remove_abandoned(parent);
             check_writable(parent)?;
             hidden_folder(parent, name)
         });
@@ -63,6 +63,12 @@ impl Staging {
                 Err(StoreError::Io { path: destination, source })
             }
         }
+    }
+
+    /// Removes the hidden folders and files that ended processes left beside a destination, and moves folders back that they were about to
+    /// replace.
+    pub fn clean_beside(destination: &Path) {
+        remove_abandoned(parent_of(destination));
     }
 
     /// Returns the destination.
