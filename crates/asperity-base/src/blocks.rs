@@ -80,20 +80,21 @@ impl<'a> Task<'a> {
     /// Computes `count` blocks that may fail, each with its reason, as [`Task::map`].
     ///
     /// # Errors
-    /// The monitor cancelled.
-    pub fn try_map<T, R>(
+    /// The error of a block, which is not stored, or the monitor cancelled.
+    pub fn try_map<T, R, E>(
         &self,
         count: usize,
-        block: impl Fn(usize) -> Result<T, R> + Sync,
-    ) -> Result<Vec<Result<T, R>>, Cancelled>
+        block: impl Fn(usize) -> Result<Result<T, R>, E> + Sync,
+    ) -> Result<Vec<Result<T, R>>, E>
     where
         T: Serialize + DeserializeOwned + Send,
         R: Display + Serialize + DeserializeOwned + Send,
+        E: From<Cancelled> + Send,
     {
         let mut found = Vec::with_capacity(count);
         let failure = |block: &Result<T, R>| block.as_ref().err().map(R::to_string);
         let loop_ = Loop { count, block_bytes: size_of::<Result<T, R>>(), steps: 1, failure };
-        self.reduce(&loop_, || (), |(), index| self.step(|| block(index)), |_, block| found.push(block))?;
+        self.reduce(&loop_, || (), |(), index| self.step(|| block(index))?, |_, block| found.push(block))?;
         Ok(found)
     }
 

@@ -39,7 +39,7 @@ impl Expansion {
         if xi_samples.len() <= basis.len() {
             return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
-        // The first function is 1. Without a constant response, the others have no rounding errors for coefficients.
+        // The first function is 1. A constant response is its coefficient; the other coefficients would be rounding errors.
         let constant = response.first().filter(|first| response.iter().all(|value| value == *first));
         let constant = constant.copied().unwrap_or_default();
         let varying: Vec<f64> = response.iter().map(|value| value - constant).collect();

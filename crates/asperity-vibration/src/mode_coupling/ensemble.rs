@@ -182,7 +182,8 @@ pub(super) fn run_all<T: Serialize + DeserializeOwned + Send>(
         return Err(VibrationError::Parameter { parameter: "least_valid_share", value: least_valid_share, wanted });
     }
     let task = Task::new(monitor, "trajectories", total);
-    let found = task.try_map(total, |index| run(index as u64).map_err(|error| error.to_string()))?;
+    let found =
+        task.try_map(total, |index| Ok::<_, VibrationError>(run(index as u64).map_err(|error| error.to_string())))?;
     let mut runs = Runs { values: Vec::with_capacity(total), failures: Vec::new() };
     for (trajectory, value) in found.into_iter().enumerate() {
         match value {

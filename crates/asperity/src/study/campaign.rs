@@ -9,9 +9,7 @@ mod folder;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use asperity_base::blocks::{self, Loop, Task};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use asperity_base::blocks::{self, Task};
 use toml::{Table, Value};
 
 use self::factors::{Column, Factor, Key, MOST, Reader, SCAN, set};
@@ -330,11 +328,11 @@ impl Campaign {
         if groups > 0 {
             let task = Task::new(monitor, "campaign: friction", groups);
             let share = |study: &Study| study.share_friction(&folder, &inner).map_err(|error| self.reason(&error));
-            shared = members_of(&task, groups, |group| {
+            shared = task.try_map(groups, |group| {
                 let study = self.member(self.shared[group][0]);
                 let found = on(alone(groups), || study.as_ref().map_err(String::clone).and_then(share));
                 study.map_or(Ok(()), |study| study.refuse_changed(&folder, inputs))?;
-                Ok(found)
+                Ok::<_, StudyError>(found)
             })?;
         }
         let mut shared_of: BTreeMap<usize, &Result<SharedFriction, String>> = BTreeMap::new();
@@ -343,7 +341,7 @@ impl Campaign {
         }
         let count = self.members();
         let task = Task::new(monitor, "campaign: members", count);
-        members_of(&task, count, |member| {
+        task.try_map(count, |member| {
             let refused = self.refused.get(&member).map_or(Ok(()), |reason| Err(reason.clone()));
             let study = refused.and_then(|()| self.member(member));
             let answer = |study: &Study| {
@@ -449,22 +447,6 @@ impl Campaign {
         }
         first + &text
     }
-}
-
-/// Computes `count` blocks, each an answer or the reason why there is none, and returns them in index order.
-///
-/// # Errors
-/// The error of a block, which is not stored, or the monitor cancelled.
-fn members_of<T: Serialize + DeserializeOwned + Send>(
-    task: &Task<'_>,
-    count: usize,
-    block: impl Fn(usize) -> Result<Result<T, String>, StudyError> + Sync,
-) -> Result<Vec<Result<T, String>>, StudyError> {
-    let failure = |found: &Result<T, String>| found.as_ref().err().cloned();
-    let members = Loop { count, block_bytes: size_of::<Result<T, String>>(), steps: 1, failure };
-    let mut found = Vec::with_capacity(count);
-    task.reduce(&members, || (), |(), index| task.step(|| block(index))?, |_, block| found.push(block))?;
-    Ok(found)
 }
 
 /// Returns the warnings of the members, those that differ in numbers only as one.

@@ -17,8 +17,7 @@ pub fn machine() -> Machine {
     }
 }
 
-/// Returns the free memory of the machine in byte, at most what the limit of the program's address space leaves, where the system reports
-/// it.
+/// Returns the free memory of the machine in bytes, or less if the address space of the program is limited, where the system reports it.
 pub fn free_memory_bytes() -> Option<f64> {
     let free = entry_bytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let left = || {

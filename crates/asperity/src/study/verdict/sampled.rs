@@ -79,7 +79,9 @@ impl Sampled {
             let task = Task::new(monitor, "verdict", to - from);
             sampled.machines.extend(task.try_map(to - from, |place| {
                 let index = from + place;
-                machines.at(&machines.variables_of(index)).and_then(|machine| evaluate(&machine, index))
+                Ok::<_, Cancelled>(
+                    machines.at(&machines.variables_of(index)).and_then(|machine| evaluate(&machine, index)),
+                )
             })?);
             if is_narrow(sampled.probability().1, to, half_width) {
                 break;
