@@ -1,9 +1,11 @@
 //! Unusual scans: stated covariance, pixel size or height unit, gaps, noise, and missing files.
 
 use std::fs;
+use std::path::Path;
 
+use asperity::monitor::Monitor;
 use asperity::random;
-use asperity::study::{FailureKind, Stage, json_bytes};
+use asperity::study::{FailureKind, RunBlocks, RunRecord, Share, Stage, Study, StudyError, json_bytes};
 use asperity_formats::Scan;
 use ndarray::Array2;
 use serde_json::Value;
@@ -99,7 +101,7 @@ fn the_scan_s_own_covariance_works_in_every_stage_and_reports_its_changes() {
 fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
     let folder = tempfile::tempdir().unwrap();
     let scan = Scan::new(rough(64, 64, 0.5e-6, 16e-6), Some((2e-6, 2e-6)));
-    asperity_formats::write(&scan, &folder.path().join("scan.x3p")).unwrap();
+    asperity_formats::write(&scan, &folder.path().join("scan.npy")).unwrap();
     let text = changed(&measured(), &[("scan.npy", "scan.x3p"), ("[\"2 um\", \"2 um\"]", "[\"4 um\", \"2 um\"]")]);
     let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
     assert_eq!(outcome.results.surface.unwrap().scan().unwrap().dx_m, 4e-6);
@@ -182,4 +184,31 @@ fn a_missing_scan_is_an_input_error_that_names_the_file() {
     assert!(error.to_string().contains("scan.npy"), "{error}");
     fs::write(folder.path().join("scan.npy"), b"not an array").unwrap();
     assert_eq!(run_in(folder.path(), &measured(), None).unwrap_err().kind(), FailureKind::Input);
+}
+
+/// Replaces a file by another when a stage begins.
+struct Replaces<'a>(&'a Path, &'a Path);
+
+impl Monitor for Replaces<'_> {
+    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+
+    fn cancelled(&self) -> bool {
+        false
+    }
+
+    fn begin(&self, _stage: &str) {
+        fs::copy(self.1, self.0).unwrap();
+    }
+}
+
+#[test]
+fn a_scan_that_changes_before_it_is_read_ends_the_run() {
+    let (folder, other) = (folder_with(rough(48, 40, 0.5e-6, 8e-6)), folder_with(rough(48, 40, 0.4e-6, 8e-6)));
+    let [scan, other] = [&folder, &other].map(|folder| folder.path().join("scan.npy"));
+    let study = Study::parse(&measured(), "study.toml").unwrap();
+    let blocks = RunBlocks::open(&folder.path().join("run"), RunRecord::default(), Share::All).unwrap();
+    let run = study.run_with(Some(&blocks), folder.path(), Some(Stage::Surface), &Replaces(&scan, &other));
+    let error = run.map(drop).unwrap_err();
+    assert!(matches!(&error, StudyError::Changed(name) if name.ends_with("scan.npy")), "{error}");
+    assert_eq!(error.kind(), FailureKind::Input);
 }
