@@ -101,7 +101,7 @@ fn the_scan_s_own_covariance_works_in_every_stage_and_reports_its_changes() {
 fn the_pixel_size_of_a_scan_is_overridden_with_a_warning_and_never_guessed() {
     let folder = tempfile::tempdir().unwrap();
     let scan = Scan::new(rough(64, 64, 0.5e-6, 16e-6), Some((2e-6, 2e-6)));
-    asperity_formats::write(&scan, &folder.path().join("scan.npy")).unwrap();
+    asperity_formats::write(&scan, &folder.path().join("scan.x3p")).unwrap();
     let text = changed(&measured(), &[("scan.npy", "scan.x3p"), ("[\"2 um\", \"2 um\"]", "[\"4 um\", \"2 um\"]")]);
     let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
     assert_eq!(outcome.results.surface.unwrap().scan().unwrap().dx_m, 4e-6);
