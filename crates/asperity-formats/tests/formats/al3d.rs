@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 const NAN: f64 = f64::NAN;
 /// The number next to 3e15 that `f32` has; its text in the file is rounded.

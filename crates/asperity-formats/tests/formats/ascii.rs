@@ -1,9 +1,9 @@
 //! Texts of Zygo, Wyko and Keyence.
 
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 const NAN: f64 = f64::NAN;
 

@@ -1,7 +1,7 @@
-use asperity_formats::{Scan, read_bytes};
+use asperity_formats::Scan;
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 const NAN: f64 = f64::NAN;
 

@@ -1,7 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
 
 mod damaged;
@@ -23,7 +23,7 @@ enum Store {
 
 /// A dataset of a map.
 #[derive(Clone)]
-struct Map {
+pub(crate) struct Map {
     kind: &'static str,
     datatype: Vec<u8>,
     shape: [u64; 2],
@@ -102,14 +102,19 @@ impl Map {
         for (name, factor) in &self.factors {
             attributes.push(attribute(name, &datatype::float(8, false), &factor.to_le_bytes()));
         }
+        let messages = [self.stored(file), attributes].concat();
+        file.object(&messages)
+    }
+
+    /// The messages on the numbers.
+    pub(crate) fn stored(&self, file: &mut Hdf5) -> Vec<Message> {
         let mut messages = vec![
             (hdf5::DATASPACE, dataspace(&self.shape)),
             (hdf5::DATATYPE, self.datatype.clone()),
             fill_value(&self.fill),
         ];
         messages.extend(self.layout(file));
-        messages.extend(attributes);
-        file.object(&messages)
+        messages
     }
 
     fn layout(&self, file: &mut Hdf5) -> Vec<Message> {
@@ -202,7 +207,7 @@ fn table(file: &mut Hdf5, path: &str) -> u64 {
     ])
 }
 
-fn one(map: Map) -> Vec<u8> {
+pub(crate) fn one(map: Map) -> Vec<u8> {
     file(&[map], Some(0), &[])
 }
 
@@ -235,7 +240,7 @@ fn pipeline(filters: &[(u16, u32)]) -> Vec<u8> {
 }
 
 /// Three rows of four integers in chunks of two by three; only three of the four chunks were written.
-fn chunked() -> Map {
+pub(crate) fn chunked() -> Map {
     let chunk = |numbers: [i16; 6]| numbers.iter().flat_map(|z| z.to_be_bytes()).collect::<Vec<u8>>();
     // The first goes through shuffle and deflate: high bytes first, then low ones.
     let first = chunk([1, 2, 3, 5, 6, 7]);
@@ -254,6 +259,61 @@ fn chunked() -> Map {
         no_data: Some((datatype::integer(2, true), 11_i16.to_be_bytes().to_vec())),
         ..Map::default()
     }
+}
+
+/// Six heights of every type and byte order.
+fn of_every_type() -> Vec<Map> {
+    let heights = [1, -2, 3, 4, -5, 6_i8];
+    [
+        (datatype::float(4, false), heights.map(f32::from).map(f32::to_le_bytes).concat()),
+        (datatype::float(4, true), heights.map(f32::from).map(f32::to_be_bytes).concat()),
+        (datatype::float(8, true), heights.map(f64::from).map(f64::to_be_bytes).concat()),
+        (datatype::integer(2, false), heights.map(i16::from).map(i16::to_le_bytes).concat()),
+        (datatype::integer(8, true), heights.map(i64::from).map(i64::to_be_bytes).concat()),
+    ]
+    .map(|(datatype, numbers)| Map { datatype, numbers, ..Map::default() })
+    .into()
+}
+
+/// The usual heights in one chunk with its Fletcher-32 checksum, from bytes of which the sixth is changed afterwards.
+fn summed(change: u8) -> Map {
+    let numbers = Map::default().numbers;
+    // Sums over big-endian words modulo 65535.
+    let (mut first, mut second) = (0_u64, 0_u64);
+    for word in numbers.chunks(2) {
+        first = (first + u64::from(u16::from_be_bytes([word[0], word[1]]))) % 65535;
+        second = (second + first) % 65535;
+    }
+    let mut bytes = fields![numbers, (second << 16 | first).to_le_bytes()[..4]];
+    bytes[5] ^= change;
+    Map { store: Store::Chunked([2, 3], pipeline(&[(3, 0)]), vec![([0, 0], 0, bytes)]), ..Map::default() }
+}
+
+/// The usual heights in a compact layout and in that of a single chunk.
+fn of_other_layouts() -> [Map; 2] {
+    let compact = |_: &mut Hdf5, numbers: &[u8]| fields![[3, 0], (numbers.len() as u16).to_le_bytes(), numbers];
+    // Version 4: class, flags, rank, width of sizes, sizes, index 1, address; no filters.
+    let single = |file: &mut Hdf5, numbers: &[u8]| {
+        let address = file.append(numbers);
+        fields![[4, 2, 0, 3, 1], [2, 3, 8], [1], address.to_le_bytes()]
+    };
+    [compact as fn(&mut Hdf5, &[u8]) -> Vec<u8>, single]
+        .map(|layout| Map { store: Store::Layout(layout), ..Map::default() })
+}
+
+/// A filter, an index of chunks and a version of the layout that are not read.
+fn not_read() -> [Map; 3] {
+    let szip = Store::Chunked([2, 3], pipeline(&[(4, 0)]), vec![]);
+    // Version 4: class, flags, rank, width of sizes, sizes, index 3, bits of a page, address.
+    let fixed_array = |_: &mut Hdf5, _: &[u8]| fields![[4, 2, 0, 3, 1], [2, 3, 8], [3, 10], 104_u64.to_le_bytes()];
+    [szip, Store::Layout(fixed_array), Store::Layout(|_, _| vec![5, 1])].map(|store| Map { store, ..Map::default() })
+}
+
+/// Maps of two by three points, stored in every way.
+pub(crate) fn stored_in_every_way() -> Vec<Map> {
+    let empty = Map { store: Store::Chunked([2, 2], vec![], vec![]), ..Map::default() };
+    let usual = [Map::default(), empty, summed(0), summed(1)];
+    [usual.into(), of_every_type(), of_other_layouts().into(), not_read().into()].concat()
 }
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
@@ -426,14 +486,8 @@ fn attributes_are_kept_by_their_names() {
 #[test]
 fn numbers_of_every_type_and_order_are_read() {
     let heights = [1.0, -2.0, 3.0, 4.0, -5.0, 6.0].map(|z: f64| z * 1e-9);
-    for (datatype, numbers) in [
-        (datatype::float(4, false), [1.0_f32, -2.0, 3.0, 4.0, -5.0, 6.0].map(f32::to_le_bytes).concat()),
-        (datatype::float(4, true), [1.0_f32, -2.0, 3.0, 4.0, -5.0, 6.0].map(f32::to_be_bytes).concat()),
-        (datatype::float(8, true), [1.0_f64, -2.0, 3.0, 4.0, -5.0, 6.0].map(f64::to_be_bytes).concat()),
-        (datatype::integer(2, false), [1_i16, -2, 3, 4, -5, 6].map(i16::to_le_bytes).concat()),
-        (datatype::integer(8, true), [1_i64, -2, 3, 4, -5, 6].map(i64::to_be_bytes).concat()),
-    ] {
-        assert_heights(&read(Map { datatype, numbers, ..Map::default() }), &heights);
+    for map in of_every_type() {
+        assert_heights(&read(map), &heights);
     }
 }
 
@@ -454,36 +508,20 @@ fn chunks_without_a_fill_value_are_zero_where_nothing_was_written() {
 
 #[test]
 fn a_fletcher_checksum_is_verified() {
-    let numbers = Map::default().numbers;
-    // Sums over big-endian words modulo 65535.
-    let (mut first, mut second) = (0_u64, 0_u64);
-    for word in numbers.chunks(2) {
-        first = (first + u64::from(u16::from_be_bytes([word[0], word[1]]))) % 65535;
-        second = (second + first) % 65535;
-    }
-    let summed = fields![numbers, (second << 16 | first).to_le_bytes()[..4]];
-    let map =
-        |bytes| Map { store: Store::Chunked([2, 3], pipeline(&[(3, 0)]), vec![([0, 0], 0, bytes)]), ..Map::default() };
-    assert_eq!(read(map(summed.clone())).heights_m[[1, 2]], 600e-9);
-    let mut damaged = summed;
-    damaged[5] ^= 1;
-    let message = refusal(&one(map(damaged)));
+    assert_eq!(read(summed(0)).heights_m[[1, 2]], 600e-9);
+    let message = refusal(&one(summed(1)));
     assert!(message.ends_with("the Fletcher-32 checksum does not fit"), "{message}");
 }
 
 #[test]
 fn layouts_and_filters_that_are_not_read_are_named() {
-    let szip = Map { store: Store::Chunked([2, 3], pipeline(&[(4, 0)]), vec![]), ..Map::default() };
-    assert!(refusal(&one(szip)).contains("filter 4 (szip)"));
-    // Version 4: class, flags, rank, width of sizes, sizes, index 3, bits of a page, address.
-    let fixed_array = |_: &mut Hdf5, _: &[u8]| fields![[4, 2, 0, 3, 1], [2, 3, 8], [3, 10], 104_u64.to_le_bytes()];
-    let message = refusal(&one(Map { store: Store::Layout(fixed_array), ..Map::default() }));
+    let [szip, fixed_array, version_5] = not_read().map(|map| refusal(&one(map)));
+    assert!(szip.contains("filter 4 (szip)"), "{szip}");
     assert!(
-        message.contains("chunks under a fixed array") && message.contains("h5repack -l CONTI OLD NEW"),
-        "{message}"
+        fixed_array.contains("chunks under a fixed array") && fixed_array.contains("h5repack -l CONTI OLD NEW"),
+        "{fixed_array}"
     );
-    let version_5 = Map { store: Store::Layout(|_, _| vec![5, 1]), ..Map::default() };
-    assert!(refusal(&one(version_5)).contains("layout, version"));
+    assert!(version_5.contains("layout, version"), "{version_5}");
     let mut bytes = one(Map::default());
     bytes[13] = 4;
     assert_eq!(refusal(&bytes), "DATX: the size of offsets (byte 13) is 4; wanted 8 bytes");
@@ -493,15 +531,8 @@ fn layouts_and_filters_that_are_not_read_are_named() {
 
 #[test]
 fn compact_and_single_chunk_layouts_are_read() {
-    let compact = |_: &mut Hdf5, numbers: &[u8]| fields![[3, 0], (numbers.len() as u16).to_le_bytes(), numbers];
-    // Version 4: class, flags, rank, width of sizes, sizes, index 1, address; no filters.
-    let single = |file: &mut Hdf5, numbers: &[u8]| {
-        let address = file.append(numbers);
-        fields![[4, 2, 0, 3, 1], [2, 3, 8], [1], address.to_le_bytes()]
-    };
-    for layout in [compact as fn(&mut Hdf5, &[u8]) -> Vec<u8>, single] {
-        let scan = read(Map { store: Store::Layout(layout), ..Map::default() });
-        assert_heights(&scan, &[100e-9, -200e-9, NAN, 400e-9, 500.5e-9, 600e-9]);
+    for map in of_other_layouts() {
+        assert_heights(&read(map), &[100e-9, -200e-9, NAN, 400e-9, 500.5e-9, 600e-9]);
     }
 }
 

@@ -1,9 +1,10 @@
 use std::fs;
 
-use asperity_formats::{Format, FormatError, Scan, read, read_bytes, temporary_suffix, write};
+use asperity_formats::{Format, FormatError, Scan, read, temporary_suffix, write};
 use ndarray::array;
 
 use crate::bits;
+use crate::fixture::read_bytes;
 use crate::fixtures::{Sur, TEXT, X3p, npy};
 use crate::memory::peak_bytes;
 

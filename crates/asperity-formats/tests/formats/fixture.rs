@@ -1,8 +1,15 @@
 //! Small files of every format, for tests that damage them.
 
-use asperity_formats::Format;
+use std::collections::BTreeSet;
+use std::io::{Cursor, Read};
 
-use crate::fixtures::{gzip, zip};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan};
+use zip::ZipArchive;
+
+use crate::fixtures::{gzip, md5, zip};
+
+/// Maximum size in bytes of a file of a test that becomes a seed. Fixtures may be larger.
+const SEED_BYTES: usize = 1 << 15;
 
 /// Small file and its properties.
 #[derive(Clone)]
@@ -103,30 +110,67 @@ pub(crate) fn all() -> Vec<Fixture> {
     .concat()
 }
 
-/// Writes the fixtures below the folder `ASPERITY_SEEDS`, from which coverage-guided fuzzing starts: `format-NAME` for whole
-/// files, `archive-NAME` for the files in archives, each after a line with its name.
+/// Reads a file, and keeps it as a seed of fuzzing.
+pub(crate) fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
+    read_bytes_with(bytes, &ReadOptions::default())
+}
+
+/// Reads a file with options, and keeps it as a seed of fuzzing.
+pub(crate) fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
+    if let Some(format) = Format::detect(bytes).filter(|_| bytes.len() <= SEED_BYTES) {
+        keep("format", format, bytes);
+        if let Some(parts) = unzip(bytes).map(|files| parts(&files)).filter(|parts| parts.len() <= SEED_BYTES) {
+            keep("archive", format, &parts);
+        }
+    }
+    asperity_formats::read_bytes_with(bytes, options)
+}
+
+/// Writes a seed below the folder `ASPERITY_SEEDS`: `format-NAME` for a whole file, `archive-NAME` for the files in an
+/// archive, each after a line with its name.
+fn keep(kind: &str, format: Format, bytes: &[u8]) {
+    let Some(seeds) = std::env::var_os("ASPERITY_SEEDS") else { return };
+    // The name of a target ends at a slash, as that of a folder does.
+    let name = format.name().split('/').next().unwrap();
+    let folder = std::path::Path::new(&seeds).join(format!("{kind}-{name}"));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join(md5(bytes)), bytes).unwrap();
+}
+
+/// Returns the names and contents of the files in a zip archive.
+fn unzip(bytes: &[u8]) -> Option<Vec<(String, Vec<u8>)>> {
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).ok().filter(|_| bytes.starts_with(b"PK"))?;
+    (0..archive.len())
+        .map(|place| {
+            let file = archive.by_index(place).ok()?;
+            let name = file.name().ok()?.into_owned();
+            let mut content = Vec::new();
+            file.take(SEED_BYTES as u64).read_to_end(&mut content).ok()?;
+            Some((name, content))
+        })
+        .collect()
+}
+
+/// Joins files, each after a line with its name.
+fn parts(files: &[(String, Vec<u8>)]) -> Vec<u8> {
+    files.iter().flat_map(|(name, content)| [format!("\n--- {name}\n").as_bytes(), content].concat()).collect()
+}
+
 #[test]
 fn every_format_has_seeds() {
-    let name = |fixture: &Fixture| asperity_formats::read_bytes(&fixture.bytes()).unwrap().format.unwrap().name();
-    let names: std::collections::BTreeSet<&str> = all().iter().map(name).collect();
+    let mut names = BTreeSet::new();
+    for fixture in all() {
+        let bytes = fixture.bytes();
+        let format = asperity_formats::read_bytes(&bytes).unwrap().format.unwrap();
+        names.insert(format.name());
+        keep("format", Format::detect(&bytes).unwrap(), &bytes);
+        match fixture.content {
+            Content::Bytes(_) => (),
+            Content::Gzip(bytes) => keep("archive", format, &parts(&[("gzip".to_owned(), bytes)])),
+            Content::Zip(files) => keep("archive", format, &parts(&files)),
+        }
+    }
     for description in asperity_formats::descriptions().filter(|description| !description.reads.is_empty()) {
         assert!(names.contains(description.format.name()), "{:?}: {names:?}", description.format);
-    }
-    let Some(seeds) = std::env::var_os("ASPERITY_SEEDS") else { return };
-    let write = |folder: String, number: usize, bytes: &[u8]| {
-        let folder = std::path::Path::new(&seeds).join(folder);
-        std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(folder.join(format!("fixture-{number}")), bytes).unwrap();
-    };
-    for (number, fixture) in all().iter().enumerate() {
-        let bytes = fixture.bytes();
-        write(format!("format-{}", Format::detect(&bytes).unwrap().name()), number, &bytes);
-        let files = match &fixture.content {
-            Content::Bytes(_) => continue,
-            Content::Gzip(bytes) => vec![("gzip".to_owned(), bytes.clone())],
-            Content::Zip(files) => files.clone(),
-        };
-        let parts = files.iter().map(|(name, bytes)| [format!("\n--- {name}\n").as_bytes(), bytes.as_slice()].concat());
-        write(format!("archive-{}", name(fixture)), number, &parts.collect::<Vec<_>>().concat());
     }
 }

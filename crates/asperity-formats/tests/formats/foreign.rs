@@ -2,9 +2,10 @@
 
 use std::fs;
 
-use asperity_formats::{Format, FormatError, read, read_bytes};
+use asperity_formats::{Format, FormatError, read};
 
 use crate::datx::hdf5::Hdf5;
+use crate::fixture::read_bytes;
 use crate::fixtures::{gzip, zip};
 
 fn refusal(bytes: &[u8]) -> String {

@@ -1,9 +1,9 @@
 //! FRT: blocks in the order and with the widths of the published layout (tags and sizes as in the table of blocks).
 
-use asperity_formats::{Channel, FormatError, ReadOptions, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, FormatError, ReadOptions};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 
 const NAN: f64 = f64::NAN;
 

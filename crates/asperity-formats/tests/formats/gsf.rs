@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 /// A field of 3 × 2 points with these fields after its dimensions.
 fn gsf(fields: &str, numbers: &[f32]) -> Vec<u8> {

@@ -1,9 +1,9 @@
 //! GWY, by the layout in Gwyddion's user guide.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with, write_gwy};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, write_gwy};
 use ndarray::array;
 
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::{assert_heights, bits};
 
 const NAN: f64 = f64::NAN;

@@ -1,8 +1,7 @@
 //! gzip streams around other formats.
 
-use crate::fixture::{Content, Fixture};
+use crate::fixture::{Content, Fixture, read_bytes};
 use crate::fixtures::{Sur, TEXT, gzip};
-use asperity_formats::read_bytes;
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
     let sur = Content::Gzip(Sur::default().bytes());

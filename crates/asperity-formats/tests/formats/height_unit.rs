@@ -1,11 +1,10 @@
 //! The unit of heights that a user states.
 
-use asperity_formats::{
-    Format, FormatError, ReadOptions, Scan, SurData, read_bytes, read_bytes_with, write_npy, write_sur,
-};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, write_npy, write_sur};
 use ndarray::array;
 
 use crate::assert_heights;
+use crate::fixture::{read_bytes, read_bytes_with};
 
 fn read(bytes: &[u8], unit: &str) -> Scan {
     let options = ReadOptions { height_unit: Some(unit.parse().unwrap()), ..ReadOptions::default() };

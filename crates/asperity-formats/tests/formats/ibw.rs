@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 /// A wave of 3 × 2 points per layer, with the labels of its layers.
 struct Wave {

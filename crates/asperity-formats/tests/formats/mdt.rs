@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 /// A frame of a scan of 3 × 2 points: its channel, the code of its unit, the step and the number of points of spectra.
 fn frame(channel: u8, unit: i16, step: f32, points: u16) -> Vec<u8> {

@@ -1,7 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 
 /// Variable parts of a file of two images of 3 × 2 points: a height and a phase.
 #[derive(Clone)]

@@ -1,8 +1,9 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
+use crate::datx;
 use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fields, fill_value, new_attribute};
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 
 const NAN: f64 = f64::NAN;
 
@@ -199,38 +200,65 @@ fn in_records(version: u8, records: Option<u64>) -> Classic {
     }
 }
 
-/// A dataset of `f64` in an HDF5 file.
-fn dataset(file: &mut Hdf5, shape: &[u64], values: &[f64], attributes: &[Message]) -> u64 {
+/// Appends numbers in double precision, and returns the messages on them.
+fn contiguous_numbers(file: &mut Hdf5, shape: &[u64], values: &[f64]) -> Vec<Message> {
     let numbers: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     let address = file.append(&numbers);
-    let messages = [
+    vec![
         (hdf5::DATASPACE, dataspace(shape)),
         (hdf5::DATATYPE, datatype::float(8, false)),
         fill_value(&[]),
         contiguous(address, numbers.len() as u64),
-    ];
-    file.new_object(&[&messages, attributes].concat())
+    ]
 }
 
-/// A netCDF-4 file: heights(x, y) of two by three, with links and some of the attributes in fractal heaps.
-fn enhanced() -> Vec<u8> {
-    let mut file = Hdf5::new();
-    let text = |name, value: &str| new_attribute(name, &datatype::text(value.len() as u32), 1, value.as_bytes());
+/// An attribute of text.
+fn text(name: &str, value: &str) -> Vec<u8> {
+    new_attribute(name, &datatype::text(value.len() as u32), 1, value.as_bytes())
+}
+
+/// Appends positions along x and y and heights(x, y) in nm with these messages, and returns the links to them.
+fn variables(
+    file: &mut Hdf5,
+    x: &[f64],
+    y: &[f64],
+    heights: impl Fn(&mut Hdf5) -> Vec<Message>,
+) -> [(&'static str, u64); 3] {
     let scale = |name| {
         [("CLASS", text("CLASS", "DIMENSION_SCALE")), ("NAME", text("NAME", name)), ("unit", text("unit", "um"))]
     };
     let in_header = scale("x").map(|(_, content)| (hdf5::ATTRIBUTE, content));
-    let x = dataset(&mut file, &[2], &[0.0, 1.5], &in_header);
+    let stored = contiguous_numbers(file, &[x.len() as u64], x);
+    let x = file.new_object(&[stored, in_header.to_vec()].concat());
+    let stored = contiguous_numbers(file, &[y.len() as u64], y);
     let in_heap = file.dense_attributes(&scale("y"));
-    let y = dataset(&mut file, &[3], &[0.0, 2.0, 4.0], &[in_heap]);
+    let y = file.new_object(&[stored, vec![in_heap]].concat());
     // Each dimension has a sequence of references to its scales.
     let scales = [x, y].map(|address: u64| file.keep(&address.to_le_bytes()).of(1)).concat();
     let list = new_attribute("DIMENSION_LIST", &datatype::sequence(&datatype::reference()), 2, &scales);
-    let attributes = [(hdf5::ATTRIBUTE, list), (hdf5::ATTRIBUTE, text("unit", "nm"))];
-    let heights = dataset(&mut file, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &attributes);
-    let links = file.dense_links(&[("x", x), ("y", y), ("heights", heights)]);
+    let attributes = vec![(hdf5::ATTRIBUTE, list), (hdf5::ATTRIBUTE, text("unit", "nm"))];
+    let stored = heights(file);
+    let heights = file.new_object(&[stored, attributes].concat());
+    [("x", x), ("y", y), ("heights", heights)]
+}
+
+/// A netCDF-4 file: heights of two by three, with links and some of the attributes in fractal heaps.
+fn enhanced() -> Vec<u8> {
+    let mut file = Hdf5::new();
+    let heights = |file: &mut Hdf5| contiguous_numbers(file, &[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    let links = variables(&mut file, &[0.0, 1.5], &[0.0, 2.0, 4.0], heights);
+    let links = file.dense_links(&links);
     let root = file.new_object(&[links, (hdf5::ATTRIBUTE, text("title", "a face"))]);
     file.finish_new(root)
+}
+
+/// A netCDF-4 file: heights of three by four in filtered chunks, with links in a symbol table.
+fn in_chunks() -> Vec<u8> {
+    let mut file = Hdf5::new();
+    let heights = |file: &mut Hdf5| datx::chunked().stored(file);
+    let links = variables(&mut file, &[0.0, 1.5, 3.0], &[0.0, 2.0, 4.0, 6.0], heights);
+    let root = file.group(&links, &[]);
+    file.finish(1, root)
 }
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
@@ -241,6 +269,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         Fixture::whole("NetCDF with records, version 5", in_records(5, Some(3)).bytes()),
         // The checksum of the root at the end is not needed.
         Fixture { needed: enhanced.needed - 4, ..enhanced },
+        Fixture::whole("NetCDF-4 in chunks", in_chunks()),
     ]
 }
 
@@ -448,6 +477,36 @@ fn netcdf_4_is_read_like_the_classic_formats() {
     assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
     let metadata: Vec<(&str, &str)> = scan.metadata.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
     assert_eq!(metadata, [("heights:unit", "nm"), ("title", "a face"), ("x:unit", "um"), ("y:unit", "um")]);
+}
+
+#[test]
+fn chunks_of_netcdf_4_are_put_together() {
+    let scan = read_bytes(&in_chunks()).unwrap();
+    assert_eq!((scan.heights_m.dim(), scan.pitch_m), ((4, 3), Some((1.5e-6, 2e-6))));
+    // The last chunk was never written and holds the fill value.
+    let nm = [1.0, 5.0, 9.0, 2.0, 6.0, -2.0, 3.0, 7.0, 11.0, 4.0, 8.0, 77.0];
+    assert_heights(&scan, &nm.map(|z: f64| z * 1e-9));
+}
+
+#[test]
+fn numbers_of_hdf5_are_read_as_in_datx() {
+    for map in datx::stored_in_every_way() {
+        let mut file = Hdf5::new();
+        let links = variables(&mut file, &[0.0, 1.0], &[0.0, 1.0, 2.0], |file| map.stored(file));
+        let root = file.group(&links, &[]);
+        match (read_bytes(&file.finish(1, root)), read_bytes(&datx::one(map))) {
+            // A mark of missing points is an attribute in DATX.
+            (Ok(found), Ok(wanted)) => {
+                assert!(found.heights_m.t().iter().zip(&wanted.heights_m).all(|(z, w)| z == w || w.is_nan()));
+            }
+            (Err(found), Err(wanted)) => {
+                // The same message at another place.
+                let [found, wanted] = [found, wanted].map(|error| error.to_string().replace(char::is_numeric, ""));
+                assert_eq!(found.strip_prefix("NetCDF"), wanted.strip_prefix("DATX"));
+            }
+            (found, wanted) => panic!("{found:?}, {wanted:?}"),
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 /// A file of three data sets of 3 × 2 points; `second` replaces fields of the second, the heights.
 fn nid(second: &[(&str, &str)], numbers: &[u8]) -> Vec<u8> {

@@ -2,10 +2,10 @@
 
 use std::io::{Cursor, Write};
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::fixtures::{npy, zip};
 
 fn array(descr: &str, column_major: bool, shape: &str, data: &[u8]) -> Vec<u8> {

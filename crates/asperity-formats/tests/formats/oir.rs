@@ -1,9 +1,9 @@
 //! OIR files after the chunks and the XML that SurfaceTopography describes.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::fixtures::zip;
 
 fn chunk(kind: i32, content: &[u8]) -> Vec<u8> {

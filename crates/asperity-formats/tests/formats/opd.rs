@@ -1,9 +1,9 @@
 //! Wyko OPD.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 
 const NAN: f64 = f64::NAN;
 

@@ -1,7 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 
 fn name(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()

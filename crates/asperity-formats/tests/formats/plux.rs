@@ -1,7 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions};
 
 use crate::assert_heights;
-use crate::fixture::{Content, Fixture};
+use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with};
 
 const NAN: f64 = f64::NAN;
 

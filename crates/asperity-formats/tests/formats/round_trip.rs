@@ -1,9 +1,10 @@
 use asperity_formats::{
-    Format, FormatError, Scan, Separator, SurData, X3pData, read_bytes, write_npy, write_sur, write_text, write_x3p,
+    Format, FormatError, Scan, Separator, SurData, X3pData, write_npy, write_sur, write_text, write_x3p,
 };
 use ndarray::{Array2, array};
 
 use crate::bits;
+use crate::fixture::read_bytes;
 
 const NAN: f64 = f64::NAN;
 

@@ -1,7 +1,7 @@
-use asperity_formats::{FormatError, Scan, SdfData, read_bytes, write_sdf};
+use asperity_formats::{FormatError, Scan, SdfData, write_sdf};
 use ndarray::array;
 
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 use crate::{assert_heights, bits};
 
 const NAN: f64 = f64::NAN;

@@ -1,10 +1,10 @@
 use std::io::Write;
 
-use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, read_bytes, read_bytes_with, write_sur};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, write_sur};
 use ndarray::array;
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::fixtures::Sur;
 use crate::memory::peak_bytes;
 

@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, ReadOptions, read_bytes, read_bytes_with};
+use asperity_formats::{Format, FormatError, ReadOptions};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::fixtures::TEXT;
 
 const NAN: f64 = f64::NAN;

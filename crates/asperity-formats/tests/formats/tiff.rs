@@ -2,13 +2,13 @@
 
 use std::io::Write;
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use weezl::BitOrder;
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::memory::peak_bytes;
 
 const NAN: f64 = f64::NAN;

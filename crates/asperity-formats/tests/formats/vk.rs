@@ -1,10 +1,10 @@
 //! VK4: the header, the table of offsets, the measurement conditions and images, in the order and with the widths of
 //! the published layout; VK6 around it.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, read_bytes, read_bytes_with};
+use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with};
 use crate::fixtures::zip;
 
 const NAN: f64 = f64::NAN;

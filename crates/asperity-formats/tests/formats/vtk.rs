@@ -1,11 +1,11 @@
 //! VTK image data.
 
-use asperity_formats::{Format, FormatError, Scan, read_bytes, write_vtk, write_vtk_fields};
+use asperity_formats::{Format, FormatError, Scan, write_vtk, write_vtk_fields};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use ndarray::{Array2, array};
 
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
     // Written and not read.

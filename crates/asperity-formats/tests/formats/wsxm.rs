@@ -1,7 +1,7 @@
-use asperity_formats::{Format, FormatError, read_bytes};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 /// A file with the type of its numbers, the unit of its heights and the numbers of 3 × 2 points.
 fn wsxm(kind: &str, amplitude: &str, numbers: &[u8]) -> Vec<u8> {

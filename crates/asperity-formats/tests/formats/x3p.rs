@@ -1,10 +1,8 @@
-use asperity_formats::{
-    Format, FormatError, MAX_POINTS, ReadOptions, Scan, X3pData, read_bytes, read_bytes_with, write_x3p,
-};
+use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, X3pData, write_x3p};
 use ndarray::array;
 
 use crate::assert_heights;
-use crate::fixture::{Content, Fixture};
+use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with};
 use crate::fixtures::{X3p, md5, zip};
 use crate::memory::peak_bytes;
 

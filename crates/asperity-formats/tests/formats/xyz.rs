@@ -1,7 +1,7 @@
-use asperity_formats::{Format, Scan, Separator, SurData, read_bytes, write_sur, write_text};
+use asperity_formats::{Format, Scan, Separator, SurData, write_sur, write_text};
 
 use crate::assert_heights;
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, read_bytes};
 
 const NAN: f64 = f64::NAN;
 
