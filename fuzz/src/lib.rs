@@ -17,13 +17,15 @@ pub fn bounded<T>(length: usize, work: impl FnOnce() -> T) -> T {
     value
 }
 
-/// Returns whether content has the format of the target, which `ASPERITY_FORMAT` names. Each format has a target of its own, compressed
-/// content too: a target that also followed inputs into other formats would count the edges of their readers.
+/// Returns whether content has the format of the target, which `ASPERITY_FORMAT` names; without it every format is wanted. Each format has
+/// a target of its own, compressed content too: a target that also followed inputs into other formats would count the edges of their
+/// readers.
 pub fn is_wanted(content: &[u8]) -> bool {
-    static NAME: OnceLock<String> = OnceLock::new();
-    let wanted = NAME.get_or_init(|| std::env::var("ASPERITY_FORMAT").expect("the name of a format"));
+    static NAME: OnceLock<Option<String>> = OnceLock::new();
+    let wanted = NAME.get_or_init(|| std::env::var("ASPERITY_FORMAT").ok());
     // The name of a target ends at a slash, as that of a folder does.
-    Format::detect(content).is_some_and(|format| format.name().split('/').next() == Some(wanted))
+    let is_own = |format: Format| wanted.is_none() || format.name().split('/').next() == wanted.as_deref();
+    Format::detect(content).is_some_and(is_own)
 }
 
 /// Reads a scan, and checks its invariants.

@@ -1,6 +1,7 @@
 //! The machine as the operating system reports it.
 
 use std::fs;
+use std::path::Path;
 
 use asperity_results::Machine;
 
@@ -17,14 +18,29 @@ pub fn machine() -> Machine {
     }
 }
 
-/// Returns the free memory of the machine in bytes, or less if the address space of the program is limited, where the system reports it.
+/// Returns the free memory of the machine in bytes, or less if the address space of the program or its control group is limited, where
+/// the system reports it.
 pub fn free_memory_bytes() -> Option<f64> {
     let free = entry_bytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let left = || {
         let limit = address_space_bytes(&fs::read_to_string("/proc/self/limits").ok()?)?;
         Some((limit - entry_bytes(&fs::read_to_string("/proc/self/status").ok()?, "VmSize:")?).max(0.0))
     };
-    Some(free.min(left().unwrap_or(f64::INFINITY)))
+    let group = || group_bytes(Path::new("/sys/fs/cgroup"), &fs::read_to_string("/proc/self/cgroup").ok()?);
+    Some([left(), group()].into_iter().flatten().fold(free, f64::min))
+}
+
+/// Returns what the limits of a control group (version 2) and those above it leave, from the folder of all groups and the list of the
+/// groups of a program. File pages that were not used lately count as free. `None` if there is no limit.
+fn group_bytes(groups: &Path, list: &str) -> Option<f64> {
+    let group = list.lines().find_map(|line| line.strip_prefix("0::/"))?;
+    let left = |group: &Path| {
+        let number = |name: &str| fs::read_to_string(groups.join(group).join(name)).ok()?.trim().parse::<f64>().ok();
+        let pages = fs::read_to_string(groups.join(group).join("memory.stat")).ok()?;
+        let unused = pages.lines().find_map(|line| line.strip_prefix("inactive_file "))?.parse::<f64>().ok()?;
+        Some((number("memory.max")? - number("memory.current")? + unused).max(0.0))
+    };
+    Path::new(group).ancestors().filter_map(left).reduce(f64::min)
 }
 
 /// Returns the soft limit of the address space in a list of limits; `None` if there is none.
@@ -64,5 +80,28 @@ mod tests {
             |soft| format!("Max processes  95890  95890  processes\nMax address space  {soft}  unlimited  bytes\n");
         assert_eq!(address_space_bytes(&limits("204800000")), Some(204_800_000.0));
         assert_eq!(address_space_bytes(&limits("unlimited")), None);
+    }
+
+    #[test]
+    fn the_tightest_limit_of_a_control_group_and_those_above_it_counts() {
+        let groups = tempfile::tempdir().unwrap();
+        let group = |name: &str, most: &str, current: f64, unused: f64| {
+            let folder = groups.path().join(name);
+            fs::create_dir_all(&folder).unwrap();
+            let pages = format!("anon 7\ninactive_file {unused}\n");
+            for (name, text) in
+                [("memory.max", most), ("memory.current", &current.to_string()), ("memory.stat", &pages)]
+            {
+                fs::write(folder.join(name), format!("{text}\n")).unwrap();
+            }
+        };
+        let left = |list| group_bytes(groups.path(), list);
+        group("job/step", "max", 10.0, 1.0);
+        assert_eq!(left("0::/job/step\n"), None);
+        group("job", "1000", 300.0, 20.0);
+        group("", "5000", 4000.0, 0.0);
+        assert_eq!(left("4:memory:/\n0::/job/step\n"), Some(720.0));
+        assert_eq!(left("0::/\n"), Some(1000.0));
+        assert_eq!(left("4:memory:/job\n"), None);
     }
 }
