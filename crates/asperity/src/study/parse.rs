@@ -157,7 +157,11 @@ fn explain(message: &str) -> String {
     } else if message.starts_with("unknown variant") {
         "value"
     } else {
-        return wrong_length(message).or_else(|| wrong_type(message)).unwrap_or_else(|| message.into());
+        return wrong_length(message).or_else(|| wrong_type(message)).unwrap_or_else(|| match message {
+            // TOML limits whole numbers to 64 bits with a sign.
+            "u64 value was too large" => format!("a whole number above {} is out of range", i64::MAX),
+            message => message.into(),
+        });
     };
     let [found, known @ ..] = names.as_slice() else {
         return message.into();
@@ -298,6 +302,7 @@ percentile = 50.0
             ("marginal = \"normal\"", "marginal = \"norml\"", 5, "norml"),
             ("seed = 2016", "seed = 2.5", 2, "`2.5` is not a whole number from 0 on"),
             ("seed = 2016", "seed = 99999999999999999999", 2, "99999999999999999999"),
+            ("seed = 2016", "seed = 9223372036854775808", 2, "above 9223372036854775807 is out of range"),
             ("percentile = 50.0", "percentile = \"50 %\"", 13, "\"50 %\" is not a number"),
             ("[64, 64]", "[64, [2]]", 12, "a list is not a whole number"),
         ] {
