@@ -19,6 +19,8 @@ enum Store {
     Chunked([u32; 2], Vec<u8>, Vec<([u64; 2], u32, Vec<u8>)>),
     /// By another layout message, from the numbers.
     Layout(fn(&mut Hdf5, &[u8]) -> Vec<u8>),
+    /// By a layout message that is not read.
+    Message(Vec<u8>),
 }
 
 /// A dataset of a map.
@@ -136,7 +138,14 @@ impl Map {
                 }
                 // The key after the last chunk is beyond it.
                 let end = self.shape[0].next_multiple_of(u64::from(shape[0]));
-                let tree = file.tree(1, 0, &children, &fields![[0; 8], end.to_le_bytes(), [0; 16]]);
+                let end = fields![[0; 8], end.to_le_bytes(), [0; 16]];
+                // Two chunks in each node, and a node above these if there are several.
+                let nodes: Vec<(Vec<u8>, u64)> =
+                    children.chunks(2).map(|pair| (pair[0].0.clone(), file.tree(1, 0, pair, &end))).collect();
+                let tree = match nodes.as_slice() {
+                    [(_, only)] => *only,
+                    nodes => file.tree(1, u8::from(!nodes.is_empty()), nodes, &end),
+                };
                 // The element is the last of the dimensions.
                 let element = self.datatype[4..8].to_vec();
                 let [rows, columns] = shape.map(u32::to_le_bytes);
@@ -145,6 +154,7 @@ impl Map {
                 [(hdf5::LAYOUT, layout)].into_iter().chain(pipeline).collect()
             }
             Store::Layout(layout) => vec![(hdf5::LAYOUT, layout(file, &self.numbers))],
+            Store::Message(layout) => vec![(hdf5::LAYOUT, layout.clone())],
         }
     }
 }
@@ -301,19 +311,33 @@ fn of_other_layouts() -> [Map; 2] {
         .map(|layout| Map { store: Store::Layout(layout), ..Map::default() })
 }
 
-/// A filter, an index of chunks and a version of the layout that are not read.
-fn not_read() -> [Map; 3] {
-    let szip = Store::Chunked([2, 3], pipeline(&[(4, 0)]), vec![]);
-    // Version 4: class, flags, rank, width of sizes, sizes, index 3, bits of a page, address.
-    let fixed_array = |_: &mut Hdf5, _: &[u8]| fields![[4, 2, 0, 3, 1], [2, 3, 8], [3, 10], 104_u64.to_le_bytes()];
-    [szip, Store::Layout(fixed_array), Store::Layout(|_, _| vec![5, 1])].map(|store| Map { store, ..Map::default() })
+/// Filters, indices of chunks and a version of the layout that are not read, and their names.
+fn not_read() -> Vec<(Map, &'static str)> {
+    let filter = |number| Store::Chunked([2, 3], pipeline(&[(number, 0)]), vec![]);
+    // Version 4: class, flags, rank, width of sizes, sizes, index, bits of a page, address.
+    let index = |kind| Store::Message(fields![[4, 2, 0, 3, 1], [2, 3, 8], [kind, 10], 104_u64.to_le_bytes()]);
+    [
+        (filter(4), "filter 4 (szip)"),
+        (filter(5), "filter 5 (n-bit)"),
+        (filter(6), "filter 6 (scale-offset)"),
+        (filter(307), "filter 307"),
+        (index(2), "chunks under no index"),
+        (index(3), "chunks under a fixed array"),
+        (index(4), "chunks under an extensible array"),
+        (index(5), "chunks under a version 2 B-tree"),
+        (index(6), "chunks under an unknown index"),
+        (Store::Message(vec![5, 1]), "layout, version"),
+    ]
+    .map(|(store, name)| (Map { store, ..Map::default() }, name))
+    .into()
 }
 
 /// Maps of two by three points, stored in every way.
 pub(crate) fn stored_in_every_way() -> Vec<Map> {
     let empty = Map { store: Store::Chunked([2, 2], vec![], vec![]), ..Map::default() };
     let usual = [Map::default(), empty, summed(0), summed(1)];
-    [usual.into(), of_every_type(), of_other_layouts().into(), not_read().into()].concat()
+    [usual.into(), of_every_type(), of_other_layouts().into(), not_read().into_iter().map(|(map, _)| map).collect()]
+        .concat()
 }
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
@@ -515,13 +539,11 @@ fn a_fletcher_checksum_is_verified() {
 
 #[test]
 fn layouts_and_filters_that_are_not_read_are_named() {
-    let [szip, fixed_array, version_5] = not_read().map(|map| refusal(&one(map)));
-    assert!(szip.contains("filter 4 (szip)"), "{szip}");
-    assert!(
-        fixed_array.contains("chunks under a fixed array") && fixed_array.contains("h5repack -l CONTI OLD NEW"),
-        "{fixed_array}"
-    );
-    assert!(version_5.contains("layout, version"), "{version_5}");
+    for (map, name) in not_read() {
+        let message = refusal(&one(map));
+        assert!(message.contains(name), "{message}");
+        assert_eq!(message.contains("h5repack -l CONTI OLD NEW"), name.starts_with("chunks"), "{message}");
+    }
     let mut bytes = one(Map::default());
     bytes[13] = 4;
     assert_eq!(refusal(&bytes), "DATX: the size of offsets (byte 13) is 4; wanted 8 bytes");

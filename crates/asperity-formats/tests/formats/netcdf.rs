@@ -252,12 +252,18 @@ fn enhanced() -> Vec<u8> {
     file.finish_new(root)
 }
 
-/// A netCDF-4 file: heights of three by four in filtered chunks, with links in a symbol table.
+/// A netCDF-4 file: heights of three by four in filtered chunks, with links in a symbol table, and another dimension.
 fn in_chunks() -> Vec<u8> {
     let mut file = Hdf5::new();
     let heights = |file: &mut Hdf5| datx::chunked().stored(file);
     let links = variables(&mut file, &[0.0, 1.5, 3.0], &[0.0, 2.0, 4.0, 6.0], heights);
-    let root = file.group(&links, &[]);
+    // A dimension without positions.
+    let name = "This is a netCDF dimension but not a netCDF variable         7";
+    let attributes =
+        [("CLASS", "DIMENSION_SCALE"), ("NAME", name)].map(|(name, value)| (hdf5::ATTRIBUTE, text(name, value)));
+    let stored = contiguous_numbers(&mut file, &[1], &[0.0]);
+    let time = file.new_object(&[stored, attributes.to_vec()].concat());
+    let root = file.group(&[links.as_slice(), &[("time", time)]].concat(), &[]);
     file.finish(1, root)
 }
 
@@ -389,6 +395,11 @@ fn records_are_put_together() {
 }
 
 #[test]
+fn a_map_without_records_is_refused() {
+    assert_eq!(in_records(2, Some(0)).refusal(), "NetCDF: rows (byte 0) is `0`; wanted 1 or more");
+}
+
+#[test]
 fn a_map_of_one_record_is_a_map() {
     let file = Classic {
         records: Some(1),
@@ -493,8 +504,8 @@ fn numbers_of_hdf5_are_read_as_in_datx() {
     for map in datx::stored_in_every_way() {
         let mut file = Hdf5::new();
         let links = variables(&mut file, &[0.0, 1.0], &[0.0, 1.0, 2.0], |file| map.stored(file));
-        let root = file.group(&links, &[]);
-        match (read_bytes(&file.finish(1, root)), read_bytes(&datx::one(map))) {
+        let root = file.new_object(&links.map(|(name, address)| (hdf5::LINK, hdf5::link(name, address))));
+        match (read_bytes(&file.finish_new(root)), read_bytes(&datx::one(map))) {
             // A mark of missing points is an attribute in DATX.
             (Ok(found), Ok(wanted)) => {
                 assert!(found.heights_m.t().iter().zip(&wanted.heights_m).all(|(z, w)| z == w || w.is_nan()));

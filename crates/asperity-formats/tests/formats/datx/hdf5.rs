@@ -12,6 +12,7 @@ pub(crate) const DATASPACE: u16 = 0x01;
 pub(crate) const LINK_INFO: u16 = 0x02;
 pub(crate) const DATATYPE: u16 = 0x03;
 pub(crate) const FILL_VALUE: u16 = 0x05;
+pub(crate) const LINK: u16 = 0x06;
 pub(crate) const LAYOUT: u16 = 0x08;
 pub(crate) const FILTERS: u16 = 0x0b;
 pub(crate) const ATTRIBUTE: u16 = 0x0c;
@@ -235,11 +236,7 @@ impl Hdf5 {
     pub(crate) fn dense_links(&mut self, links: &[(&str, u64)]) -> Message {
         let mut objects: Vec<Dense> = links
             .iter()
-            .map(|(name, address)| {
-                // Version, flags (the length of the name has 1 byte), length, name, address (IV.A.2.g).
-                let content = fields![[1, 0, name.len() as u8], name.as_bytes(), address.to_le_bytes()];
-                Dense { hash: lookup3(name.as_bytes()), content }
-            })
+            .map(|(name, address)| Dense { hash: lookup3(name.as_bytes()), content: link(name, *address) })
             .collect();
         objects.sort_by_key(|object| object.hash);
         // A record of type 5: hash, identifier.
@@ -474,6 +471,11 @@ pub(crate) fn new_attribute(name: &str, datatype: &[u8], count: u64, value: &[u8
         space,
         value,
     ]
+}
+
+/// A link to an object (IV.A.2.g): version, flags (the length of the name has 1 byte), length, name, address.
+pub(crate) fn link(name: &str, address: u64) -> Vec<u8> {
+    fields![[1, 0, name.len() as u8], name.as_bytes(), address.to_le_bytes()]
 }
 
 /// A contiguous layout of version 3 (IV.A.2.i).
