@@ -1,8 +1,9 @@
 //! What the fuzz targets share.
 
-use std::sync::OnceLock;
+use std::sync::{Once, OnceLock};
 
 use asperity_formats::{Format, FormatError, Scan};
+use rayon::ThreadPoolBuilder;
 
 #[path = "../../crates/asperity-formats/tests/memory/mod.rs"]
 mod memory;
@@ -10,8 +11,13 @@ mod memory;
 /// The most memory that an input may take beyond twice its size.
 const MEMORY_LIMIT: usize = 64 << 20;
 
-/// Does `work` on `length` bytes of input, and fails if it takes too much memory.
+/// Does `work` on `length` bytes of input, and fails if it takes too much memory. All of it runs on this thread: edges that depend on the
+/// timing of threads would count as news.
 pub fn bounded<T>(length: usize, work: impl FnOnce() -> T) -> T {
+    static POOL: Once = Once::new();
+    POOL.call_once(|| {
+        ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().expect("the first pool");
+    });
     let (value, peak) = memory::peak_bytes(work);
     assert!(peak <= MEMORY_LIMIT + 2 * length, "{peak} bytes of memory for {length} of input");
     value
