@@ -144,9 +144,10 @@ pub(crate) fn count(text: &str) -> Result<usize, Refusal> {
     }
 }
 
-/// Parses a seed: any number of 64 bits.
+/// Parses a seed up to the largest whole number of TOML, in which a run stores it.
 pub(crate) fn seed(text: &str) -> Result<u64, Refusal> {
-    text.trim().parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX).into())
+    let seed = text.trim().parse().ok().filter(|seed| i64::try_from(*seed).is_ok());
+    seed.ok_or_else(|| format!("a seed is a whole number from 0 to {}", i64::MAX).into())
 }
 
 /// Parses a number of threads. Thousands of them on a few cores only wait for one another.

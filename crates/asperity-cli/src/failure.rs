@@ -75,7 +75,12 @@ impl Failure {
             | io::ErrorKind::OutOfMemory
             // No further thread.
             | io::ErrorKind::WouldBlock => Kind::Resources,
-            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem if kind == Kind::Runtime => {
+            io::ErrorKind::PermissionDenied
+            | io::ErrorKind::ReadOnlyFilesystem
+            | io::ErrorKind::NotADirectory
+            | io::ErrorKind::AlreadyExists
+                if kind == Kind::Runtime =>
+            {
                 Kind::Resources
             }
             _ if cause.raw_os_error().is_some_and(|code| TOO_MANY_FILES.contains(&code)) => Kind::Resources,

@@ -25,9 +25,10 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
         | StoreError::HoldsInput { .. }
         | StoreError::NoManifest { .. }
         | StoreError::Foreign { .. } => Failure::usage(error),
-        StoreError::NotARun { .. } | StoreError::Corrupt { .. } | StoreError::SchemaVersion { .. } => {
-            Failure::new(Kind::Data, error.to_string())
-        }
+        StoreError::NotARun { .. }
+        | StoreError::Corrupt { .. }
+        | StoreError::Changed { .. }
+        | StoreError::SchemaVersion { .. } => Failure::new(Kind::Data, error.to_string()),
         StoreError::Input { path, source } if source.kind() == io::ErrorKind::NotFound => {
             Failure::new(Kind::Data, format!("{}: no such file or folder", path.display()))
         }

@@ -17,6 +17,8 @@ use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
 /// Largest other file, such as a record of friction.
 const MAX_OTHER_BYTES: u64 = 1 << 30;
+/// Largest file of settings, such as a study.
+const MAX_SETTINGS_BYTES: u64 = 1 << 23;
 /// Bytes that suffice to recognise the format, except for archives. Headers need a few hundred.
 const PROBE_BYTES: u64 = 1 << 16;
 /// Number of bytes that an error shows of unknown content.
@@ -65,11 +67,19 @@ pub fn read_limited(path: &Path) -> io::Result<Vec<u8>> {
     at_most(MAX_OTHER_BYTES, File::open(path)?)
 }
 
+/// Reads a whole file of settings, of at most 8 MiB. Parsed, it takes a hundred times its size.
+///
+/// # Errors
+/// Errors of the operating system, and a file that is larger.
+pub fn read_settings(path: &Path) -> io::Result<Vec<u8>> {
+    at_most(MAX_SETTINGS_BYTES, File::open(path)?)
+}
+
 fn at_most(limit: u64, file: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
-        return Err(io::Error::other("larger than 1 GiB, the limit for such a file"));
+        return Err(io::Error::other(format!("larger than {} MiB, the limit for such a file", limit >> 20)));
     }
     Ok(bytes)
 }

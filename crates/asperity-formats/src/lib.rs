@@ -72,7 +72,9 @@ mod zygo_ascii;
 
 pub use codec::{Description, Tested};
 pub use error::{FormatError, Location};
-pub use file::{read, read_bytes, read_bytes_with, read_limited, read_series, read_text, read_with, to_bytes, write};
+pub use file::{
+    read, read_bytes, read_bytes_with, read_limited, read_series, read_settings, read_text, read_with, to_bytes, write,
+};
 pub use format::Format;
 pub use gwy::write_gwy;
 pub use npy::{write_npy, write_series};

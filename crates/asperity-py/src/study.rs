@@ -1,6 +1,5 @@
 //! Runs of studies.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -10,6 +9,7 @@ use asperity::study::{
     Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, Staging, Study, StudyError, Work, folder_of,
     machine, program,
 };
+use asperity_formats::read_settings;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -31,13 +31,19 @@ fn text_of(study: &Bound<'_, PyAny>) -> PyResult<(String, Option<PathBuf>)> {
 }
 
 fn read(file: &Path) -> PyResult<String> {
-    let bytes = fs::read(file).map_err(|error| refused(file.display(), &error))?;
+    let bytes = read_settings(file).map_err(|error| refused(file.display(), &error))?;
     String::from_utf8(bytes)
         .map_err(|_| value_error(format_args!("{}: not a text file; a study is a TOML file", file.display())))
 }
 
 fn optional_seed(seed: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
-    if seed.is_none() { Ok(None) } else { whole(seed).map(Some) }
+    if seed.is_none() {
+        return Ok(None);
+    }
+    // A run stores it as TOML.
+    let number: u64 = whole(seed)?;
+    i64::try_from(number).map_err(|_| value_error(format_args!("seed: {number} is above {}", i64::MAX)))?;
+    Ok(Some(number))
 }
 
 /// Study or campaign that a Python program asks for.

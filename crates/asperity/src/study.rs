@@ -78,7 +78,7 @@ pub use run_machine::RunMachine;
 pub use schema::study_schema;
 pub use specimen::{Sampler, Specimen, draw_map};
 pub use stage::Stage;
-pub use store::{Staging, StoreError, StoredRun, file_hash, json_bytes};
+pub use store::{Staging, StoreError, StoredRun, file_hash, json_bytes, require_unchanged};
 pub use surface_result::{covariance_result, part_statistics, surface_statistics};
 pub use system::{forget_peak_memory, free_memory_bytes, machine, peak_memory_bytes};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};

@@ -9,7 +9,7 @@ use std::time::Duration;
 use asperity::quantity::Time;
 use asperity::study::{
     Campaign, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging,
-    StoredCampaign, StoredRun, StudyError, Work, folder_of, resolved_study,
+    StoredCampaign, StoredRun, StudyError, Work, folder_of, require_unchanged, resolved_study,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -204,6 +204,10 @@ impl Computation {
             let inputs = &provenance.inputs;
             inputs.len() == data.len() + 1 && data.iter().all(|(name, hash)| inputs.get(name) == Some(hash))
         };
+        let print = |found: &Found<'_>| {
+            require_unchanged(folder).map_err(|e| load_failure(&e))?;
+            found.print(json, folder)
+        };
         let printed = match self.own.work() {
             Work::Study { .. } if StoredCampaign::is_campaign(folder) => None,
             Work::Campaign(_) if StoredRun::is_run(folder) && !StoredCampaign::is_campaign(folder) => None,
@@ -211,12 +215,12 @@ impl Computation {
                 let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
                 let resolved = resolved_study(study, self.own.folder()).map_err(|e| store_failure(&e))?;
                 let same = run.study == resolved && run.provenance.only.as_deref() == only.map(|stage| stage.name());
-                (same && same_inputs(&run.provenance)).then(|| Found::Run(&run.results).print(json, folder))
+                (same && same_inputs(&run.provenance)).then(|| print(&Found::Run(&run.results)))
             }
             Work::Campaign(campaign) => {
                 let stored = StoredCampaign::load(folder).map_err(|e| load_failure(&e))?;
                 let same = stored.text == campaign.resolved() && same_inputs(&stored.provenance);
-                same.then(|| Found::Campaign(&stored.results).print(json, folder))
+                same.then(|| print(&Found::Campaign(&stored.results)))
             }
         };
         match printed {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use asperity::study::{FailureKind, Study, StudyError, StudyFileError};
-use asperity_formats::{read_limited, read_text};
+use asperity_formats::read_settings;
 
 use crate::failure::{Failure, Kind};
 
@@ -12,7 +12,7 @@ pub(super) fn read<T>(
     path: &Path,
     parse: impl FnOnce(&str, &str) -> Result<T, StudyFileError>,
 ) -> Result<(T, String), Failure> {
-    let bytes = read_limited(path).map_err(|e| match e.kind() {
+    let bytes = read_settings(path).map_err(|e| match e.kind() {
         std::io::ErrorKind::NotFound => Failure::new(Kind::Data, format!("{}: no such file", path.display())),
         _ => Failure::io(Kind::Data, path.display(), &e),
     })?;
@@ -34,7 +34,8 @@ pub(super) fn study(path: &Path, seed: Option<u64>) -> Result<(Study, String), F
 
 /// Returns whether a TOML file has one of the keys, of which campaigns have `study` and studies have sections.
 pub(super) fn has_any(path: &Path, keys: &[&str]) -> bool {
-    let table = read_text(path).ok().and_then(|text| text.parse::<toml::Table>().ok());
+    let text = read_settings(path).ok().and_then(|bytes| String::from_utf8(bytes).ok());
+    let table = text.and_then(|text| text.parse::<toml::Table>().ok());
     table.is_some_and(|table| keys.iter().any(|key| table.contains_key(*key)))
 }
 

@@ -154,6 +154,28 @@ fn scan(folder: &Path, name: &str, wave: f64) {
 }
 
 #[test]
+fn a_campaign_of_another_schema_version_is_not_resumed() {
+    let folder = bench(MACHINE, "[values]\n\"vibration.damping_ratio\" = [0.05]\n");
+    let at = folder.path();
+    let resume = || run_in(at, "campaign sweep.toml --out c --resume");
+    assert_eq!((resume().code, resume().code), (0, 0));
+    let results = fs::read_to_string(at.join("c/results.json")).unwrap();
+    for (version, found) in [
+        ("\"schema_version\": 7,", "schema_version 7"),
+        ("\"schema_version\": \"1\",", "schema_version \"1\""),
+        ("\"schema_version\": null,", "no schema_version"),
+        ("", "no schema_version"),
+    ] {
+        fs::write(at.join("c/results.json"), results.replace("\"schema_version\": 1,", version)).unwrap();
+        resume().refuses(3, &[found, "reads version 1", "run the campaign again", "asperity campaign c/campaign.toml"]);
+    }
+    fs::write(at.join("c/results.json"), results).unwrap();
+    fs::remove_file(at.join("c/COMPLETE")).unwrap();
+    resume().refuses(3, &["c is not a finished run", "COMPLETE"]);
+}
+
+#[cfg(unix)]
+#[test]
 #[ignore = "slow"]
 fn an_unusable_scan_is_a_row_with_its_reason() {
     let surface = "[surface]\nfile = \"any.npy\"\npixel_size = \"1 um\"\n";
@@ -165,15 +187,18 @@ fn an_unusable_scan_is_a_row_with_its_reason() {
         scan(&at.join(lot), name, wave);
     }
     fs::write(at.join("lot-2/bad.npy"), "no heights").unwrap();
+    std::os::unix::fs::symlink("nowhere.npy", at.join("lot-2/lost.npy")).unwrap();
     let found = run_in(at, "campaign sweep.toml --json").json(0);
     let members = found["members"].as_array().unwrap();
     let names: Vec<&str> = members.iter().map(|member| member["scan"].as_str().unwrap()).collect();
-    assert_eq!(names, ["lot-1/deep/a.npy", "lot-2/b.npy", "lot-2/bad.npy"]);
+    assert_eq!(names, ["lot-1/deep/a.npy", "lot-2/b.npy", "lot-2/bad.npy", "lot-2/lost.npy"]);
     let failed: Vec<bool> = members.iter().map(|member| member["failed"].as_bool().unwrap()).collect();
-    assert_eq!(failed, [false, false, true], "{found}");
-    let reason = members[2]["reason"].as_str().unwrap();
-    assert!(reason.starts_with("lot-2/bad.npy"), "{reason}");
-    assert_eq!(found["warnings"][0], "1 of 3 members has no answer");
+    assert_eq!(failed, [false, false, true, true], "{found}");
+    for (place, name) in [(2, "lot-2/bad.npy"), (3, "lot-2/lost.npy")] {
+        let reason = members[place]["reason"].as_str().unwrap();
+        assert!(reason.starts_with(name), "{reason}");
+    }
+    assert_eq!(found["warnings"][0], "2 of 4 members have no answer");
     // So is a missing file of a list.
     fs::write(
         at.join("list.toml"),
@@ -190,7 +215,7 @@ fn an_unusable_scan_is_a_row_with_its_reason() {
     fs::write(at.join("lot-1/deep/a.npy"), "").unwrap();
     let found = run_in(at, "campaign sweep.toml --json --force");
     assert!(found.stderr.contains("no member has an answer"), "{found:?}");
-    assert_eq!(found.json(4)["members"].as_array().unwrap().len(), 3);
+    assert_eq!(found.json(4)["members"].as_array().unwrap().len(), 4);
 }
 
 #[test]

@@ -100,6 +100,72 @@ fn force_on_the_folder_of_all_runs_keeps_every_run() {
 }
 
 #[test]
+fn a_resumed_run_is_as_asperity_wrote_it() {
+    let folder = bench();
+    let at = folder.path();
+    let resume = || run_in(at, "run study.toml --out out --resume");
+    assert_eq!((resume().code, resume().code), (0, 0));
+    let results = fs::read_to_string(at.join("out/results.json")).unwrap();
+    fs::write(at.join("out/results.json"), results.replace("\"seed\": 5", "\"seed\": 6")).unwrap();
+    fs::remove_file(at.join("out/report.html")).unwrap();
+    let wanted = ["out is not as asperity wrote it: report.html (missing), results.json (changed);"];
+    let found = resume();
+    found.refuses(3, &wanted);
+    assert_eq!(found.stdout, "");
+    fs::write(at.join("out/results.json"), results).unwrap();
+    resume().refuses(3, &["report.html (missing);"]);
+    // The report is made again, and files of the user do not matter.
+    assert_eq!(run_in(at, "report out").code, 0);
+    fs::write(at.join("out/notes.txt"), "").unwrap();
+    assert_eq!(resume().code, 0);
+    fs::remove_file(at.join("out").join(MANIFEST)).unwrap();
+    resume().refuses(3, &[MANIFEST]);
+}
+
+#[test]
+fn temporary_files_of_a_killed_report_do_not_keep_a_run_from_being_replaced() {
+    let folder = bench();
+    let at = folder.path();
+    assert_eq!(run_in(at, "run study.toml --out out").code, 0);
+    for place in ["", "fields/"] {
+        let name = format!("out/{place}.asperity-{}.tmp", asperity_formats::temporary_suffix());
+        fs::write(at.join(name), "half").unwrap();
+    }
+    assert_eq!(run_in(at, "run study.toml --out out --force").code, 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_write_protected_run_is_not_replaced() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = bench();
+    let at = folder.path();
+    assert_eq!(run_in(at, "run study.toml --out out").code, 0);
+    for place in ["out", "out/fields"] {
+        let change = |mode| fs::set_permissions(at.join(place), fs::Permissions::from_mode(mode)).unwrap();
+        change(0o555);
+        run_in(at, "run study.toml --out out --force").refuses(5, &["cannot write", place, "permission denied"]);
+        change(0o755);
+    }
+    // Nothing was moved aside.
+    assert!(listing(at).len() == INPUTS.len() + 1 && at.join("out/COMPLETE").is_file());
+}
+
+#[cfg(unix)]
+#[test]
+fn blocks_that_cannot_be_stored_end_a_run_before_its_work() {
+    let folder = bench();
+    let at = folder.path();
+    let blocks = at.join(".asperity-blocks");
+    fs::write(&blocks, "").unwrap();
+    run_in(at, "run study.toml --out out").refuses(5, &["cannot write", ".asperity-blocks"]);
+    fs::remove_file(&blocks).unwrap();
+    std::os::unix::fs::symlink("nowhere", &blocks).unwrap();
+    run_in(at, "run study.toml --out out").refuses(5, &["cannot write", ".asperity-blocks"]);
+    assert!(!at.join("out").exists());
+}
+
+#[test]
 fn changed_and_hidden_files_links_and_empty_folders_are_foreign() {
     let folder = bench();
     let at = folder.path();

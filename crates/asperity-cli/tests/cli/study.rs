@@ -264,6 +264,8 @@ fn a_wrong_study_names_file_line_key_and_the_nearest_right_one() {
 fn a_missing_or_unusable_input_is_a_data_error_not_a_usage_error() {
     let folder = folder_with(&STUDY.replace("covariance =", "file = \"scan.x3p\"\ncovariance ="));
     run_in(folder.path(), "run gone.toml").refuses(3, &["gone.toml", "no such file"]);
+    fs::write(folder.path().join("long.toml"), "#".repeat(9 << 20)).unwrap();
+    run_in(folder.path(), "run long.toml").refuses(3, &["long.toml", "larger than 8 MiB"]);
     fs::write(folder.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
     run_in(folder.path(), "run binary.toml").refuses(2, &["binary.toml", "not a text file"]);
     fs::remove_file(folder.path().join("binary.toml")).unwrap();

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use asperity_base::monitor::{BlockStore, Monitor, RoundId};
-use asperity_formats::{remove_abandoned_files, replace_file};
+use asperity_formats::{check_writable, remove_abandoned_files, replace_file};
 use sha2::{Digest, Sha256};
 
 #[cfg(fuzzing)]
@@ -155,7 +155,7 @@ impl RunBlocks {
     /// written before the first block.
     ///
     /// # Errors
-    /// No thread can be started.
+    /// The folder of the blocks exists but cannot be written, or no thread can be started.
     pub fn open(run: &Path, mut record: RunRecord, share: Share) -> Result<Self, StoreError> {
         let shared = beside(run);
         let (folder, beside) = match share {
@@ -163,6 +163,10 @@ impl RunBlocks {
             Share::All | Share::None | Share::Again(_) => (shared, Vec::new()),
         };
         remove_abandoned_files(&folder);
+        let computes = matches!(share, Share::All | Share::Part { .. });
+        if computes && fs::symlink_metadata(&folder).is_ok() {
+            check_writable(&folder).map_err(|source| StoreError::Io { path: folder.clone(), source })?;
+        }
         let path = RunRecord::path(&folder, run);
         record.earlier = RunRecord::read(&path).iter().flat_map(RunRecord::folders).cloned().collect();
         let writer = Writer::start(path.clone()).map_err(|source| StoreError::Io { path: folder.clone(), source })?;

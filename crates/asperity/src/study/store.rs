@@ -13,6 +13,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity_formats::{FormatError, refusal, remove_abandoned_files, replace_file};
+use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use crate::friction::process::ProcessError;
@@ -30,6 +31,8 @@ pub(super) const FRICTION_PROCESS: &str = "friction_process.json";
 pub(super) const MACHINE: &str = "machine.json";
 /// Name of the file with the study of the run.
 pub(super) const STUDY: &str = "study.toml";
+/// Name of the file with the campaign of a folder.
+pub(super) const CAMPAIGN: &str = "campaign.toml";
 /// Name of the file with the results of a run or a campaign.
 pub(super) const RESULTS: &str = "results.json";
 /// Name of the file with the provenance of a run or a campaign.
@@ -98,6 +101,18 @@ pub enum StoreError {
         /// The files, relative to the destination.
         foreign: Vec<String>,
     },
+    /// Files of the finished folder are missing or have changed.
+    #[error(
+        "{} is not as asperity wrote it: {}; choose another folder, or delete it yourself",
+        path.display(),
+        first_names(changed)
+    )]
+    Changed {
+        /// The folder.
+        path: PathBuf,
+        /// The files, relative to the folder.
+        changed: Vec<String>,
+    },
     /// The finished folder could not be moved to its destination.
     #[error("{}; this result is in {}", not_moved(path, source), kept.display())]
     NotMoved {
@@ -143,16 +158,20 @@ pub enum StoreError {
     Process(#[from] ProcessError),
     /// The results have another schema version.
     #[error(
-        "{}: {}, but this program reads version {SCHEMA_VERSION}; run the study again with `asperity run {}`",
+        "{}: {}, but this program reads version {SCHEMA_VERSION}; run the {} again with `asperity {} {}`",
         path.display(),
-        found.map_or_else(|| "the results state no schema_version".to_owned(), |found| format!("the results have schema_version {found}")),
-        path.with_file_name(STUDY).display()
+        found.as_ref().map_or_else(|| "the results state no schema_version".to_owned(), |found| format!("the results have schema_version {found}")),
+        if *is_campaign { "campaign" } else { "study" },
+        if *is_campaign { "campaign" } else { "run" },
+        path.with_file_name(if *is_campaign { CAMPAIGN } else { STUDY }).display()
     )]
     SchemaVersion {
         /// The file.
         path: PathBuf,
-        /// Version found, if there is one.
-        found: Option<u64>,
+        /// Version found, if there is one, as in the file.
+        found: Option<String>,
+        /// Whether the results are those of a campaign.
+        is_campaign: bool,
     },
     /// A value could not be written as JSON.
     #[error("cannot be written as JSON: {0}")]
@@ -205,7 +224,46 @@ pub(super) fn array_name(name: &str, unit: &str) -> String {
 /// Schema version of `results.json`.
 #[derive(serde::Deserialize)]
 struct Version {
-    schema_version: Option<u64>,
+    schema_version: Option<serde_json::Value>,
+}
+
+/// Reads the results of the finished run or campaign in `dir`.
+pub(super) fn read_results<T: DeserializeOwned>(dir: &Path, is_campaign: bool) -> Result<T, StoreError> {
+    let path = dir.join(RESULTS);
+    let bytes = fs::read(&path).map_err(at(&path))?;
+    let corrupt = |error: serde_json::Error| StoreError::Corrupt { path: path.clone(), reason: error.to_string() };
+    let Version { schema_version: found } = serde_json::from_slice(&bytes).map_err(corrupt)?;
+    if found != Some(SCHEMA_VERSION.into()) {
+        let found = found.map(|found| found.to_string());
+        return Err(StoreError::SchemaVersion { path, found, is_campaign });
+    }
+    serde_json::from_slice(&bytes).map_err(corrupt)
+}
+
+/// Fails if `dir` is no folder that asperity finished, with this file.
+pub(super) fn require_finished(dir: &Path, file: &'static str) -> Result<(), StoreError> {
+    for missing in [COMPLETE, file] {
+        match fs::metadata(dir.join(missing)) {
+            Ok(metadata) if metadata.is_file() => (),
+            Err(source) if source.kind() == io::ErrorKind::PermissionDenied => {
+                return Err(StoreError::Io { path: dir.into(), source });
+            }
+            _ => return Err(StoreError::NotARun { path: dir.into(), missing }),
+        }
+    }
+    Ok(())
+}
+
+/// Fails if files of a finished folder are missing or have changed since asperity wrote them.
+///
+/// # Errors
+/// [`StoreError::Changed`], or a file cannot be read.
+pub fn require_unchanged(dir: &Path) -> Result<(), StoreError> {
+    let changed = match Manifest::read(dir).map_err(at(dir))? {
+        Some(manifest) => manifest.changed(dir).map_err(at(dir))?,
+        None => vec![format!("{MANIFEST} (missing)")],
+    };
+    if changed.is_empty() { Ok(()) } else { Err(StoreError::Changed { path: dir.into(), changed }) }
 }
 
 /// Returns the SHA-256 of a file as lower-case hexadecimal digits.
@@ -244,24 +302,14 @@ impl StoredRun {
     /// # Errors
     /// The folder is no finished run, or one of its files cannot be read.
     pub fn load(dir: &Path) -> Result<Self, StoreError> {
-        if !Self::is_run(dir) {
-            return Err(StoreError::NotARun { path: dir.into(), missing: COMPLETE });
-        }
         // A campaign has no study of its own.
-        if !dir.join(STUDY).is_file() {
-            return Err(StoreError::NotARun { path: dir.into(), missing: STUDY });
-        }
+        require_finished(dir, STUDY)?;
         let read = |relative: &str| {
             let path = dir.join(relative);
             fs::read(&path).map_err(at(&path))
         };
         let corrupt = |relative: &str, reason: String| StoreError::Corrupt { path: dir.join(relative), reason };
-        let results = read(RESULTS)?;
-        let version: Version = serde_json::from_slice(&results).map_err(|error| corrupt(RESULTS, error.to_string()))?;
-        if version.schema_version != Some(SCHEMA_VERSION) {
-            return Err(StoreError::SchemaVersion { path: dir.join(RESULTS), found: version.schema_version });
-        }
-        let results = serde_json::from_slice(&results).map_err(|error| corrupt(RESULTS, error.to_string()))?;
+        let results = read_results(dir, false)?;
         let provenance =
             serde_json::from_slice(&read(PROVENANCE)?).map_err(|error| corrupt(PROVENANCE, error.to_string()))?;
         let mut tables = BTreeMap::new();

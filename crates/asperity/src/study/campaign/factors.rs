@@ -351,7 +351,8 @@ impl Reader<'_> {
         let mut found = Vec::new();
         for path in matches {
             let path = path.map_err(|error| in_data(format!("scans: {error}")))?;
-            if path.is_file() {
+            // A link to nothing is a member whose scan is missing.
+            if path.is_file() || !path.exists() {
                 let name = path.strip_prefix(folder).unwrap_or(&path).to_str();
                 let name =
                     name.ok_or_else(|| in_data(format!("scans: the name of {} is not Unicode", path.display())))?;

@@ -7,10 +7,8 @@ use asperity_results::Provenance;
 
 use super::Campaign;
 use crate::study::result::{CampaignResults, InputValue, MemberResult, VariedKey};
-use crate::study::store::{PROVENANCE, RESULTS};
+use crate::study::store::{CAMPAIGN, PROVENANCE, RESULTS, read_results, require_finished};
 use crate::study::{Staging, StoreError, StoredRun, TableError, json_bytes};
-
-const FILE: &str = "campaign.toml";
 
 /// Finished campaign, read from its folder.
 #[derive(Debug, Clone)]
@@ -26,7 +24,7 @@ pub struct StoredCampaign {
 impl StoredCampaign {
     /// Returns whether `dir` is the folder of a finished campaign.
     pub fn is_campaign(dir: &Path) -> bool {
-        StoredRun::is_run(dir) && dir.join(FILE).is_file()
+        StoredRun::is_run(dir) && dir.join(CAMPAIGN).is_file()
     }
 
     /// Reads the folder of a campaign.
@@ -34,9 +32,7 @@ impl StoredCampaign {
     /// # Errors
     /// The folder is no finished campaign, or one of its files cannot be read.
     pub fn load(dir: &Path) -> Result<Self, StoreError> {
-        if !Self::is_campaign(dir) {
-            return Err(StoreError::NotARun { path: dir.into(), missing: FILE });
-        }
+        require_finished(dir, CAMPAIGN)?;
         let read = |name: &str| {
             let path = dir.join(name);
             fs::read(&path).map_err(|source| StoreError::Io { path, source })
@@ -46,8 +42,8 @@ impl StoredCampaign {
             reason: error.to_string(),
         };
         Ok(Self {
-            text: String::from_utf8_lossy(&read(FILE)?).into_owned(),
-            results: serde_json::from_slice(&read(RESULTS)?).map_err(|error| corrupt(RESULTS, &error))?,
+            text: String::from_utf8_lossy(&read(CAMPAIGN)?).into_owned(),
+            results: read_results(dir, true)?,
             provenance: serde_json::from_slice(&read(PROVENANCE)?).map_err(|error| corrupt(PROVENANCE, &error))?,
         })
     }
@@ -64,7 +60,7 @@ pub fn write_campaign(
     results: &CampaignResults,
     provenance: &Provenance,
 ) -> Result<(), StoreError> {
-    staging.write(FILE, campaign.resolved().as_bytes())?;
+    staging.write(CAMPAIGN, campaign.resolved().as_bytes())?;
     staging.write(PROVENANCE, &json_bytes(provenance)?)?;
     campaign_files(results, |name, bytes| staging.write(name, bytes))?;
     #[cfg(feature = "report")]

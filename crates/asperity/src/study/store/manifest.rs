@@ -88,6 +88,16 @@ impl Manifest {
         Ok(foreign)
     }
 
+    /// Returns the listed files that are missing or have changed since, with these words.
+    pub(super) fn changed(&self, folder: &Path) -> io::Result<Vec<String>> {
+        let word = |(file, known): (&String, &String)| match hash(&folder.join(file)) {
+            Ok(found) => Ok((found != *known).then(|| format!("{file} (changed)"))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Some(format!("{file} (missing)"))),
+            Err(error) => Err(error),
+        };
+        self.0.iter().map(word).filter_map(Result::transpose).collect()
+    }
+
     /// Removes the listed files, the manifest, and the folders that are then empty. Everything else stays.
     pub(super) fn remove(&self, folder: &Path) -> io::Result<()> {
         let found = entries(folder)?;
@@ -135,6 +145,12 @@ fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
     }
     found.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(found)
+}
+
+/// Returns a folder and all folders below it. Does not follow links.
+pub(super) fn folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let below = entries(folder)?.into_iter().filter(|entry| entry.is_folder).map(|entry| entry.location);
+    Ok([folder.to_path_buf()].into_iter().chain(below).collect())
 }
 
 pub(super) fn hash(file: &Path) -> io::Result<String> {

@@ -6,13 +6,15 @@
 //! beside it removes it.
 
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use asperity_formats::{check_writable, create_locked, is_temporary_suffix, lock_abandoned, temporary_suffix};
+use asperity_formats::{
+    check_writable, create_locked, is_temporary_suffix, lock_abandoned, remove_abandoned_files, temporary_suffix,
+};
 
-use super::manifest::{MANIFEST, Manifest, UNFINISHED};
+use super::manifest::{MANIFEST, Manifest, UNFINISHED, folders};
 use super::{COMPLETE, StoreError, at};
 
 /// Prefixes of hidden names: of a folder that is being written, and of one that is being replaced.
@@ -230,6 +232,15 @@ fn replaceable(destination: &Path, force: bool, inputs: &[&Path]) -> Result<Opti
     let Some(manifest) = Manifest::read(destination).map_err(at(destination))? else {
         return Err(StoreError::NoManifest { path: path() });
     };
+    // What is write-protected, or belongs to another user, is not replaced.
+    OpenOptions::new().write(true).open(destination.join(MANIFEST)).map_err(at(destination))?;
+    for folder in folders(destination).map_err(at(destination))? {
+        if fs::metadata(&folder).map_err(at(&folder))?.permissions().readonly() {
+            return Err(at(&folder)(io::ErrorKind::PermissionDenied.into()));
+        }
+        // An ended process may have left temporary files.
+        remove_abandoned_files(&folder);
+    }
     let foreign = manifest.foreign(destination).map_err(at(destination))?;
     if foreign.is_empty() { Ok(Some(manifest)) } else { Err(StoreError::Foreign { path: path(), foreign }) }
 }
