@@ -1,7 +1,10 @@
+use std::io::Write;
+
 use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
 use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use flate2::{Compression, write::ZlibEncoder};
 use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
 
 mod damaged;
@@ -28,7 +31,7 @@ enum Store {
 pub(crate) struct Map {
     kind: &'static str,
     datatype: Vec<u8>,
-    shape: [u64; 2],
+    pub(crate) shape: [u64; 2],
     numbers: Vec<u8>,
     store: Store,
     fill: Vec<u8>,
@@ -299,6 +302,22 @@ fn summed(change: u8) -> Map {
     Map { store: Store::Chunked([2, 3], pipeline(&[(3, 0)]), vec![([0, 0], 0, bytes)]), ..Map::default() }
 }
 
+/// Heights in nm, k² modulo 257 for the point k in row order, in one compressed chunk. Long streams have codes of their own.
+fn deflated(shape: [u64; 2]) -> Map {
+    let numbers: Vec<u8> =
+        (0..shape[0] * shape[1]).flat_map(|k| i16::try_from(k * k % 257).unwrap().to_le_bytes()).collect();
+    let mut stream = ZlibEncoder::new(Vec::new(), Compression::best());
+    stream.write_all(&numbers).unwrap();
+    let chunk = ([0, 0], 0, stream.finish().unwrap());
+    Map {
+        datatype: datatype::integer(2, false),
+        shape,
+        store: Store::Chunked(shape.map(|size| size as u32), pipeline(&[(1, 9)]), vec![chunk]),
+        no_data: None,
+        ..Map::default()
+    }
+}
+
 /// The usual heights in a compact layout and in that of a single chunk.
 fn of_other_layouts() -> [Map; 2] {
     let compact = |_: &mut Hdf5, numbers: &[u8]| fields![[3, 0], (numbers.len() as u16).to_le_bytes(), numbers];
@@ -332,10 +351,10 @@ fn not_read() -> Vec<(Map, &'static str)> {
     .into()
 }
 
-/// Maps of two by three points, stored in every way.
+/// Maps stored in every way.
 pub(crate) fn stored_in_every_way() -> Vec<Map> {
     let empty = Map { store: Store::Chunked([2, 2], vec![], vec![]), ..Map::default() };
-    let usual = [Map::default(), empty, summed(0), summed(1)];
+    let usual = [Map::default(), empty, summed(0), summed(1), deflated([2, 3]), deflated([32, 24])];
     [usual.into(), of_every_type(), of_other_layouts().into(), not_read().into_iter().map(|(map, _)| map).collect()]
         .concat()
 }
@@ -528,6 +547,15 @@ fn chunks_are_put_together_with_edges_masks_and_fill_values() {
 fn chunks_without_a_fill_value_are_zero_where_nothing_was_written() {
     let scan = read(Map { store: Store::Chunked([2, 2], vec![], vec![]), ..Map::default() });
     assert_heights(&scan, &[0.0; 6]);
+}
+
+#[test]
+fn compressed_chunks_of_any_length_are_read() {
+    for shape in [[2, 3], [32, 24]] {
+        let scan = read(deflated(shape));
+        let wanted: Vec<f64> = (0..shape[0] * shape[1]).map(|k| (k * k % 257) as f64 * 1e-9).collect();
+        assert_heights(&scan, &wanted);
+    }
 }
 
 #[test]

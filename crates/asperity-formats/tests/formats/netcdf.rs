@@ -503,7 +503,8 @@ fn chunks_of_netcdf_4_are_put_together() {
 fn numbers_of_hdf5_are_read_as_in_datx() {
     for map in datx::stored_in_every_way() {
         let mut file = Hdf5::new();
-        let links = variables(&mut file, &[0.0, 1.0], &[0.0, 1.0, 2.0], |file| map.stored(file));
+        let [x, y] = map.shape.map(|size| (0..size).map(|k| k as f64).collect::<Vec<_>>());
+        let links = variables(&mut file, &x, &y, |file| map.stored(file));
         let root = file.new_object(&links.map(|(name, address)| (hdf5::LINK, hdf5::link(name, address))));
         match (read_bytes(&file.finish_new(root)), read_bytes(&datx::one(map))) {
             // A mark of missing points is an attribute in DATX.
