@@ -162,9 +162,9 @@ impl RunBlocks {
             Share::Part { .. } => (run.join(FOLDER), vec![shared]),
             Share::All | Share::None | Share::Again(_) => (shared, Vec::new()),
         };
-        remove_abandoned_files(&folder);
         let computes = matches!(share, Share::All | Share::Part { .. });
         if computes && fs::symlink_metadata(&folder).is_ok() {
+            // This also removes files that ended processes left.
             check_writable(&folder).map_err(|source| StoreError::Io { path: folder.clone(), source })?;
         }
         let path = RunRecord::path(&folder, run);
