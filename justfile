@@ -1,4 +1,4 @@
-# Recipes for developers. `.ci/run` runs those of `just check` and more; .ci/requirements.txt lists the tools that it needs. `just --list` shows the last line of a comment.
+# Recipes for developers. `.ci/run` installs the tools of .ci/requirements.txt and runs the recipes that check a commit. `just --list` shows the last line of a comment.
 
 # The tools that .ci/run installs come first.
 export PATH := justfile_directory() / ".venv" / "bin" + ":" + env("PATH")
@@ -7,20 +7,28 @@ export PATH := justfile_directory() / ".venv" / "bin" + ":" + env("PATH")
 default:
     @just --list
 
-# The tests and the lint. `.ci/run` also checks Python, the gallery, Slurm, the web pages, the book, damaged files and random studies.
-check: test slow lint
+# Quick tests, some of the slow ones, and the lint: what to run before a commit. `.ci/run` adds Python, the book and what the change touches.
+check: test smoke lint
+
+# Everything that `.ci/run` can check, with all slow tests; about an hour and a half.
+full:
+    .ci/run full
 
 # The quick tests, documentation examples included.
 test:
-    cargo test --workspace
+    cargo test
 
-# The tests that count statistics or simulate many machines, each longer than two seconds.
+# A dozen of the slow tests, about one of each kind.
+smoke:
+    .ci/smoke
+
+# Tests longer than two seconds, and those of crates that are not published.
 slow:
     cargo test --workspace --tests -- --ignored
 
 # Damages small files of every surface format, COUNT times each, and reads them; takes about a minute.
 damage COUNT="150000":
-    ASPERITY_MUTATIONS={{COUNT}} cargo test --workspace --test formats damaged_files
+    ASPERITY_MUTATIONS={{COUNT}} cargo test --test formats damaged_files
 
 # Installs cargo-fuzz; needs a C++ compiler. docs/reliability.md states the results of a long run.
 # Coverage-guided fuzzing of every reader, SECONDS for each of 47 targets. `just fuzz --lines` lists the lines that it reached.
@@ -89,13 +97,13 @@ web:
     npm --prefix web run oscillator
     npm --prefix web run explorer
     npm --prefix web run check
-    cargo build --workspace --bin asperity
+    cargo build --bin asperity
     npm --prefix web test
 
 # Fails on warnings, broken links and generated pages that are not current; then runs the commands of README.md and docs.
 # Builds the book of docs, target/book.
 book:
-    cargo build --workspace --bin asperity
+    cargo build --bin asperity
     scripts/build-book --check
     scripts/check-docs
 

@@ -120,6 +120,7 @@ fn summary(case: &Case, found: &[RareProbability]) -> [f64; 3] {
 }
 
 #[test]
+#[ignore = "slow"]
 fn few_evaluations_estimate_small_probabilities() {
     for (case, most) in [(linear(1, 4.753), 130.0), (linear(30, 4.0), 200.0), (parabola(2, 4.5, 0.1), 180.0)] {
         let [covered, error, evaluations] = summary(&case, &estimates(&case, 12));

@@ -385,14 +385,14 @@ fn a_failing_disk_ends_a_run_with_one_message_and_keeps_the_finished_blocks() {
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "slow"]
-fn two_hundred_runs_killed_at_random_times_go_on_with_the_same_results() {
+fn twenty_runs_killed_at_random_times_go_on_with_the_same_results() {
     let folder = bench(short());
     let at = folder.path();
     let began = Instant::now();
     let wanted = whole(at);
     let whole_time = began.elapsed();
     let (mut state, mut kept) = (0x9e37_79b9_7f4a_7c15_u64, 0);
-    for kill in 0..200 {
+    for kill in 0..20 {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let share = (state >> 33) as f64 / (1_u64 << 31) as f64;
         let started = start_in(at, "run study.toml --out killed/run --resume");
@@ -410,7 +410,7 @@ fn two_hundred_runs_killed_at_random_times_go_on_with_the_same_results() {
         assert_same(&at.join("killed/run"), &wanted, &format!("kill {kill}"));
         fs::remove_dir_all(at.join("killed")).unwrap();
     }
-    assert!(kept > 50, "only {kept} of 200 kills left blocks");
+    assert!(kept > 4, "only {kept} of 20 kills left blocks");
 }
 
 #[test]
@@ -419,23 +419,19 @@ fn threads_parts_and_restarts_give_the_same_bytes() {
     let folder = bench(STUDY);
     let at = folder.path();
     let wanted = whole(at);
-    for threads in [1, 2, 8] {
-        for parts in [1, 2, 5] {
-            for restarts in 0..2 {
-                let place = format!("t{threads}-{parts}-{restarts}");
-                let folders: Vec<String> = (1..=parts).map(|number| format!("{place}/{number}")).collect();
-                for (number, folder) in (1..).zip(&folders) {
-                    let line = format!("run study.toml --shard {number}/{parts} --out {folder} --threads {threads}");
-                    for _ in 0..=restarts {
-                        assert_eq!(run_in(at, &line).code, 0, "{line}");
-                    }
-                }
-                let merge = format!("merge {} --out {place}/all --finish --threads {threads}", folders.join(" "));
-                let found = run_in(at, &merge);
-                assert_eq!(found.code, 0, "{place}: {found:?}");
-                assert_same(&at.join(&place).join("all"), &wanted, &place);
+    for (threads, parts, restarts) in [(1, 5, 0), (2, 1, 1), (8, 2, 1)] {
+        let place = format!("t{threads}-{parts}-{restarts}");
+        let folders: Vec<String> = (1..=parts).map(|number| format!("{place}/{number}")).collect();
+        for (number, folder) in (1..).zip(&folders) {
+            let line = format!("run study.toml --shard {number}/{parts} --out {folder} --threads {threads}");
+            for _ in 0..=restarts {
+                assert_eq!(run_in(at, &line).code, 0, "{line}");
             }
         }
+        let merge = format!("merge {} --out {place}/all --finish --threads {threads}", folders.join(" "));
+        let found = run_in(at, &merge);
+        assert_eq!(found.code, 0, "{place}: {found:?}");
+        assert_same(&at.join(&place).join("all"), &wanted, &place);
     }
 }
 

@@ -271,7 +271,7 @@ fn samples_are_exported_with_their_kind_and_margin() {
 fn a_run_prints_the_sentence_of_its_verdict() {
     let folder = TempDir::new().unwrap();
     let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n\
-                 damping_ratio = \"0.055 ± 0.005\"\n";
+                 damping_ratio = \"0.055 ± 0.005\"\n[verdict]\nevaluations = 1000\n";
     fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
     let found = run_in(folder.path(), "verdict study.toml --json").json(0);
     let shown = run_in(folder.path(), "run study.toml --out run");

@@ -60,7 +60,8 @@ fn a_run_with_files_of_a_process_and_of_samples_is_reproduced() {
     fs::write(at.join("data/m.csv"), "0.10\n0.11\n0.12\n0.13\n").unwrap();
     let lines = MACHINE.replace("static_friction = 0.3\n", "").replace("friction_std = 0\n", "");
     let text = format!(
-        "{lines}belt_velocity = \"0.4 m/s\"\nfriction_process = \"data/process.json\"\ndamping_ratio = {{ samples = \"data/m.csv\" }}\n"
+        "{lines}belt_velocity = \"0.4 m/s\"\nfriction_process = \"data/process.json\"\ndamping_ratio = {{ samples = \"data/m.csv\" }}\n\
+         [verdict]\nevaluations = 1000\n"
     );
     fs::write(at.join("study.toml"), text).unwrap();
     let ended = run_in(at, "run study.toml --out run");

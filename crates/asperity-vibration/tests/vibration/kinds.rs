@@ -213,7 +213,7 @@ fn slip_cycles_count_as_vibration_and_noise_about_steady_sliding_does_not() {
         let oscillator = machine(damping);
         assert_eq!(agree(&oscillator, 600.0), kind);
         // Noise of a hundredth of the friction neither turns steady sliding into vibration nor ends a slip cycle.
-        let settings = EnsembleSettings { sample_capacity: 0, ..EnsembleSettings::new(20, 600.0, 5) };
+        let settings = EnsembleSettings { sample_capacity: 0, ..EnsembleSettings::new(8, 600.0, 5) };
         let noisy = Ensemble::simulate(&oscillator, &process(0.002, 0.02), &settings, &Silent).unwrap();
         let share = noisy.passages.late_share.mean;
         assert!(if kind.is_vibration() { share > 0.99 } else { share < 0.01 }, "{kind}: {share}");

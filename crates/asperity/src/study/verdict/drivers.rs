@@ -283,6 +283,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn values_that_act_through_the_fluctuation_of_friction_are_drivers() {
         // M = ζ − b/2 has the standard deviation .005 √5 and no part from the static friction, whose variable x changes the limit of
         // vibration by .02: M + .02 x has the variance (.25 + 1 + 4) 1e-4.
