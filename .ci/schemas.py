@@ -3,8 +3,10 @@
 Needs the program that the tests built, and the run of .ci/quickstart.py.
 """
 
+import concurrent.futures
 import copy
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -187,21 +189,27 @@ def check_studies(folder: str) -> list[str]:
     for file in sorted(STUDIES.glob("*.toml")):
         failed += [f"{file}: {wrong}" for wrong in [errors(schema, tomllib.loads(file.read_text()))] if wrong]
     values = [tomllib.loads(f"x = {text}")["x"] for line in VALUES.splitlines() for text in line.split("; ")]
-    study = tomllib.loads(STUDY)
+    study, tried = tomllib.loads(STUDY), []
     for path in objects(study):
         section = schema.schema
         for key in path:
             section = section["items"] if isinstance(key, int) else section["properties"][key]
         keys = {key for key, value in section["properties"].items() if "properties" not in value} - TEXTS
-        for key, value in [(key, value) for key in sorted(keys | {"colour"}) for value in values]:
-            changed = copy.deepcopy(study)
-            at(changed, path)[key] = value
-            text = "".join(f"{name} = {toml(own)}\n" for name, own in changed.items())
-            pathlib.Path(folder, "study.toml").write_text(text)
-            ended, valid = asperity("check", "study.toml", cwd=folder), schema.is_valid(changed)
-            if valid != (ended.returncode == 0) and (not valid or OF_TYPE.search(ended.stderr)):
-                failed.append(f"{'.'.join(map(str, path))} {key} = {toml(value)}: valid is {valid}; {ended.stderr.strip()}")
-    return failed
+        tried += [(path, key, value) for key in sorted(keys | {"colour"}) for value in values]
+
+    def compare(index: int) -> str | None:
+        path, key, value = tried[index]
+        changed = copy.deepcopy(study)
+        at(changed, path)[key] = value
+        file = pathlib.Path(folder, f"study-{index}.toml")
+        file.write_text("".join(f"{name} = {toml(own)}\n" for name, own in changed.items()))
+        ended, valid = asperity("check", file.name, cwd=folder), schema.is_valid(changed)
+        if valid != (ended.returncode == 0) and (not valid or OF_TYPE.search(ended.stderr)):
+            return f"{'.'.join(map(str, path))} {key} = {toml(value)}: valid is {valid}; {ended.stderr.strip()}"
+        return None
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return failed + [wrong for wrong in pool.map(compare, range(len(tried))) if wrong]
 
 
 with tempfile.TemporaryDirectory() as folder:

@@ -10,6 +10,11 @@ pub fn repetitions(quick: usize) -> usize {
     if folder().is_some() { 1000 } else { quick }
 }
 
+/// Returns the least fraction of `of` intervals of 95 % that must contain the truth: 94 % less three standard errors.
+pub fn least_coverage(of: usize) -> f64 {
+    0.94 - 3.0 * (0.95 * 0.05 / of as f64).sqrt()
+}
+
 /// Returns the fraction of `of` intervals that contain the truth, and writes it for the documentation.
 ///
 /// `interval` names the kind of interval as the report does, and `case` the problem with known truth.

@@ -10,7 +10,7 @@ mod published;
 mod records;
 
 pub use choices::Choices;
-pub use coverage::{covered, repetitions};
+pub use coverage::{covered, least_coverage, repetitions};
 pub use distances::kolmogorov_smirnov_to;
 pub use functions::{BOREHOLE, ISHIGAMI, SOBOL_G, SOBOL_G_PARAMETERS, TestFunction};
 pub use maps::{filtered_noise, paraboloid, self_affine};

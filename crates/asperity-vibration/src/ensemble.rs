@@ -319,7 +319,7 @@ mod tests {
     use crate::{Forcing, FrictionTable, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
-    use asperity_testing::{AlwaysCancelled, covered, repetitions};
+    use asperity_testing::{AlwaysCancelled, covered, least_coverage, repetitions};
 
     fn paper_process(std: f64) -> FrictionProcess {
         FrictionProcess::new(ProcessModel::new("beta:2.1,5".parse().unwrap(), std, 0.01)).unwrap()
@@ -433,7 +433,7 @@ mod tests {
         let rate = truth.passages.exit_rate.unwrap().value;
         let holds = |[low, high]: [f64; 2], value: f64| usize::from(low <= value && value <= high);
         for trajectories in [8, 20, 100] {
-            let repeats = repetitions(200);
+            let repeats = repetitions(50);
             let mut held = [0; 4];
             for seed in 0..repeats {
                 let found = simulate(trajectories, seed as u64 + 2);
@@ -446,7 +446,7 @@ mod tests {
                 ["cycles lost", "fraction that left vibration", "fraction in vibration at the end", "rate of exits"];
             for (kind, held) in kinds.into_iter().zip(held) {
                 let fraction = covered(kind, &format!("{trajectories} trajectories"), held, repeats);
-                assert!(fraction >= 0.91, "{kind}, {trajectories}: {fraction}");
+                assert!(fraction >= least_coverage(repeats), "{kind}, {trajectories}: {fraction}");
             }
         }
     }

@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn batches_and_single_simulations_of_random_machines_count_the_same() {
-        let wanted = std::env::var("ASPERITY_CYCLES").map_or(120, |count| count.parse::<u64>().unwrap() / 100);
+        let wanted = std::env::var("ASPERITY_CYCLES").map_or(60, |count| count.parse::<u64>().unwrap() / 100);
         let compared: Vec<[u64; 3]> = (0..wanted)
             .into_par_iter()
             .map(|index| {
@@ -141,7 +141,7 @@ mod tests {
             })
             .collect();
         let cycles: u64 = compared.iter().map(|sums| sums[0]).sum();
-        assert!(cycles > 500);
+        assert!(cycles > 250);
     }
 
     /// Powers of two: products with them are exact.

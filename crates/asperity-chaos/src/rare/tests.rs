@@ -133,8 +133,9 @@ fn few_evaluations_estimate_small_probabilities() {
 #[ignore = "slow"]
 fn intervals_cover_the_probability() {
     for case in [linear(2, 4.753), parabola(2, 3.0, 0.1), resistance_and_load(4.0)] {
-        let [covered, error, _] = summary(&case, &estimates(&case, repetitions(1000) as u64));
-        assert!(covered >= 0.93 && error < 0.1, "{}: {covered}", case.name);
+        let [covered, error, _] = summary(&case, &estimates(&case, repetitions(200) as u64));
+        // 94 % less three standard errors.
+        assert!(covered >= 0.894 && error < 0.1, "{}: {covered}", case.name);
     }
 }
 
@@ -142,9 +143,9 @@ fn intervals_cover_the_probability() {
 #[ignore = "slow"]
 fn intervals_cover_the_probability_of_several_regions_and_more_variables() {
     for case in [linear(1, 3.0), linear(2, 2.0), linear(10, 3.0), four_branches(2, 0.0)] {
-        let [covered, error, _] = summary(&case, &estimates(&case, repetitions(100) as u64));
-        // 93 % less two standard errors of 100 intervals.
-        assert!(covered >= 0.88 && error < 0.1, "{}: {covered}", case.name);
+        let [covered, error, _] = summary(&case, &estimates(&case, repetitions(50) as u64));
+        // 94 % less three standard errors.
+        assert!(covered >= 0.84 && error < 0.1, "{}: {covered}", case.name);
     }
 }
 

@@ -57,7 +57,7 @@ fn a_run_with_files_of_a_process_and_of_samples_is_reproduced() {
     let at = folder.path();
     fs::create_dir(at.join("data")).unwrap();
     fs::write(at.join("data/process.json"), PROCESS).unwrap();
-    fs::write(at.join("data/m.csv"), "0.10\n0.11\n0.12\n0.13\n").unwrap();
+    fs::write(at.join("data/m.csv"), "0.20\n0.25\n0.30\n0.35\n").unwrap();
     let lines = MACHINE.replace("static_friction = 0.3\n", "").replace("friction_std = 0\n", "");
     let text = format!(
         "{lines}belt_velocity = \"0.4 m/s\"\nfriction_process = \"data/process.json\"\ndamping_ratio = {{ samples = \"data/m.csv\" }}\n\

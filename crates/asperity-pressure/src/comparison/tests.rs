@@ -127,6 +127,7 @@ fn every_statistic_of_every_method_keeps_to_the_hardness() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn cells_of_a_free_patch_differ_and_the_height_of_the_cell_matters_most() {
     let (surface, half_space) = gaussian_surface(16, 30);
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();

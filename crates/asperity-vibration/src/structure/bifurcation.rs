@@ -473,6 +473,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn a_forced_oscillator_is_locked_up_to_its_boundary_and_irregular_motion_has_many_points() {
         let free = Oscillator::with_stribeck(0.2, 4.2, 0.2, 0.1).unwrap();
         let forced = free.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();

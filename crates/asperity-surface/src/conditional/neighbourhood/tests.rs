@@ -195,6 +195,7 @@ fn weights_of_neighbourhoods_are_never_better_than_those_of_all_heights() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_mean_equals_that_of_all_heights() {
     let rough = isotropic(CorrelationModel::Matern { nu: 1.5 }, 5.0);
     for nugget in [0.0, 0.02] {

@@ -94,18 +94,18 @@ fn coverage(count: usize, maps: u64) -> (Vec<f64>, Vec<f64>) {
 fn bands_of_twins_cover_maps_of_their_own_distribution() {
     // Scan and twins are exchangeable, so order statistics of 39 twins contain the scan's with probability 38/40
     // exactly, for any distribution of a statistic.
-    let (statistics, curves) = coverage(39, 16);
+    let (statistics, curves) = coverage(39, 8);
     for (what, shares) in [("statistics", statistics), ("curves", curves)] {
         let (mean, error) = mean_and_error(&shares);
-        assert!(error < 0.03 && (mean - 0.95).abs() < 4.0 * error, "{what}: {mean:.3} ± {error:.3}");
+        assert!(error < 0.045 && (mean - 0.95).abs() < 4.0 * error, "{what}: {mean:.3} ± {error:.3}");
     }
     // Student's interval of few twins is exact for normal statistics only; most of these are nearly normal.
-    let maps = repetitions(48);
+    let maps = repetitions(16);
     let (statistics, curves) = coverage(10, maps as u64);
     for (what, shares) in [("statistics", statistics), ("curves", curves)] {
         let (mean, error) = mean_and_error(&shares);
         covered("band of ten digital twins", what, (mean * maps as f64).round() as usize, maps);
-        assert!(error < 0.02 && (mean - 0.95).abs() < 4.0 * error + 0.01, "{what}: {mean:.3} ± {error:.3}");
+        assert!(error < 0.035 && (mean - 0.95).abs() < 4.0 * error + 0.01, "{what}: {mean:.3} ± {error:.3}");
     }
 }
 

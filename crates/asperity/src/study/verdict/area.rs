@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn parts_of_a_rough_slider_differ_less_the_more_windows_share_the_load() {
-        const MACHINES: usize = 256;
+        const MACHINES: usize = 128;
         let (mean, std, area_reduction) = (0.19, 0.038, 1.0 / 16.0);
         let stated =
             StatedFriction { mean, std: 0.0, length_m: 1e-3, marginal: Marginal::STANDARD_NORMAL, window_m: [1e-3; 2] };

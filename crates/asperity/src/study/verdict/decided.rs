@@ -139,7 +139,7 @@ mod tests {
         // Then P = Φ(c/√(1 + s² + .1²)).
         for (probability, noise_std, ensembles) in CASES {
             let limit = standard_normal_quantile(probability) * (1.0 + noise_std * noise_std + 0.1 * 0.1).sqrt();
-            let repetitions = repetitions(100);
+            let repetitions = repetitions(40);
             let (mut held, mut square_half_widths, mut decided) = (0, 0.0, 0);
             for seed in 0..repetitions as u64 {
                 let normal = |which: u64| standard_normal(&mut stream(seed, "test", which), 8192);
@@ -159,7 +159,7 @@ mod tests {
             let case = format!("normal margins with fluctuation of {noise_std}, P = {probability}");
             let fraction = covered("probability of vibration, few ensembles", &case, held, repetitions);
             let error = (0.95 * 0.05 / repetitions as f64).sqrt();
-            assert!(fraction < 1.0 && fraction > 0.95 - 3.0 * error, "{fraction} in {case}");
+            assert!(fraction > 0.95 - 3.0 * error, "{fraction} in {case}");
             let factor = student_quantile(0.975, (REPLICATES - 1) as f64);
             let all = factor * factor * probability * (1.0 - probability);
             let as_many = all / (square_half_widths / repetitions as f64);
