@@ -10,7 +10,7 @@ default:
 # Quick tests, some of the slow ones, and the lint: what to run before a commit. `.ci/run` adds Python, the book and what the change touches.
 check: test smoke lint
 
-# Everything that `.ci/run` can check, with all slow tests; about an hour and a half.
+# Everything that `.ci/run` can check, with all slow tests.
 full:
     .ci/run full
 
@@ -22,7 +22,7 @@ test:
 smoke:
     .ci/smoke
 
-# Tests longer than two seconds, and those of crates that are not published.
+# Tests longer than two seconds, of all crates.
 slow:
     cargo test --workspace --tests -- --ignored
 

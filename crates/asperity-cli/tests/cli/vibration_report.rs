@@ -203,7 +203,8 @@ fn a_sound_file_has_the_cycle_s_peak_and_frequency() {
         });
         cos * cos + sin * sin
     };
-    let loudest = (300..600).max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap();
+    // A subharmonic at half the frequency would be found, too.
+    let loudest = (200..700).max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap();
     assert!((loudest as f64 - 440.0 * TAU / PERIOD).abs() <= 0.5, "{loudest} Hz");
     // An angular frequency is the same: ω₀ = 2π·440 Hz.
     let angular = format!("{base} --wav b.wav --natural-frequency 2764.601535159018rad/s --seconds 0.1");

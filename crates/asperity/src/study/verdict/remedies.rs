@@ -394,6 +394,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow"]
     fn the_present_value_reaches_a_target_that_single_replicates_miss() {
         // M = ζ − b/2 is negative with the probability Φ(−.005/.0111803) = .3274. The error of 4,096 Sobol' points is below 2e-3, and
         // that of the first 512 is larger for some seeds.
@@ -401,7 +402,7 @@ mod tests {
                     nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
                     velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
                     [verdict]\ntargets = [0.3294]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.05, 0.06] }]\n";
-        for seed in 1..=3 {
+        for seed in 1..=8 {
             let study = Study::parse(&format!("seed = {seed}\n{text}"), "study.toml").unwrap();
             let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
             let machines = Machines::new(verdict, &window, None, seed);
