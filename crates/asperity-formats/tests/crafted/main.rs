@@ -9,17 +9,15 @@ mod binary;
 mod memory;
 mod texts;
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use asperity_formats::read_bytes;
 
-use memory::peak_bytes_of_all_threads;
+use memory::{TIME_LIMIT, peak_bytes_of_all_threads};
 
 /// A file and its name.
 type Crafted = (&'static str, Vec<u8>);
 
-/// The longest that one file may take, on a busy machine: quadratic work would take minutes.
-const TIME_LIMIT: Duration = Duration::from_secs(5);
 /// The most memory that a file may take beyond multiples of its size and of the number of its heights.
 const FREE_BYTES: usize = 24 << 20;
 

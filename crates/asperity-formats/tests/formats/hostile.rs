@@ -1,6 +1,6 @@
 //! No input makes a reader panic, hang or take much memory. The result may be a scan or an error.
 //!
-//! `ASPERITY_MUTATIONS` sets the number of damaged copies of each fixture (default 400), `ASPERITY_MUTATE` limits
+//! `ASPERITY_MUTATIONS` sets the number of damaged copies of each fixture (default 100), `ASPERITY_MUTATE` limits
 //! them to fixtures whose name contains it.
 
 use std::io::{Cursor, Write};
@@ -10,12 +10,12 @@ use asperity_formats::read_bytes;
 
 use crate::fixture::{Content, Fixture, all};
 use crate::fixtures::X3p;
-use crate::memory::peak_bytes;
+use crate::memory::{TIME_LIMIT, peak_bytes};
 
-/// Bytes at the end of an archive of which every bit is flipped.
+/// Prefixes of each fixture.
+const PREFIXES: usize = 400;
+/// Bytes at the end of an archive of which a bit is flipped.
 const FLIPPED_BYTES: usize = 1024;
-/// The longest that one input may take.
-const TIME_LIMIT: Duration = Duration::from_secs(2);
 /// The most memory that an input may take beyond twice its size.
 const MEMORY_LIMIT: usize = 64 << 20;
 
@@ -57,11 +57,12 @@ fn read(name: &str, bytes: &[u8]) -> bool {
 }
 
 #[test]
-fn every_prefix_is_read_or_refused() {
+fn prefixes_are_read_or_refused() {
     for fixture in all() {
         let bytes = fixture.bytes();
         assert!(read(fixture.name, &bytes), "{}: {:?}", fixture.name, read_bytes(&bytes).map(|_| ()));
-        for end in 0..bytes.len() {
+        let ends = (0..bytes.len()).step_by(bytes.len().div_ceil(PREFIXES)).chain(fixture.needed.checked_sub(1));
+        for end in ends {
             let is_read = read(fixture.name, &bytes[..end]);
             assert!(!is_read || end >= fixture.needed, "{}: a prefix of {end} bytes was read", fixture.name);
         }
@@ -73,11 +74,10 @@ fn flipped_bits_in_an_archive_directory_are_read_or_refused() {
     for fixture in all().iter().filter(|fixture| matches!(fixture.content, Content::Zip(_))) {
         let mut bytes = fixture.bytes();
         for position in bytes.len().saturating_sub(FLIPPED_BYTES)..bytes.len() {
-            for bit in 0..8 {
-                bytes[position] ^= 1 << bit;
-                read(fixture.name, &bytes);
-                bytes[position] ^= 1 << bit;
-            }
+            let bit = 1 << (position % 8);
+            bytes[position] ^= bit;
+            read(fixture.name, &bytes);
+            bytes[position] ^= bit;
         }
     }
 }
@@ -96,20 +96,20 @@ fn bombs(name: &str, count: usize) -> [Vec<u8>; 2] {
 }
 
 #[test]
-fn bombs_are_refused_within_a_second() {
+fn bombs_are_refused() {
     for name in ["main.xml", "index.xml", "heights.npy"] {
         for bytes in bombs(name, 256 << 20) {
             let start = Instant::now();
             let (result, peak) = peak_bytes(|| read_bytes(&bytes));
             let took = start.elapsed();
-            assert!(result.is_err() && took < Duration::from_secs(1), "{name}: {took:?}");
+            assert!(result.is_err() && took < TIME_LIMIT, "{name}: {took:?}");
             assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{name}: {peak} bytes of memory");
         }
     }
 }
 
 #[test]
-fn a_bomb_of_heights_is_refused_within_a_second() {
+fn a_bomb_of_heights_is_refused() {
     // 16384² heights of eight bytes, the most that a map may have, in a file of one five-hundredth.
     let [_, zeros] = bombs("bindata/data.bin", 64 << 20);
     let mut archive = zip::ZipWriter::new_append(Cursor::new(zeros)).unwrap();
@@ -119,7 +119,7 @@ fn a_bomb_of_heights_is_refused_within_a_second() {
     let bytes = archive.finish().unwrap().into_inner();
     let start = Instant::now();
     let (result, peak) = peak_bytes(|| read_bytes(&bytes));
-    assert!(result.is_err() && start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+    assert!(result.is_err() && start.elapsed() < TIME_LIMIT, "{:?}", start.elapsed());
     assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{peak} bytes of memory");
 }
 
@@ -228,7 +228,7 @@ fn damaged(fixture: &Fixture, noise: &mut Noise) -> Vec<u8> {
 
 #[test]
 fn damaged_files_are_read_or_refused() {
-    let count = std::env::var("ASPERITY_MUTATIONS").map_or(400, |count| count.parse::<u64>().unwrap());
+    let count = std::env::var("ASPERITY_MUTATIONS").map_or(100, |count| count.parse::<u64>().unwrap());
     let only = std::env::var("ASPERITY_MUTATE").unwrap_or_default();
     for (place, fixture) in all().iter().enumerate().filter(|(_, fixture)| fixture.name.contains(&only)) {
         for repeat in 0..count {

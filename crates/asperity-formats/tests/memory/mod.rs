@@ -1,8 +1,12 @@
-//! How much memory a piece of work takes at most.
+//! How much memory and time a piece of work takes at most.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicIsize, Ordering};
+use std::time::Duration;
+
+/// The longest that one file may take, unoptimised and on a busy machine: quadratic work would take minutes.
+pub(crate) const TIME_LIMIT: Duration = Duration::from_secs(20);
 
 /// The system's allocator with a count of the bytes that each thread and the whole process hold.
 struct Counting;
