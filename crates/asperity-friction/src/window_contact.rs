@@ -8,7 +8,7 @@ use ndarray::Array2;
 
 use crate::window::{Run, Window};
 use asperity_base::map::Grid;
-use asperity_contact::{Boundary, Solution, area::PERIMETER_WEIGHT};
+use asperity_contact::{Boundary, Solution};
 
 /// Contact in a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +17,8 @@ pub struct WindowContact {
     pub position_m: f64,
     /// Number of cells with p > 0.
     pub contact_cells: f64,
-    /// Contact area in square metre, corrected for the perimeter. Edges of contact on the border of the window belong
-    /// half to it, so that the areas of adjoining windows add up.
+    /// Contact area in square metre: the sum over its cells of [`Solution::cell_contact_areas`], so that the areas of
+    /// adjoining windows add up.
     pub area_m2: f64,
     /// Least area that carries the load at the hardness, ∫p/H dA, in square metre; 0 without a hardness.
     pub least_area_m2: f64,
@@ -35,8 +35,8 @@ impl WindowContact {
     }
 
     /// Returns the corrected contact area in square metre, but at least the area that carries the load at the hardness.
-    /// The two are equal if all contact is plastic. For a few small contacts the perimeter correction may exceed the
-    /// contact area.
+    /// The two are equal if all contact is plastic. For a few small contacts the correction of elastic edges may exceed
+    /// the contact area.
     pub fn bearing_area_m2(&self) -> f64 {
         self.area_m2.max(self.least_area_m2)
     }
@@ -62,9 +62,7 @@ pub fn window_contacts(
 
 /// Prefix sums along x of the window sums: of every row or, if all windows span the strip, of whole columns.
 ///
-/// A window is a set of runs of cells, and each run is the difference of two prefixes. Every cell contributes half of
-/// its edges that count for the perimeter. So an edge between two cells of a window counts whole, and an edge on the
-/// border of the window counts half.
+/// A window is a set of runs of cells, and each run is the difference of two prefixes.
 #[derive(Debug, Clone)]
 struct StripSums {
     grid: Grid,
@@ -80,8 +78,8 @@ struct StripSums {
 struct Tally {
     /// Number of cells with p > 0.
     contact: f64,
-    /// Halves of the edges that count for the perimeter.
-    half_edges: f64,
+    /// Contact area in cells.
+    area: f64,
     pressure_pa: f64,
     /// Sum of p/H.
     yield_ratio: f64,
@@ -92,7 +90,7 @@ struct Tally {
 impl AddAssign for Tally {
     fn add_assign(&mut self, other: Self) {
         self.contact += other.contact;
-        self.half_edges += other.half_edges;
+        self.area += other.area;
         self.pressure_pa += other.pressure_pa;
         self.yield_ratio += other.yield_ratio;
         self.ploughing_pa += other.ploughing_pa;
@@ -105,20 +103,12 @@ impl Sub for Tally {
     fn sub(self, other: Self) -> Self {
         Self {
             contact: self.contact - other.contact,
-            half_edges: self.half_edges - other.half_edges,
+            area: self.area - other.area,
             pressure_pa: self.pressure_pa - other.pressure_pa,
             yield_ratio: self.yield_ratio - other.yield_ratio,
             ploughing_pa: self.ploughing_pa - other.ploughing_pa,
         }
     }
-}
-
-/// State of a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Cell {
-    Apart,
-    Elastic,
-    Plastic,
 }
 
 impl StripSums {
@@ -133,17 +123,13 @@ impl StripSums {
         let grid = solution.grid();
         let periodic = matches!(solution.boundary(), Boundary::Periodic { .. });
         let of_columns = windows.iter().all(|window| window.spans_columns());
-        let states = Array2::from_shape_fn((ny, nx), |cell| match p[cell] > 0.0 {
-            false => Cell::Apart,
-            true if solution.is_plastic(cell) => Cell::Plastic,
-            true => Cell::Elastic,
-        });
+        let areas = solution.cell_contact_areas();
         let tally = |cell: (usize, usize)| {
-            let (here, pressure_pa) = (states[cell], p[cell]);
-            let ploughed = ploughing_heights_m.filter(|_| here == Cell::Plastic);
+            let pressure_pa = p[cell];
+            let ploughed = ploughing_heights_m.filter(|_| solution.is_plastic(cell));
             Tally {
-                contact: f64::from(here != Cell::Apart),
-                half_edges: f64::from(counted_edges(&states, cell, periodic)),
+                contact: f64::from(pressure_pa > 0.0),
+                area: areas[cell],
                 pressure_pa,
                 yield_ratio: solution.hardness_pa().map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
                 ploughing_pa: ploughed.map_or(0.0, |z| pressure_pa * slope_x(z, cell, grid.dx_m(), periodic).abs()),
@@ -199,27 +185,12 @@ impl StripSums {
         WindowContact {
             position_m,
             contact_cells: sum.contact,
-            area_m2: (sum.contact - PERIMETER_WEIGHT * 0.5 * sum.half_edges) * cell_m2,
+            area_m2: sum.area * cell_m2,
             least_area_m2: sum.yield_ratio * cell_m2,
             load_n: sum.pressure_pa * cell_m2,
             ploughing_n: sum.ploughing_pa * cell_m2,
         }
     }
-}
-
-/// Counts the edges of a cell between contact and no contact whose contact cell is not plastic.
-fn counted_edges(states: &Array2<Cell>, (row, column): (usize, usize), periodic: bool) -> u8 {
-    let (ny, nx) = states.dim();
-    let here = states[[row, column]];
-    let edge = |inside: bool, other: (usize, usize)| {
-        let there = states[other];
-        let opened = matches!((here, there), (Cell::Apart, Cell::Elastic) | (Cell::Elastic, Cell::Apart));
-        u8::from((inside || periodic) && opened)
-    };
-    edge(column > 0, (row, (column + nx - 1) % nx))
-        + edge(column + 1 < nx, (row, (column + 1) % nx))
-        + edge(row > 0, ((row + ny - 1) % ny, column))
-        + edge(row + 1 < ny, ((row + 1) % ny, column))
 }
 
 /// Returns ∂z/∂x of a cell by central differences; one-sided at the ends of a free strip.

@@ -9,11 +9,10 @@ use ndarray::{Array2, Axis};
 
 use self::general::ClassModes;
 use super::gaussian::{check_xi, map_of, row_order};
-use super::spectral::{FourierModes, wrapped_spectrum};
+use super::spectral::{FourierModes, periodic_spectrum};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use asperity_base::blocks;
 use asperity_base::correlation::{Covariance, StationaryCovariance};
-use asperity_base::fourier::RealFft2;
 use asperity_base::map::{Grid, HeightMap};
 
 pub use profile::{ProfileModes, profile_modes};
@@ -90,8 +89,7 @@ impl KarhunenLoeve {
                 (found.eigenvalues_m2.clone(), Basis::Classes(found))
             }
             ModesRoute::Periodic => {
-                let fft = RealFft2::new(grid.nx(), grid.ny());
-                let spectrum = wrapped_spectrum(covariance, grid, &fft);
+                let (fft, spectrum) = periodic_spectrum(covariance, grid);
                 let mut fourier = FourierModes::new(grid, fft, &spectrum.eigenvalues_m2);
                 fourier.truncate(modes);
                 (fourier.eigenvalues_m2().collect(), Basis::Fourier(fourier))
@@ -115,8 +113,7 @@ impl KarhunenLoeve {
         if modes == 0 || modes > points {
             return Err(GeneratorError::Modes { wanted: modes, points });
         }
-        let fft = RealFft2::new(grid.nx(), grid.ny());
-        let spectrum = wrapped_spectrum(covariance, grid, &fft);
+        let (fft, spectrum) = periodic_spectrum(covariance, grid);
         let mut fourier = FourierModes::new(grid, fft, &spectrum.eigenvalues_m2);
         fourier.without_constant();
         fourier.truncate(modes);
@@ -235,8 +232,7 @@ fn mean_squared_slope_per_m2(grid: Grid, values: &Array2<f64>) -> f64 {
 /// The number is exact for the Fourier modes of the covariance wrapped onto the grid, which resemble the modes of a
 /// patch of several correlation lengths.
 pub fn modes_for_slopes(covariance: &dyn StationaryCovariance, grid: Grid, fraction: f64) -> usize {
-    let fft = RealFft2::new(grid.nx(), grid.ny());
-    let spectrum = wrapped_spectrum(covariance, grid, &fft);
+    let (fft, spectrum) = periodic_spectrum(covariance, grid);
     let symbol = |k: usize, n: usize, pitch_m: f64| {
         (2.0 - 2.0 * (std::f64::consts::TAU * k as f64 / n as f64).cos()) / (pitch_m * pitch_m)
     };

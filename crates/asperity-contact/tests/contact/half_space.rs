@@ -56,19 +56,60 @@ fn hertz_converges_at_second_order() {
     assert!((order - 2.0).abs() < 0.1, "observed order of the approach {order:.2} from {errors:?}");
 }
 
-#[test]
-fn the_perimeter_correction_improves_the_hertz_area() {
-    let delta = 0.01;
-    let (mut plain, mut corrected) = (0.0, 0.0);
-    // The result is averaged over positions of the summit between the cells.
-    for step in 0..8 {
-        let (half_space, heights) = paraboloid(64, 0.3, step as f64 / 8.0);
-        let solution = solve(&heights, &half_space, Control::Load { newton: Hertz::load_n(1.0, 1.0, delta) }, None);
-        let exact = PI * delta / half_space.grid().area_m2();
-        plain += (solution.contact_fraction() / exact - 1.0) / 8.0;
-        corrected += (solution.corrected_contact_fraction() / exact - 1.0) / 8.0;
+/// Returns the mean error of the counted and of the corrected area of a paraboloid on `n` cells along a side, over positions of the
+/// summit between the cells. The hardness and the load are those of the paraboloid at the depth 0.01.
+fn errors_of_area(n: usize, hardness_pa: Option<f64>, newton: f64, area_m2: f64) -> [f64; 2] {
+    const STEPS: usize = 6;
+    let (side_m, mut errors) = (0.4, [0.0; 2]);
+    let grid = Grid::with_size(n, n, side_m, side_m).unwrap();
+    let half_space = HalfSpace::new(grid, 1.0, Boundary::Free).unwrap();
+    let summit_m = |step: usize| 0.5 * side_m + (step as f64 + 0.2) / STEPS as f64 * grid.dx_m();
+    for (row, column) in (0..STEPS).flat_map(|row| (0..STEPS).map(move |column| (row, column))) {
+        let (x0, y0) = (summit_m(column), summit_m(row));
+        let map = HeightMap::from_function(grid, |x, y| -0.5 * ((x - x0).powi(2) + (y - y0).powi(2))).unwrap();
+        let solution = solve(map.heights_m(), &half_space, Control::Load { newton }, hardness_pa);
+        for (error, fraction) in
+            errors.iter_mut().zip([solution.contact_fraction(), solution.corrected_contact_fraction()])
+        {
+            *error += (fraction * grid.area_m2() / area_m2 - 1.0) / (STEPS * STEPS) as f64;
+        }
     }
-    assert!(plain > 0.0 && corrected.abs() < 0.5 * plain, "{plain} {corrected}");
+    errors
+}
+
+#[test]
+fn the_area_of_an_elastic_paraboloid_converges_at_second_order() {
+    let delta = 0.01;
+    let load = Hertz::load_n(1.0, 1.0, delta);
+    let [coarse, fine] = [12, 48].map(|n| errors_of_area(n, None, load, PI * delta));
+    println!("{coarse:?} {fine:?}");
+    // Counting cells is of first order.
+    assert!(((coarse[0] / fine[0]).log2() / 2.0 - 1.0).abs() < 0.15);
+    assert!(coarse[1].abs() < 3e-3 && fine[1].abs() < 3e-4);
+}
+
+#[test]
+fn the_area_of_a_plastic_paraboloid_is_its_load_over_the_hardness_on_every_grid() {
+    let delta = 0.01;
+    for n in [12, 24, 48] {
+        let [counted, corrected] = errors_of_area(n, Some(1e-6), 2.0 * PI * delta * 1e-6, 2.0 * PI * delta);
+        println!("{n}: {counted} {corrected}");
+        assert!(corrected.abs() < 3e-3 && corrected.abs() < 0.3 * counted);
+    }
+}
+
+#[test]
+fn between_elastic_and_plastic_contact_the_area_of_a_paraboloid_is_within_two_percent_on_coarse_grids() {
+    let delta = 0.01;
+    let elastic = Hertz::load_n(1.0, 1.0, delta);
+    let p0 = Hertz::new(1.0, 1.0, elastic).max_pressure_pa;
+    for CappedHertz { hardness, load, area, .. } in CAPPED_HERTZ {
+        for (n, most) in [(12, 0.01), (24, 0.02), (48, 0.02), (96, 0.01)] {
+            let [counted, corrected] = errors_of_area(n, Some(hardness * p0), load * elastic, area * PI * delta);
+            println!("H/p0 = {hardness}, {n}: {counted:.4} {corrected:.4}");
+            assert!(corrected.abs() < most, "H/p0 = {hardness}, {n}: {corrected}, counted {counted}");
+        }
+    }
 }
 
 #[test]

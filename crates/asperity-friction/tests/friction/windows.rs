@@ -5,7 +5,6 @@ use std::f64::consts::{FRAC_2_PI, PI};
 use asperity_base::correlation::{CorrelationModel, Covariance};
 use asperity_base::map::{Grid, HeightMap};
 use asperity_base::random;
-use asperity_contact::area::PERIMETER_WEIGHT;
 use asperity_contact::exact::Hertz;
 use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity_friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
@@ -51,7 +50,7 @@ fn shapes(grid: Grid) -> [Window; 4] {
     ]
 }
 
-/// Computes the contact of the window at this first row and column, cell by cell and edge by edge.
+/// Computes the contact of the window at this first row and column, cell by cell.
 fn counted(map: &HeightMap, solution: &Solution, window: &Window, track: usize, start: usize) -> WindowContact {
     let (p, z) = (solution.pressure_pa(), map.complete_heights_m().unwrap());
     let (grid, periodic) = (solution.grid(), solution.boundary() != Boundary::Free);
@@ -61,20 +60,17 @@ fn counted(map: &HeightMap, solution: &Solution, window: &Window, track: usize, 
         (periodic || inside).then(|| (row.rem_euclid(ny as isize) as usize, column.rem_euclid(nx as isize) as usize))
     };
     let upper = solution.hardness_pa().unwrap_or(f64::INFINITY);
-    let (mut contact, mut edges, mut load_pa, mut ploughing_pa) = (0.0, 0.0, 0.0, 0.0);
+    let areas = solution.cell_contact_areas();
+    let (mut contact, mut area, mut load_pa, mut ploughing_pa) = (0.0, 0.0, 0.0, 0.0);
     for ((row, column), _) in window.mask().indexed_iter().filter(|(_, inside)| **inside) {
         let (row, column) = ((track + row) as isize, (start + column) as isize);
-        let here = p[place(row, column).unwrap()];
+        let own = place(row, column).unwrap();
+        let here = p[own];
         contact += f64::from(here > 0.0);
+        area += areas[own];
         load_pa += here;
-        // Every edge belongs half to the cell on either side of it.
-        for (down, right) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
-            let Some(there) = place(row + down, column + right).map(|cell| p[cell]) else { continue };
-            edges += 0.5 * f64::from((here > 0.0) != (there > 0.0) && here.max(there) < upper);
-        }
         if here >= upper {
             let (before, after) = (place(row, column - 1), place(row, column + 1));
-            let own = place(row, column).unwrap();
             let steps = f64::from(u8::from(before.is_some()) + u8::from(after.is_some()));
             let rise = z[after.unwrap_or(own)] - z[before.unwrap_or(own)];
             ploughing_pa += here * (rise / (steps * grid.dx_m())).abs();
@@ -84,7 +80,7 @@ fn counted(map: &HeightMap, solution: &Solution, window: &Window, track: usize, 
     WindowContact {
         position_m: (start as f64 + 0.5 * window.cells() as f64) * grid.dx_m(),
         contact_cells: contact,
-        area_m2: (contact - PERIMETER_WEIGHT * edges) * cell_m2,
+        area_m2: area * cell_m2,
         least_area_m2: load_pa / upper * cell_m2,
         load_n: load_pa * cell_m2,
         ploughing_n: ploughing_pa * cell_m2,

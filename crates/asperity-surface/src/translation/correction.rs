@@ -7,7 +7,7 @@ use ndarray::Array2;
 
 use super::lags::Lags;
 use super::{Predistorted, TranslationError, TranslationReport};
-use crate::spectral::{NEGLIGIBLE, WrappedSpectrum};
+use crate::spectral::{NEGLIGIBLE, OnPeriod, WrappedSpectrum};
 use crate::{GeneratorError, SpectralField};
 use asperity_base::blocks;
 use asperity_base::correlation::StationaryCovariance;
@@ -115,7 +115,8 @@ impl TranslationCorrection {
         marginal: &Marginal,
         grid: Grid,
     ) -> Result<CorrectedField, TranslationError> {
-        self.field(target, marginal, grid, &Lags::periodic(target, grid))
+        let target = OnPeriod::new(target, grid);
+        self.field(&target, marginal, grid, &Lags::periodic(&target, grid))
     }
 
     /// Computes the Gaussian field on a `grid` whose opposite edges are independent: a crop of a periodic domain of at
