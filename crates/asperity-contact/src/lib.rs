@@ -12,7 +12,7 @@
 
 use asperity_base::map::BoundaryKind;
 
-pub mod area;
+mod area;
 mod bodies;
 mod clusters;
 mod coarse_start;

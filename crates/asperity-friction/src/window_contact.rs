@@ -66,6 +66,7 @@ pub fn window_contacts(
 #[derive(Debug, Clone)]
 struct StripSums {
     grid: Grid,
+    hardness_pa: Option<f64>,
     periodic: bool,
     /// Whether the sums are over whole columns.
     of_columns: bool,
@@ -81,8 +82,6 @@ struct Tally {
     /// Contact area in cells.
     area: f64,
     pressure_pa: f64,
-    /// Sum of p/H.
-    yield_ratio: f64,
     /// Sum of p|∂z/∂x| where p = H.
     ploughing_pa: f64,
 }
@@ -92,7 +91,6 @@ impl AddAssign for Tally {
         self.contact += other.contact;
         self.area += other.area;
         self.pressure_pa += other.pressure_pa;
-        self.yield_ratio += other.yield_ratio;
         self.ploughing_pa += other.ploughing_pa;
     }
 }
@@ -105,7 +103,6 @@ impl Sub for Tally {
             contact: self.contact - other.contact,
             area: self.area - other.area,
             pressure_pa: self.pressure_pa - other.pressure_pa,
-            yield_ratio: self.yield_ratio - other.yield_ratio,
             ploughing_pa: self.ploughing_pa - other.ploughing_pa,
         }
     }
@@ -131,7 +128,6 @@ impl StripSums {
                 contact: f64::from(pressure_pa > 0.0),
                 area: areas[cell],
                 pressure_pa,
-                yield_ratio: solution.hardness_pa().map_or(0.0, |hardness_pa| pressure_pa / hardness_pa),
                 ploughing_pa: ploughed.map_or(0.0, |z| pressure_pa * slope_x(z, cell, grid.dx_m(), periodic).abs()),
             }
         };
@@ -149,7 +145,7 @@ impl StripSums {
                 sums[column + 1] += before;
             }
         }
-        Self { grid, periodic, of_columns, prefixes }
+        Self { grid, hardness_pa: solution.hardness_pa(), periodic, of_columns, prefixes }
     }
 
     /// Computes the contact of every position of a window, track by track.
@@ -186,7 +182,7 @@ impl StripSums {
             position_m,
             contact_cells: sum.contact,
             area_m2: sum.area * cell_m2,
-            least_area_m2: sum.yield_ratio * cell_m2,
+            least_area_m2: self.hardness_pa.map_or(0.0, |hardness_pa| sum.pressure_pa * cell_m2 / hardness_pa),
             load_n: sum.pressure_pa * cell_m2,
             ploughing_n: sum.ploughing_pa * cell_m2,
         }

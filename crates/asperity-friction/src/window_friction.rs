@@ -63,8 +63,6 @@ pub struct WindowFriction {
     pub level_percentile: Option<f64>,
     /// Mean pressure of the level in pascal; `None` is unknown.
     pub level_mean_pressure_pa: Option<f64>,
-    /// Fraction of the contact cells at the hardness; `None` if the friction is not computed.
-    pub plastic_fraction: Option<f64>,
     /// Variance over the nominal area divided by the variance of one window.
     pub variance_reduction: f64,
     /// Stiffness of the contact over the nominal area in Pa/m; `None` is unknown.
@@ -137,7 +135,6 @@ impl WindowFriction {
             stribeck,
             level_percentile: level.control.percentile(),
             level_mean_pressure_pa: Some(pressure_pa),
-            plastic_fraction: Some(level.strips.plastic_fraction()),
             variance_reduction: level.variance_reduction(nominal.area_m2),
             stiffness_pa_per_m: level.strips.stiffness_pa_per_m().map(|(mean, _)| mean),
             computed: true,
@@ -163,7 +160,6 @@ impl WindowFriction {
             stribeck,
             level_percentile: None,
             level_mean_pressure_pa: None,
-            plastic_fraction: None,
             variance_reduction: variance_reduction(window_m, width_m, nominal_area_m2, &exponential(length_m)),
             stiffness_pa_per_m: None,
             computed: false,
@@ -234,7 +230,6 @@ impl WindowFriction {
             stribeck,
             level_percentile: None,
             level_mean_pressure_pa: process.mean_pressure_pa,
-            plastic_fraction: None,
             variance_reduction,
             stiffness_pa_per_m: None,
             computed: false,

@@ -60,12 +60,14 @@ pub(super) fn run(
         }
     };
     let anchor = OperatingMean::new(lead);
+    let plastic_floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
+    let possible = |mean: f64| plastic_floor.map_or(mean, |floor| mean.max(floor));
     let point = |cutoff_m: f64, found: &CutoffBlock| {
         let (mean, interval) = anchor.of(found, &unchanged);
         CutoffPoint {
             cutoff_m,
-            mean,
-            mean_interval: interval.map(pair),
+            mean: possible(mean),
+            mean_interval: interval.map(|interval| pair(interval).map(possible)),
             rms_slope: found.rms_slope,
             plastic_fraction: found.plastic_fraction,
         }
@@ -92,7 +94,7 @@ pub(super) fn run(
         pitch_m,
         cutoff_m: 2.0 * pitch_m,
         band_end_m: surface.band_end_m,
-        plastic_floor: friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal)),
+        plastic_floor,
         points,
         halved_pitch,
         known: String::new(),

@@ -4,20 +4,21 @@ use crate::friction::WindowFriction;
 use crate::study::check::FrictionStudy;
 use crate::study::sentence;
 
-/// Least fraction of the contact cells at the hardness. The mean contact pressure is at least this fraction of H, and μ at most its
-/// reciprocal times τ_max/H: 5 % more.
-const PLASTIC: f64 = 0.95;
+/// Largest excess of μ over τ_max/H, as a fraction of μ, at which roughness hardly matters.
+const EXCESS: f64 = 0.05;
 
 /// Returns a sentence on contact that is plastic almost everywhere; `None` for other contact, and for friction laws that depend on more
 /// than the area of contact.
 pub(super) fn plastic_sentence(friction: &FrictionStudy, window: &WindowFriction) -> Option<String> {
-    let fraction = window.plastic_fraction.filter(|fraction| *fraction >= PLASTIC)?;
     let floor = friction.law.plastic_floor(friction.material.hardness_pa?).filter(|_| !friction.law.ploughs())?;
-    Some(format!(
-        "{} % of the contact has the hardness, so μ ≈ τ/H = {}, whatever the roughness (solved: {}). Surface finish, load and area hardly \
-         change it; hardness, shear strength, the fall of friction with velocity and the damping decide about vibration.",
-        sentence::digits(100.0 * fraction),
-        sentence::digits(floor),
-        sentence::digits(window.mean)
-    ))
+    let excess = 1.0 - floor / window.mean;
+    (excess <= EXCESS).then(|| {
+        format!(
+            "Friction is τ/H here, and roughness hardly matters: μ = {} is {} % above τ/H = {}. Surface finish, load and area hardly \
+             change it; hardness, shear strength, the fall of friction with velocity and the damping decide about vibration.",
+            sentence::digits(window.mean),
+            sentence::digits(100.0 * (window.mean / floor - 1.0).max(0.0)),
+            sentence::digits(floor),
+        )
+    })
 }
