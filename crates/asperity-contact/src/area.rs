@@ -1,5 +1,7 @@
 //! Real contact area on a grid, corrected for the bias of counting cells.
 
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+
 use ndarray::Array2;
 
 use crate::{Boundary, Solution};
@@ -13,10 +15,19 @@ const EDGE_WEIGHT: f64 = 0.0895;
 
 /// Slope of the overlap inside over that of the gap outside, below which the edge of a spot at the hardness is elastic, and above
 /// which it is plastic. On planes the two slopes are equal if there is no elastic ring between.
-const SLOPES: (f64, f64) = (0.5, 0.85);
+const SLOPES: [f64; 2] = [0.5, 0.85];
+
+/// πE*s/2H of an edge with the slope s of the gap, below which the ratio of slopes decides, and above which the edge is plastic: the
+/// pressure falls from H to 0 over a ring whose width decreases as e^(−πE*s/2H), below a hundredth of the spot.
+const STEEPNESS: [f64; 2] = [4.0, 8.0];
 
 /// The four neighbours that share an edge, and the four that share a corner.
 const AROUND: [(isize, isize); 8] = [(0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+
+/// Returns 0 below a range, 1 above it, and a fraction in it.
+fn between(value: f64, [low, high]: [f64; 2]) -> f64 {
+    ((value - low) / (high - low)).clamp(0.0, 1.0)
+}
 
 impl Solution {
     /// Returns the contact area of every cell in units of its own area. Their sum converges faster with the pitch than
@@ -24,11 +35,11 @@ impl Solution {
     ///
     /// - An elastic edge between a cell in contact and one without takes 0.0895 of a cell. The cells on both sides
     ///   share this, so that the area of a cell without contact is negative. With unequal pitches each edge weighs dx·dy.
-    /// - A cell at its hardness H is whole. A cell with 0 < p < H that is next to such a cell and to one without contact
-    ///   (eight neighbours) is at the rim of plastic contact, where the pressure is H: its area is p/H.
-    /// - Between plastic and elastic contact the pressure falls from H to 0 over a ring that may be narrower than a cell. It is
-    ///   seen by the overlap inside, which rises less than the gap outside. The ratio of both slopes decides on how much
-    ///   of a rim counts as elastic.
+    /// - A cell at its hardness H is whole. A cell with 0 < p < H at the rim of plastic contact, where the pressure is H, has
+    ///   the area p/H.
+    /// - Between plastic and elastic contact the pressure falls from H to 0 over a ring that may be narrower than a cell. Its width
+    ///   decreases as e^(−πE*s/2H) with the slope s of the gap outside, and the overlap inside rises less than the gap. A rim
+    ///   is plastic as far as one of the two says so.
     ///
     /// On a periodic patch opposite borders are neighbours; the border of a free patch is no edge.
     ///
@@ -67,21 +78,24 @@ impl Solution {
         let (mut inside, mut outside) = ((0.0, 0.0), (0.0, 0.0));
         for (place, step) in AROUND.into_iter().enumerate() {
             let Some(other) = self.neighbour(cell, step) else { continue };
-            let per_pitch = if place < 4 { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
+            let per_pitch = if place < 4 { 1.0 } else { FRAC_1_SQRT_2 };
             if self.is_plastic(other) {
                 inside = (inside.0 + per_pitch * self.plastic_displacement_at_m(other), inside.1 + 1.0);
             } else if self.pressure_pa[other] == 0.0 {
                 outside = (outside.0 + per_pitch * self.gap_at_m(other), outside.1 + 1.0);
             }
         }
-        if inside.1 == 0.0 || outside.1 == 0.0 {
+        if outside.1 == 0.0 {
             return 1.0;
         }
         // A rim that is plastic ends at p/H of the cell: half a pitch and this from the cell inside.
         let end = self.pressure_pa[cell] / hardness_pa;
-        let slopes = [inside.0 / inside.1 / (0.5 + end), outside.0 / outside.1 / (1.5 - end)];
-        let plastic = (slopes[0] - SLOPES.0 * slopes[1]) / ((SLOPES.1 - SLOPES.0) * slopes[1]);
-        if plastic.is_nan() { 1.0 } else { 1.0 - plastic.clamp(0.0, 1.0) }
+        let outward = outside.0 / outside.1 / (1.5 - end);
+        let pitch_m = (self.grid.dx_m() * self.grid.dy_m()).sqrt();
+        let steepness = FRAC_PI_2 * self.modulus_pa / hardness_pa * outward / pitch_m;
+        let inward = if inside.1 > 0.0 { inside.0 / inside.1 / (0.5 + end) } else { 0.0 };
+        let plastic = between(steepness, STEEPNESS).max(between(inward, SLOPES.map(|ratio| ratio * outward)));
+        if plastic.is_nan() { 1.0 } else { 1.0 - plastic }
     }
 
     /// Returns the cell that is `step` rows and columns from another; `None` beyond a free border.
@@ -107,6 +121,7 @@ mod tests {
         Solution {
             grid: Grid::new(nx, ny, 1.0, 1.0).unwrap(),
             boundary: if wrap { Boundary::Periodic { mean_compliance_m_per_pa: 0.0 } } else { Boundary::Free },
+            modulus_pa: 1.0,
             hardness_pa,
             displacement_m: Array2::zeros((ny, nx)),
             pressure_pa,
@@ -167,7 +182,20 @@ mod tests {
         let elastic = 3.0 - EDGE_WEIGHT;
         assert!((with_overlap(0.1) - elastic).abs() < 1e-12);
         assert!((with_overlap(1.0) - 2.5).abs() < 1e-12);
-        let half = 0.5 * (SLOPES.0 + SLOPES.1);
+        let half = 0.5 * (SLOPES[0] + SLOPES[1]);
         assert!((with_overlap(half) - 0.5 * (elastic + 2.5)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_single_cell_between_steep_gaps_is_plastic() {
+        let mut pressure = Array2::zeros((3, 3));
+        pressure[[1, 1]] = 3.5;
+        let with_gap = |gap: f64| {
+            let mut gaps = Array2::from_elem((3, 3), gap);
+            gaps[[1, 1]] = 0.0;
+            solution(pressure.clone(), gaps, Some(7.0), false).cell_contact_areas().sum()
+        };
+        assert!((with_gap(1.0) - (1.0 - 4.0 * EDGE_WEIGHT)).abs() < 1e-15);
+        assert!((with_gap(100.0) - 0.5).abs() < 1e-15);
     }
 }

@@ -541,6 +541,7 @@ impl<'a> Descent<'a> {
         Solution {
             grid: problem.half_space().grid(),
             boundary: problem.half_space().boundary(),
+            modulus_pa: problem.half_space().modulus_pa(),
             hardness_pa: problem.hardness_pa(),
             pressure_pa,
             displacement_m: map(displacement_m),

@@ -47,6 +47,8 @@ impl Residual {
 pub struct Solution {
     pub(super) grid: Grid,
     pub(super) boundary: Boundary,
+    /// Contact modulus E* at the surface.
+    pub(super) modulus_pa: f64,
     pub(super) hardness_pa: Option<f64>,
     pub(super) pressure_pa: Array2<f64>,
     pub(super) displacement_m: Array2<f64>,
@@ -245,6 +247,7 @@ mod tests {
         Solution {
             grid: Grid::new(3, 2, 2.0, 0.5).unwrap(),
             boundary: Boundary::Free,
+            modulus_pa: 1.0,
             hardness_pa: Some(4.0),
             pressure_pa: array![[4.0, 1.0, 0.0], [0.0, 4.0, 0.0]],
             displacement_m: Array2::zeros((2, 3)),
