@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use asperity::monitor::Silent;
 use asperity::study::StudyFile;
+use asperity::study::result::LevelResult;
 
 /// A moment and its standard error, from half the width of its 95 % interval.
 type Known = (f64, f64);
@@ -33,28 +34,26 @@ fn falls(name: &str, levels: &[Known]) {
 #[ignore = "slow"]
 fn mean_std_and_variation_of_friction_fall_with_penetration_and_the_skewness_is_positive() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../studies/paper_fig3.toml");
-    let mut study = StudyFile::parse(&fs::read_to_string(&path).unwrap(), "paper_fig3.toml").unwrap();
-    // Fewer strips with the same physics.
-    study.friction.as_mut().unwrap().realisations = 16;
+    let study = StudyFile::parse(&fs::read_to_string(&path).unwrap(), "paper_fig3.toml").unwrap();
     let outcome = study.check().unwrap().run(path.parent().unwrap(), None, &Silent).unwrap();
     let friction = outcome.results.friction.unwrap();
     let percentiles: Vec<f64> = friction.levels.iter().map(|level| level.percentile.unwrap()).collect();
     assert_eq!(percentiles, [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 75.0]);
-    let all =
-        |of: fn(&asperity::study::result::LevelResult) -> Known| friction.levels.iter().map(of).collect::<Vec<_>>();
-    falls("mean", &all(|level| known(level.mean.unwrap(), level.mean_interval)));
-    falls("std", &all(|level| known(level.std.unwrap(), level.std_interval)));
-    let variation = |level: &asperity::study::result::LevelResult| level.coefficient_of_variation.unwrap();
-    falls(
-        "CoV",
-        &friction.levels.iter().map(|l| known(variation(l), l.coefficient_of_variation_interval)).collect::<Vec<_>>(),
-    );
-    for level in &friction.levels {
+    let at_mean_load = |level: &LevelResult| known(level.at_mean_load.mean, level.at_mean_load.mean_interval);
+    falls("mean", &friction.levels.iter().map(at_mean_load).collect::<Vec<_>>());
+    // At the lightest level windows with few contacts may leave F/N without a variance.
+    let varied = &friction.levels[usize::from(friction.levels[0].std.is_none())..];
+    let std = |level: &LevelResult| known(level.std.unwrap(), level.std_interval);
+    let variation =
+        |level: &LevelResult| known(level.coefficient_of_variation.unwrap(), level.coefficient_of_variation_interval);
+    falls("std", &varied.iter().map(std).collect::<Vec<_>>());
+    falls("CoV", &varied.iter().map(variation).collect::<Vec<_>>());
+    for level in varied {
         // Skewness > −2 standard errors: positive or undetermined.
         let reach = level.skewness_interval.map_or(0.0, |[low, high]| (high - low) / 1.96);
         assert!(level.skewness.unwrap() > -reach, "{:?}", level.skewness);
-        // τ_max/H.
-        assert!(level.mean.unwrap() > 0.19245);
+        // τ_max/H, which counting cells exceeded by up to 1.2 %.
+        assert!(level.mean.unwrap() > 0.19245 && level.mean.unwrap() < 0.19245 * 1.004);
         // Correlation lengths of 20 µm under windows of 75 to 600 µm: the correlation is due to the windows alone.
         assert_eq!(level.window_only, Some(true), "at {:?}", level.percentile);
         // ℓ of an exponential fitted to the triangular correlation of a 600 µm window: 322–368 µm; 3 standard errors of
