@@ -128,7 +128,9 @@ def test_the_figures_of_the_paper_draw_the_tables_of_their_studies(fig2, fig3, f
     assert ax.get_xlabel() == "contact pressure (GPa)"
     levels, law = fig3.tables["friction_levels"], fig3.tables["friction_acf"]
     axes = asperity.figures.figure_3(fig3).axes
-    np.testing.assert_array_equal(np.sort(axes[2].get_lines()[0].get_ydata()), np.sort(levels["coefficient_of_variation"]))
+    np.testing.assert_array_equal(
+        np.sort(axes[2].get_lines()[0].get_ydata()), np.sort(levels["coefficient_of_variation"])
+    )
     np.testing.assert_array_equal(drawn(axes[3], "exponential")[:, 1], law["fit"])
     path = fig5.tables["trajectory"]
     left, right = asperity.figures.figure_4(fig5).axes
