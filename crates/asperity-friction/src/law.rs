@@ -41,5 +41,5 @@ pub trait WindowLaw: Debug + Send + Sync {
 /// Describes a shear strength in pascal and the contact area that it acts on.
 fn describe_shear(shear_strength_pa: f64) -> String {
     let strength = sentence::si(shear_strength_pa, "Pa");
-    format!("τ_max = {strength} and the contact area A_c corrected for its perimeter")
+    format!("τ_max = {strength} and the contact area A_c corrected at its edges")
 }

@@ -62,7 +62,7 @@ pub struct LoadPoint {
     /// 95 % interval of the mean pressure by Student's distribution over strips, symmetric in the logarithm. If the
     /// pressure is prescribed, both ends equal it.
     pub interval: Interval,
-    /// Contact area over nominal area, corrected for the perimeter.
+    /// Contact area over nominal area, corrected at the edges of contact.
     pub contact_fraction: f64,
 }
 

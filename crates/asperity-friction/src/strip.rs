@@ -80,7 +80,7 @@ pub struct Record {
     pub friction: Vec<f64>,
     /// Contact cells in the window.
     pub contact_cells: Vec<f64>,
-    /// Contact area of the window in square metre, corrected for the perimeter.
+    /// Contact area of the window in square metre, corrected at the edges of contact.
     pub area_m2: Vec<f64>,
     /// Friction force of the window in newton, 0 if it carries no load.
     pub friction_force_n: Vec<f64>,
@@ -154,7 +154,7 @@ pub struct SolvedStrips {
     /// Contact stiffness of every strip over its area in Pa/m, failed strips left out. Empty at other levels than
     /// [`Strips::stiff_level`] and on free strips.
     pub strip_stiffnesses_pa_per_m: Vec<f64>,
-    /// Contact area over nominal area, corrected for the perimeter, mean over all strips.
+    /// Contact area over nominal area, corrected at the edges of contact, mean over all strips.
     pub contact_fraction: f64,
     /// Number of contact cells of all strips.
     pub contact_cells: f64,

@@ -106,7 +106,7 @@ pub(super) fn periodic_spectrum(covariance: &dyn StationaryCovariance, grid: Gri
     let periodic = OnPeriod::new(covariance, grid);
     let fft = RealFft2::new(grid.nx(), grid.ny());
     let spectrum = wrapped_spectrum(&periodic, grid, &fft);
-    (fft, WrappedSpectrum { clipped: periodic.clipped, ..spectrum })
+    (fft, WrappedSpectrum { clipped: periodic.clipped.max(spectrum.clipped), ..spectrum })
 }
 
 /// Returns a periodic domain on which the covariance has no negative eigenvalues, or the largest one that was tried, with its
@@ -300,6 +300,25 @@ mod tests {
         assert_eq!(field.xi_len(), 512 * 128);
         let met = field.covariance_with_m2(0, 0);
         assert!((met[[7, 20]] - covariance.value_m2(20.0, 7.0)).abs() < 1e-11);
+    }
+
+    #[test]
+    fn clipping_of_what_is_no_covariance_is_reported_and_keeps_the_variance() {
+        // A step along x, whose transform changes its sign on every domain.
+        struct Step;
+        impl StationaryCovariance for Step {
+            fn std_m(&self) -> f64 {
+                2.0
+            }
+            fn correlation(&self, dx_m: f64, dy_m: f64) -> f64 {
+                f64::from(dx_m.abs() < 6.0) * (-dy_m.abs()).exp()
+            }
+        }
+        let grid = Grid::new(32, 32, 1.0, 1.0).unwrap();
+        for field in [SpectralField::periodic(&Step, grid), SpectralField::free(&Step, grid).unwrap()] {
+            assert!(field.clipped_variance() > 0.1, "{}", field.clipped_variance());
+            assert!((field.covariance_with_m2(3, 5)[[3, 5]] - 4.0).abs() < 1e-12);
+        }
     }
 
     #[test]

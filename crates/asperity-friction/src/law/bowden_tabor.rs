@@ -5,7 +5,7 @@ use crate::law::{WindowLaw, describe_shear};
 
 /// Shear-dominated friction of contacts that yield in shear at τ_max: F = τ_max A_c, μ = τ_max A_c/N.
 ///
-/// The area is the perimeter-corrected one, but at least the area that carries the load at the hardness H
+/// The area is corrected at the edges of contact, but at least the area that carries the load at the hardness H
 /// ([`WindowContact::bearing_area_m2`]). So μ ≥ τ_max/H, with equality if all contact is plastic.
 ///
 /// # References

@@ -248,7 +248,7 @@ fn a_lattice_of_hertz_contacts_has_the_friction_of_their_circles_to_first_order(
         assert!(found.iter().all(|mu| (mu / wanted - 1.0).abs() < 1.0 / cells));
         let error = found.iter().sum::<f64>() / found.len() as f64 / wanted - 1.0;
         println!("Δx/a = 1/{cells}: error {error:.5}");
-        // After the perimeter correction about an eighth of the bias 0.3 Δx/a of counting cells remains.
+        // After the correction of edges less than an eighth of the bias 0.3 Δx/a of counting cells remains.
         assert!(error.abs() < 0.06 / cells, "{error} at {cells} cells per radius");
         errors.push(error.abs());
     }
