@@ -40,18 +40,22 @@ pub struct CutoffPlan {
     pub points: [usize; 2],
     /// Length of a strip in metre.
     pub length_m: f64,
+    /// Length of the shortest wave of the unchanged strips in metre: twice the pitch, or longer.
+    pub cutoff_m: f64,
     /// Octaves above the cutoff of the unchanged strips.
     pub octaves: u32,
 }
 
 impl CutoffPlan {
-    /// Plans the strips for levels with `solves` strips in all of this number of points and size in metre.
-    pub fn new([mut nx, ny]: [usize; 2], [length_m, width_m]: [f64; 2], solves: usize) -> Self {
+    /// Plans the strips for levels with `solves` strips in all of this number of points and size in metre. Waves of the surface are
+    /// not shorter than `shortest_m`, nor than twice the pitch.
+    pub fn new([mut nx, ny]: [usize; 2], [length_m, width_m]: [f64; 2], solves: usize, shortest_m: f64) -> Self {
         let (whole, dx_m, dy_m) = (nx, length_m / nx as f64, width_m / ny as f64);
         let longest_m = LONGEST * length_m.min(width_m) * (1.0 + 1e-9);
-        let fits = |octave: &u32| 2.0 * dx_m.max(dy_m) * f64::from(1_u32 << octave) <= longest_m;
+        let cutoff_m = shortest_m.max(2.0 * dx_m.max(dy_m));
+        let fits = |octave: &u32| cutoff_m * f64::from(1_u32 << octave) <= longest_m;
         let octaves = (1..=OCTAVES).take_while(fits).count() as u32;
-        let plan = |nx: usize| Self { points: [nx, ny], length_m: nx as f64 * dx_m, octaves };
+        let plan = |nx: usize| Self { points: [nx, ny], length_m: nx as f64 * dx_m, cutoff_m, octaves };
         let halves = |nx: usize| {
             let shorter = (nx / 2) as f64;
             nx.is_multiple_of(2)
@@ -126,7 +130,7 @@ impl<'a> CutoffStudy<'a> {
 
     /// Returns the cutoff of block number `index`, which doubles from block to block, in metre; `None` for half the pitch.
     pub fn cutoff_m(&self, index: usize) -> Option<f64> {
-        (index + 1 < self.blocks()).then(|| 2.0 * self.pitch_m() * f64::from(1_u32 << index))
+        (index + 1 < self.blocks()).then(|| self.plan.cutoff_m * f64::from(1_u32 << index))
     }
 
     /// Returns the task of all blocks.
@@ -263,13 +267,16 @@ mod tests {
     fn the_strips_cost_less_than_a_third_of_the_levels() {
         let (points, size_m) = ([2048, 32], [6e-3, 75e-6]);
         for levels in [5, 6] {
-            let plan = CutoffPlan::new(points, size_m, levels * 20);
+            let plan = CutoffPlan::new(points, size_m, levels * 20, 0.0);
             let fraction = plan.work(points[0]) / (levels * 20) as f64;
             assert!(fraction <= WORK && fraction > 0.1, "{fraction}");
         }
-        let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, octaves: 4 };
-        assert_eq!(CutoffPlan::new([4096, 64], size_m, 6 * 20), wanted);
+        let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, cutoff_m: 2.0 * 6e-3 / 4096.0, octaves: 4 };
+        assert_eq!(CutoffPlan::new([4096, 64], size_m, 6 * 20, 1e-7), wanted);
+        // Longer waves leave fewer octaves up to the width.
+        let long = CutoffPlan::new([4096, 64], size_m, 6 * 20, 1e-5);
+        assert_eq!((long.cutoff_m, long.octaves), (1e-5, 2));
         // One level of few strips: the shortest strips, at least four widths and 64 points.
-        assert_eq!(CutoffPlan::new([4096, 64], size_m, 2).points, [256, 64]);
+        assert_eq!(CutoffPlan::new([4096, 64], size_m, 2, 0.0).points, [256, 64]);
     }
 }

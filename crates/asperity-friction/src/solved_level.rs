@@ -8,6 +8,7 @@ use asperity_process::{CorrelationShape, FittedCorrelation, FittedProcess, Origi
 use crate::FrictionError;
 use crate::analysis::{MODELS, ProcessAnalysis, record_ends};
 use crate::level_control::LevelControl;
+use crate::mean_errors::MeanErrors;
 use crate::statistics::{FrictionStatistics, HeavyTail};
 use crate::strip::{Record, SolvedStrips, StripProblem};
 use crate::two_bodies::split::TwoBodyFriction;
@@ -34,6 +35,8 @@ pub struct SolvedLevel {
     pub mean: f64,
     /// Records at the mean load ([`Record::at_mean_load`]).
     pub at_mean_load: Vec<Record>,
+    /// Errors of `mean` beside that of sampling.
+    pub mean_errors: MeanErrors,
     /// Statistics of the records at the mean load.
     pub process: FrictionStatistics,
     /// Analysis of the records at the mean load.
@@ -83,6 +86,7 @@ impl SolvedLevel {
             heavy_tail,
             contact_fraction,
             mean,
+            mean_errors: MeanErrors::default(),
             at_mean_load,
             process,
             analysis,

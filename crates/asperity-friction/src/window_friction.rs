@@ -5,6 +5,7 @@ use asperity_base::sentence;
 use asperity_process::{CorrelationShape, FittedProcess, Generator, ProcessModel, TranslationKind};
 use serde::{Deserialize, Serialize};
 
+use crate::mean_errors::MeanErrors;
 use crate::rough_body::RoughBody;
 use crate::solved_level::SolvedLevel;
 use crate::upscaling::{Upscaling, exponential, variance_reduction};
@@ -41,6 +42,8 @@ pub struct StatedFriction {
 pub struct WindowFriction {
     /// Mean friction coefficient.
     pub mean: f64,
+    /// Errors of `mean` beside that of sampling.
+    pub mean_errors: MeanErrors,
     /// Standard deviation along the path.
     pub std: f64,
     /// Standard deviation between parts with a window of their own; 0 if friction is that of a rough track, stated or fitted.
@@ -124,6 +127,7 @@ impl WindowFriction {
         };
         Self {
             mean: level.mean,
+            mean_errors: level.mean_errors.clone(),
             std,
             between_parts_std,
             shape: CorrelationShape::Exponential,
@@ -149,6 +153,7 @@ impl WindowFriction {
         let StatedFriction { mean, std, length_m, marginal, window_m: [window_m, width_m] } = stated;
         Self {
             mean,
+            mean_errors: MeanErrors::default(),
             std,
             between_parts_std: 0.0,
             shape: CorrelationShape::Exponential,
@@ -219,6 +224,7 @@ impl WindowFriction {
         let described = if process.origin.description.is_empty() { "stated" } else { &process.origin.description };
         Self {
             mean: process.mean,
+            mean_errors: MeanErrors::default(),
             std: process.std,
             between_parts_std: 0.0,
             shape,

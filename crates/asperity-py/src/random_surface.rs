@@ -70,6 +70,7 @@ impl Settings {
             }),
             families: CorrelationFamily::ALL.to_vec(),
             marginal: measurable(marginal),
+            shortest_wave_m: None,
             translation: self.translation.map_or_else(TranslationKind::default, |ByName(kind)| kind),
             expansion: (generator == SurfaceGenerator::KarhunenLoeve).then_some(expansion),
         })

@@ -17,7 +17,7 @@ pub struct CutoffResult {
     pub strip_length_m: f64,
     /// Pitch of these strips, the larger one if the two differ.
     pub pitch_m: f64,
-    /// Shortest wavelength on the study's own strips: twice the pitch.
+    /// Shortest wavelength on the study's own strips: twice the pitch, or the shortest wave that the scan resolves.
     pub cutoff_m: f64,
     /// Shortest wavelength at which the spectrum of the scan is reliable; `null` without a scan, or if there is none.
     pub band_end_m: Option<f64>,
@@ -35,7 +35,7 @@ pub struct CutoffResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CutoffPoint {
-    /// Cut-off wavelength of the Gaussian filter; the first entry is twice the pitch, without a filter.
+    /// Cut-off wavelength of the Gaussian filter; the first entry is the strips, without a filter.
     pub cutoff_m: f64,
     /// μ = ΣF/ΣN.
     pub mean: f64,
@@ -61,4 +61,38 @@ pub struct HalvedPitch {
     pub change: f64,
     /// Interval of the difference, which the common random numbers make narrow.
     pub change_interval: Pair,
+}
+
+/// Friction of the scan itself, pressed at the operating point.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScanFriction {
+    /// Size of the pressed part of the scan.
+    pub size_m: Pair,
+    /// Pitches of the solved grids: the larger pixel size and halves of it.
+    pub pitches_m: Vec<f64>,
+    /// Rms slope of a strip over that of the scan, both within the resolved waves; `null` if these waves do not fit on the maps.
+    pub slope_ratio: Option<f64>,
+    /// One entry per cut-off: without waves shorter than those of the strips, between, and with all waves down to twice the pixel.
+    pub cut_offs: Vec<ScanCutoff>,
+}
+
+/// Friction of the scan without the waves that are shorter than a cut-off.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScanCutoff {
+    /// Length of the shortest wave.
+    pub cutoff_m: f64,
+    /// μ = ΣF/ΣN, extrapolated in the pitch.
+    pub mean: f64,
+    /// 95 % interval for the surface of which the scan is a sample, from the differences between its sixteen tiles.
+    pub mean_interval: Pair,
+    /// Error of `mean` due to the pitch; `null` if one pitch was solved.
+    pub grid_error: Option<f64>,
+    /// Observed order of convergence in the pitch; `null` without a credible one.
+    pub order: Option<f64>,
+    /// Root mean square gradient of the heights, by differences over the pixels.
+    pub rms_slope: f64,
+    /// Fraction of the contact cells at the hardness.
+    pub plastic_fraction: f64,
 }

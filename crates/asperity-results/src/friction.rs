@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{CutoffResult, DistributionResult, Pair, Prescribed, UncertaintyResult};
+use crate::{CutoffResult, DistributionResult, Pair, Prescribed, ScanFriction, UncertaintyResult};
 
 /// The friction stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -32,6 +32,9 @@ pub struct FrictionResult {
     /// Mean friction over the shortest wavelength; absent for Coulomb's law, and if there is no solution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutoff: Option<CutoffResult>,
+    /// Friction of the scan itself at the operating point; `null` without a scan.
+    #[serde(default)]
+    pub scan: Option<ScanFriction>,
     /// Friction over uncertain parameters of the surface; absent if the study states none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<UncertaintyResult>,
@@ -84,8 +87,30 @@ pub struct OperatingPoint {
     pub contact_stiffness_pa_per_m_se: Option<f64>,
     /// The friction coefficient μ̄ = ΣF/ΣN.
     pub mean: f64,
-    /// 95 % interval of `mean`; `null` if the strips contain too few correlation lengths.
+    /// 95 % interval of `mean` with its whole error: the computation, the difference between random and scanned surface, and the limited
+    /// scan. `null` if strips or scan contain too few correlation lengths.
     pub mean_interval: Option<Pair>,
+    /// 95 % interval of `mean` for the random surface: the sampling of its strips and their pitch.
+    #[serde(default)]
+    pub mean_computational_interval: Option<Pair>,
+    /// 95 % interval of `mean` due to the sampling of strips alone.
+    #[serde(default)]
+    pub mean_sampling_interval: Option<Pair>,
+    /// The friction coefficient of the scan itself with all its waves, pressed at the same mean pressure; `null` without a scan, with a
+    /// rough counterface, and for laws that do not depend on the contact.
+    #[serde(default)]
+    pub mean_of_scan: Option<f64>,
+    /// Error of `mean` due to the pitch of the strips, from the change by half the pitch and the observed order of convergence, at least 1;
+    /// `null` if half the pitch has no solution.
+    #[serde(default)]
+    pub grid_error: Option<f64>,
+    /// 1 − (τ_max/H)/`mean`: the fraction of `mean` that depends on the surface; `null` without a hardness.
+    #[serde(default)]
+    pub saturation: Option<f64>,
+    /// Whether the strips resolve the surface and resemble the scan: errors of the pitch of at most 3 %, rms slopes and friction
+    /// within 15 % of those of the scan.
+    #[serde(default)]
+    pub resolved: bool,
     /// Standard deviation of one window.
     pub std: f64,
     /// 95 % interval of `std`.

@@ -18,7 +18,7 @@ const HIGH: f64 = 0.2;
 /// correlation this leaves out a tenth. If the correlation becomes negative, as on filtered maps, the integral covers the lobe
 /// alone, because the whole integral describes the precision of the mean, which is better than that of other statistics. The
 /// removal of the mean of the map, ρ̂ = (ρ − β)/(1 − β) with β = 1/n_eff, is accounted for.
-fn effective_heights(correlation: &Autocorrelation) -> f64 {
+pub(crate) fn effective_heights(correlation: &Autocorrelation) -> f64 {
     let present = correlation.present() as f64;
     let squares = Lobe::of(correlation, HIGH).squares;
     let lobe = Lobe::of(correlation, (2.0 * (squares / present).sqrt()).clamp(LOW, HIGH));

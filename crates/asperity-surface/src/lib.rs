@@ -84,6 +84,21 @@ pub trait RandomSurface: Send + Sync {
     }
 }
 
+/// A map without missing points, as a surface without variables.
+impl RandomSurface for HeightMap {
+    fn xi_len(&self) -> usize {
+        0
+    }
+
+    fn grid(&self) -> Grid {
+        HeightMap::grid(self)
+    }
+
+    fn generate(&self, _xi: &[f64]) -> HeightMap {
+        self.clone()
+    }
+}
+
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -17,6 +17,7 @@
 //!     covariance: CovarianceRequest::Stated { model: CorrelationModel::Exponential, lengths_m: [8e-6, 8e-6] },
 //!     families: CorrelationFamily::ALL.to_vec(),
 //!     marginal: Measurable::Stated(Marginal::STANDARD_NORMAL),
+//!     shortest_wave_m: None,
 //!     translation: TranslationKind::Plain,
 //!     expansion: None,
 //! };
@@ -102,6 +103,8 @@ pub struct SurfaceModel {
     pub marginal: Marginal,
     /// Dependence of heights at different points.
     pub texture: Texture,
+    /// Length in metre of the shortest wave of a translated field; `None` is limited by the grid.
+    pub shortest_wave_m: Option<f64>,
 }
 
 /// Dependence of heights at different points.

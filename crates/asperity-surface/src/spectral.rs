@@ -76,6 +76,14 @@ impl SpectralField {
         self
     }
 
+    /// Returns the same field without the waves that are shorter than a length in metre, scaled to the same standard deviation, and
+    /// the fraction of the variance in the others. The variables of the removed waves stay in ξ without effect. A field of shorter
+    /// waves alone is returned as it is.
+    pub(crate) fn without_waves_below(mut self, shortest_m: f64) -> (Self, f64) {
+        let kept = self.modes.remove_waves_below(shortest_m, self.grid);
+        (self, kept)
+    }
+
     /// Returns the modes, on the grid itself or on the embedding of a free field.
     pub(super) fn modes(&self) -> &FourierModes {
         &self.modes

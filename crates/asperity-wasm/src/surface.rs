@@ -204,6 +204,7 @@ fn measured(covariance: CovarianceRequest) -> SurfaceRequest {
         covariance,
         families: CorrelationFamily::ALL.to_vec(),
         marginal: Measurable::Measured,
+        shortest_wave_m: None,
         translation: TranslationKind::Plain,
         expansion: None,
     }

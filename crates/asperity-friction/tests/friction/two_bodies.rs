@@ -27,6 +27,7 @@ fn body(std_m: f64) -> SurfaceModel {
             translation: TranslationKind::Plain,
             expansion: None,
         },
+        shortest_wave_m: None,
     }
 }
 

@@ -19,8 +19,10 @@ pub enum Edges {
 /// Change of the spectrum of every map of a random surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Change {
-    /// Removes short waves.
+    /// Removes short waves gradually.
     Smooth(GaussianFilter),
+    /// Removes all waves shorter than a length in metre, and no others.
+    Cut(f64),
     /// Adds points between the points, without new waves.
     HalvePitch,
 }
@@ -41,6 +43,11 @@ impl<'a> Respaced<'a> {
     pub fn smoothed(surface: &'a dyn RandomSurface, edges: Edges, cutoff_m: f64) -> Self {
         let change = Change::Smooth(GaussianFilter::linear(cutoff_m));
         Self { surface, grid: surface.grid(), edges, change }
+    }
+
+    /// Creates the maps of `surface` without the waves that are shorter than a length in metre.
+    pub fn cut(surface: &'a dyn RandomSurface, edges: Edges, shortest_m: f64) -> Self {
+        Self { surface, grid: surface.grid(), edges, change: Change::Cut(shortest_m) }
     }
 
     /// Creates the maps of `surface` with half the pitch along either side, by trigonometric interpolation. Every
@@ -70,12 +77,17 @@ impl<'a> Respaced<'a> {
         let values: Vec<f64> = extended.iter().copied().collect();
         fft.forward(&values, &mut spectrum, &mut fft.workspace());
         let (fft, mut spectrum) = match self.change {
-            Change::Smooth(filter) => {
+            Change::Smooth(_) | Change::Cut(_) => {
+                let transmission = |frequency: f64| match self.change {
+                    Change::Smooth(filter) => filter.transmission(frequency),
+                    Change::Cut(shortest_m) if frequency * shortest_m > 1.0 + 1e-9 => 0.0,
+                    Change::Cut(_) | Change::HalvePitch => 1.0,
+                };
                 for (kx, waves) in spectrum.chunks_exact_mut(rows).enumerate() {
                     let along_x = kx as f64 / (columns as f64 * grid.dx_m());
                     for (ky, wave) in waves.iter_mut().enumerate() {
                         let along_y = signed_index(ky, rows) / (rows as f64 * grid.dy_m());
-                        *wave *= filter.transmission(along_x.hypot(along_y));
+                        *wave *= transmission(along_x.hypot(along_y));
                     }
                 }
                 (fft, spectrum)
@@ -139,21 +151,6 @@ mod tests {
     use asperity_base::random;
     use std::f64::consts::{PI, TAU};
 
-    /// Any map as a surface without variables.
-    struct Fixed(HeightMap);
-
-    impl RandomSurface for Fixed {
-        fn xi_len(&self) -> usize {
-            0
-        }
-        fn grid(&self) -> Grid {
-            self.0.grid()
-        }
-        fn generate(&self, _xi: &[f64]) -> HeightMap {
-            self.0.clone()
-        }
-    }
-
     #[test]
     fn a_periodic_wave_has_the_gaussian_transmission_up_to_the_edges() {
         let grid = Grid::new(60, 48, 1e-6, 1.25e-6).unwrap();
@@ -162,7 +159,7 @@ mod tests {
         // 60 µm/4 along x and 60 µm/3 along y: 12 µm across the crests. The transmission at the cutoff's length is one
         // half.
         for (cutoff_m, passed) in [(12e-6, 0.5), (24e-6, 0.5_f64.powi(4)), (3e-6, 0.5_f64.powf(1.0 / 16.0))] {
-            let surface = Fixed(wave.clone());
+            let surface = wave.clone();
             let smooth = Respaced::smoothed(&surface, Edges::Periodic, cutoff_m).generate(&[]);
             for (smooth, before) in smooth.heights_m().iter().zip(wave.heights_m()) {
                 assert!((smooth - 2e-6 - passed * (before - 2e-6)).abs() < 1e-19, "{cutoff_m:e}: {smooth:e}");
@@ -176,7 +173,7 @@ mod tests {
         let values = random::standard_normal(&mut random::stream(3, "waves", 0), grid.points());
         let map = HeightMap::new(grid, Array2::from_shape_vec(grid.shape(), values).unwrap()).unwrap();
         let weighted = GaussianFilter::linear(12e-6).smooth(&map).unwrap().map;
-        let surface = Fixed(map);
+        let surface = map;
         let found = Respaced::smoothed(&surface, Edges::Mirrored, 12e-6).generate(&[]);
         // Away from the edges the mirror images have no effect; the weights reach 1.45 cutoffs.
         for row in 18..30 {
@@ -186,9 +183,9 @@ mod tests {
             }
         }
         // A slope has no step at its edges. It is unchanged except for the bend within a cutoff of them.
-        let slope = Fixed(HeightMap::from_function(grid, |x, y| 0.1 * x + 0.05 * y).unwrap());
+        let slope = HeightMap::from_function(grid, |x, y| 0.1 * x + 0.05 * y).unwrap();
         let found = Respaced::smoothed(&slope, Edges::Mirrored, 8e-6).generate(&[]);
-        let bend = found.heights_m() - slope.0.heights_m();
+        let bend = found.heights_m() - slope.heights_m();
         assert!(bend.iter().all(|d| d.abs() < 0.15 * 2e-6), "{:e}", bend.iter().fold(0.0_f64, |m, d| m.max(d.abs())));
         assert!(bend[[24, 32]].abs() < 1e-12);
     }
@@ -201,7 +198,7 @@ mod tests {
             let wave = |x: f64, y: f64| (TAU * (kx * x / grid.width_m() + ky * y / grid.height_m()) + 0.3).cos();
             let at = |row: f64, column: f64| wave(0.5 * column, 0.25 * row);
             let heights = Array2::from_shape_fn(grid.shape(), |(row, column)| 1.0 + at(row as f64, column as f64));
-            let surface = Fixed(HeightMap::new(grid, heights).unwrap());
+            let surface = HeightMap::new(grid, heights).unwrap();
             let fine = Respaced::with_half_the_pitch(&surface, Edges::Periodic).unwrap();
             assert_eq!((fine.grid().nx(), fine.grid().ny(), fine.grid().dx_m()), (2 * nx, 2 * ny, 0.25));
             for ((row, column), z) in fine.generate(&[]).heights_m().indexed_iter() {
@@ -226,7 +223,7 @@ mod tests {
         }
         // A wave at the Nyquist wavenumber is a cosine between its points.
         let alternating = Array2::from_shape_fn((8, 8), |(_, column)| if column % 2 == 0 { 1.0 } else { -1.0 });
-        let nyquist = Fixed(HeightMap::new(Grid::new(8, 8, 1.0, 1.0).unwrap(), alternating).unwrap());
+        let nyquist = HeightMap::new(Grid::new(8, 8, 1.0, 1.0).unwrap(), alternating).unwrap();
         let fine = Respaced::with_half_the_pitch(&nyquist, Edges::Periodic).unwrap().generate(&[]);
         for ((_, column), z) in fine.heights_m().indexed_iter() {
             assert!((z - (PI * 0.5 * column as f64).cos()).abs() < 1e-12, "{column}: {z}");

@@ -34,6 +34,11 @@ impl Roughness {
         let slopes = BandSlopes::new(maps, end)?;
         Ok(Self { spectra, slopes })
     }
+
+    /// Returns the length in metre of the shortest wave that all scans resolve ([`BlockSpectrum::shortest_wave_m`]).
+    pub fn shortest_wave_m(&self) -> f64 {
+        self.spectra.iter().map(BlockSpectrum::shortest_wave_m).fold(0.0, f64::max)
+    }
 }
 
 /// Mean squared slopes of one scan, or of several, after an S-filter at the end of their reliable bands.

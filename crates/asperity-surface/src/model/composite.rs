@@ -66,6 +66,12 @@ impl CompositeModel {
         )
     }
 
+    /// Returns the length in metre of the shortest wave of both bodies; 0 if the grid limits it.
+    pub fn shortest_wave_m(&self) -> f64 {
+        let of = |model: &SurfaceModel| model.shortest_wave_m.unwrap_or(0.0);
+        self.counterface.as_ref().map_or(f64::INFINITY, of).min(of(&self.surface))
+    }
+
     /// Returns whether the maps of a periodic strip continue across its edges. A sum of cosines of arbitrary directions does not.
     pub fn closes(&self) -> bool {
         let closes = |model: &SurfaceModel| !matches!(model.texture, Texture::WeierstrassMandelbrot { .. });
@@ -132,6 +138,7 @@ mod tests {
                 translation: TranslationKind::Plain,
                 expansion: None,
             },
+            shortest_wave_m: None,
         }
     }
 

@@ -98,11 +98,22 @@ impl SurfaceModel {
     pub fn patch(&self, grid: Grid, periodic: bool) -> Result<Generated, SurfaceModelError> {
         match &self.texture {
             &Texture::Translated { ref covariance, translation, expansion: Some(expansion) } => {
-                let field = Field { marginal: &self.marginal, covariance, translation, grid, periodic };
+                let field = self.field(covariance, translation, grid, periodic);
                 field.expansion_or_all_modes(expansion)
             }
             _ => self.strip(grid, periodic, XiOrder::Variance),
         }
+    }
+
+    fn field<'a>(
+        &'a self,
+        covariance: &'a SurfaceCovariance,
+        translation: TranslationKind,
+        grid: Grid,
+        periodic: bool,
+    ) -> Field<'a> {
+        let shortest_wave_m = self.shortest_wave_m;
+        Field { marginal: &self.marginal, covariance, translation, shortest_wave_m, grid, periodic }
     }
 
     /// Returns about the size of the generator of surfaces on a small patch, without making it.
@@ -111,7 +122,7 @@ impl SurfaceModel {
         let &Texture::Translated { ref covariance, translation, expansion: Some(expansion) } = &self.texture else {
             return all_modes();
         };
-        let field = Field { marginal: &self.marginal, covariance, translation, grid, periodic };
+        let field = self.field(covariance, translation, grid, periodic);
         let modes = expansion.modes.unwrap_or_else(|| with_margin(field.needed_modes()));
         if expansion.modes.is_none() && modes > MOST_MODES.min(grid.points()) && field.may_have_all_modes(expansion) {
             return all_modes();
@@ -137,7 +148,7 @@ impl SurfaceModel {
     pub fn strip(&self, grid: Grid, periodic: bool, order: XiOrder) -> Result<Generated, SurfaceModelError> {
         match &self.texture {
             &Texture::Translated { ref covariance, translation, .. } => {
-                Field { marginal: &self.marginal, covariance, translation, grid, periodic }.spectral(order)
+                self.field(covariance, translation, grid, periodic).spectral(order)
             }
             // The rms height sets G; its initial value has no effect.
             Texture::WeierstrassMandelbrot { dimension } => Ok(Generated::exact(Box::new(
@@ -158,6 +169,7 @@ struct Field<'a> {
     marginal: &'a Marginal,
     covariance: &'a SurfaceCovariance,
     translation: TranslationKind,
+    shortest_wave_m: Option<f64>,
     grid: Grid,
     periodic: bool,
 }
@@ -337,15 +349,18 @@ impl Field<'_> {
             ));
         }
         let clipped_variance = field.clipped_variance();
-        Ok(Generated {
-            warnings,
-            correction: met,
-            clipped_variance,
-            ..Generated::exact(self.translated(match order {
-                XiOrder::Variance => field,
-                XiOrder::Wavevector => field.by_wavevector(),
-            })?)
-        })
+        let (field, kept_variance) = match self.shortest_wave_m {
+            Some(shortest_m) => field.without_waves_below(shortest_m),
+            None => (field, 1.0),
+        };
+        let field = match order {
+            XiOrder::Variance => field,
+            XiOrder::Wavevector => field.by_wavevector(),
+        };
+        let std_share = kept_variance.sqrt();
+        let marginal = self.marginal.standardised(0.0, std_share * self.marginal.std())?;
+        let surface = Box::new(Translated::new(field, marginal)?);
+        Ok(Generated { warnings, correction: met, clipped_variance, std_share, ..Generated::exact(surface) })
     }
 
     fn translated(&self, field: impl GaussianSurface + 'static) -> Result<Box<dyn RandomSurface>, SurfaceModelError> {
@@ -367,7 +382,7 @@ mod tests {
         let covariance = SurfaceCovariance::Model(Covariance::isotropic(kind, 1e-6, length_m).unwrap());
         let expansion = Some(TruncatedExpansion { modes, mean_mode: true, rescale: None });
         let texture = Texture::Translated { covariance, translation: TranslationKind::Plain, expansion };
-        SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture }
+        SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture, shortest_wave_m: None }
     }
 
     #[test]

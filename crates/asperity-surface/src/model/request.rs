@@ -34,6 +34,8 @@ pub enum SurfaceRequest {
         families: Vec<CorrelationFamily>,
         /// Marginal distribution; its mean and standard deviation are replaced.
         marginal: Measurable<Marginal>,
+        /// Length of the shortest wave in metre; `None` for the shortest that the scan resolves, or that the grid has.
+        shortest_wave_m: Option<f64>,
         /// Kind of translation.
         translation: TranslationKind,
         /// Karhunen–Loève expansion of patches; `None` uses all Fourier modes.
@@ -78,20 +80,30 @@ impl SurfaceModel {
             }
         };
         match request {
-            SurfaceRequest::Translated { rms_height_m, covariance, families, marginal, translation, expansion } => {
+            SurfaceRequest::Translated {
+                rms_height_m,
+                covariance,
+                families,
+                marginal,
+                shortest_wave_m,
+                translation,
+                expansion,
+            } => {
                 let std_m = rms_m(rms_height_m)?;
-                let heights = || Ok(Marginal::empirical(needed("the marginal distribution")?.heights_of_all_m())?);
+                let heights = || Ok(needed("the marginal distribution")?.marginal()?);
                 let marginal = marginal.or_measure(heights)?.standardised(0.0, std_m)?;
                 let selected = select(covariance, translation, &families, (&marginal, std_m), scan)?;
                 let texture = Texture::Translated { covariance: selected.covariance.clone(), translation, expansion };
-                Ok((Self { marginal, texture }, Some(selected)))
+                let shortest_wave_m = shortest_wave_m.or(selected.shortest_wave_m);
+                Ok((Self { marginal, texture, shortest_wave_m }, Some(selected)))
             }
             SurfaceRequest::WeierstrassMandelbrot { rms_height_m, dimension } => {
                 let own =
                     || scan.and_then(ScannedSurface::fractal_dimension).ok_or(SurfaceModelError::FractalDimension);
                 let dimension = dimension.or_measure(own)?;
                 let marginal = Marginal::normal(0.0, rms_m(rms_height_m)?)?;
-                Ok((Self { marginal, texture: Texture::WeierstrassMandelbrot { dimension } }, None))
+                let texture = Texture::WeierstrassMandelbrot { dimension };
+                Ok((Self { marginal, texture, shortest_wave_m: None }, None))
             }
         }
     }

@@ -41,6 +41,8 @@ pub struct SelectedCovariance {
     pub trial: Option<TrialMaps>,
     /// Cutoff of the S-filter at the end of the band in metre.
     pub slope_cutoff_m: Option<f64>,
+    /// Length in metre of the shortest wave that the scan resolves; `None` for a stated covariance.
+    pub shortest_wave_m: Option<f64>,
     /// Covariances that were compared.
     pub candidates: Vec<CovarianceCandidate>,
     /// Sentence on the reason of the selection, if there was a choice.
@@ -149,6 +151,7 @@ pub(super) fn select(
     let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
     let model = model.map(|(fit, covariance, _)| (fit.clone(), covariance.clone()));
+    let shortest_wave_m = Some(roughness.shortest_wave_m());
     let mut chosen = if is_free {
         measured_choice(measured, &judge, models, fits, families, std_m)?
     } else {
@@ -160,7 +163,7 @@ pub(super) fn select(
         let draw = |covariance: &SurfaceCovariance| {
             let covariance = covariance.clone();
             let texture = Texture::Translated { covariance, translation: kind, expansion: None };
-            let model = SurfaceModel { marginal: marginal.clone(), texture };
+            let model = SurfaceModel { marginal: marginal.clone(), texture, shortest_wave_m };
             TrialMaps::draw(&model, judge.scale, measured.map.grid(), measured.level, slopes)
         };
         chosen.try_out(draw(&chosen.covariance)?);
@@ -185,6 +188,7 @@ pub(super) fn select(
         }
     }
     chosen.warnings.extend(noise_warning(measured));
+    chosen.shortest_wave_m = shortest_wave_m;
     Ok(chosen)
 }
 
@@ -202,6 +206,7 @@ impl SelectedCovariance {
             slope_ratio: None,
             trial: None,
             slope_cutoff_m: None,
+            shortest_wave_m: None,
             candidates: vec![],
             reason: None,
             warnings: vec![],

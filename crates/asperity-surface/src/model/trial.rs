@@ -80,7 +80,7 @@ mod tests {
         let surface_covariance = SurfaceCovariance::Model(covariance);
         let translation = TranslationKind::Plain;
         let texture = Texture::Translated { covariance: surface_covariance, translation, expansion: None };
-        let model = SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture };
+        let model = SurfaceModel { marginal: Marginal::normal(0.0, 1e-6).unwrap(), texture, shortest_wave_m: None };
         // A wave of slope 0.2 along x, sampled at 1 µm: what the maps are compared with.
         let grid = Grid::new(600, 120, 1e-6, 1e-6).unwrap();
         let wave = HeightMap::from_function(grid, |x, _| 4e-6 * (x / 2e-5).sin()).unwrap();

@@ -14,8 +14,8 @@ pub struct Variation {
     pub correlation_length_m: Option<f64>,
     /// Skewness of the heights, which then have Johnson's distribution.
     pub skewness: Option<f64>,
-    /// Change of the skewness of measured heights, to first order. Standardised heights z of skewness g and kurtosis κ become
-    /// z + c (z² − 1 − gz) with c = change/(3 (κ − 1 − g²)). Other distributions ignore it.
+    /// Change of the skewness. Measured heights change to first order: standardised heights z of skewness g and kurtosis κ become
+    /// z + c (z² − 1 − gz) with c = change/(3 (κ − 1 − g²)). Other distributions become Johnson's.
     pub skewness_change: Option<f64>,
 }
 
@@ -30,8 +30,10 @@ impl SurfaceModel {
     pub fn varied(&self, variation: &Variation) -> Result<Self, SurfaceModelError> {
         let original = &self.marginal;
         let std_m = variation.rms_height_m.unwrap_or(original.std());
-        let marginal = match (variation.skewness, variation.skewness_change, original) {
-            (None, Some(change), Marginal::Empirical { sorted }) => {
+        let change = variation.skewness_change.filter(|change| *change != 0.0);
+        let skewness = variation.skewness.or_else(|| Some(original.skewness() + change?));
+        let marginal = match (skewness, change, original) {
+            (Some(_), Some(change), Marginal::Empirical { sorted }) if variation.skewness.is_none() => {
                 skewed(sorted, original, change)?.standardised(0.0, std_m)?
             }
             (None, ..) => original.standardised(0.0, std_m)?,
@@ -46,7 +48,7 @@ impl SurfaceModel {
         if let Texture::Translated { covariance, .. } = &mut texture {
             *covariance = covariance.stretched(std_m, stretch)?;
         }
-        Ok(Self { marginal, texture })
+        Ok(Self { marginal, texture, ..self.clone() })
     }
 }
 
@@ -76,7 +78,7 @@ mod tests {
             translation: TranslationKind::Plain,
             expansion: None,
         };
-        let model = SurfaceModel { marginal: beta.clone(), texture };
+        let model = SurfaceModel { marginal: beta.clone(), texture, shortest_wave_m: None };
         for skewness in [beta.skewness(), 0.0, 0.9, -1.5] {
             let (rms_height_m, correlation_length_m) = (Some(1.1e-6), Some(30e-6));
             let variation =
@@ -100,7 +102,8 @@ mod tests {
         let beta = Marginal::beta(2.1, 5.0, 0.0, 1.0).unwrap();
         let heights: Vec<f64> = (0..20_000).map(|i| beta.quantile((f64::from(i) + 0.5) / 20_000.0)).collect();
         let marginal = Marginal::empirical(heights).unwrap().standardised(0.0, 1e-6).unwrap();
-        let model = SurfaceModel { marginal, texture: Texture::WeierstrassMandelbrot { dimension: 2.3 } };
+        let texture = Texture::WeierstrassMandelbrot { dimension: 2.3 };
+        let model = SurfaceModel { marginal, texture, shortest_wave_m: None };
         let skewness = model.marginal.skewness();
         for change in [-0.05, -0.01, 0.0, 0.01, 0.05] {
             let variation = Variation { skewness_change: Some(change), ..Variation::default() };

@@ -163,6 +163,31 @@ impl FourierModes {
         self.modes.iter_mut().for_each(|mode| mode.eigenvalue_m2 *= scale);
     }
 
+    /// Sets the eigenvalues of waves shorter than a length in metre to zero and scales the others to the whole variance. Returns the
+    /// fraction of the variance in these; does nothing and returns 1 if there is none. `grid` has the pitches of the domain.
+    pub(crate) fn remove_waves_below(&mut self, shortest_m: f64, grid: Grid) -> f64 {
+        let (nx, ny) = (self.fft.nx(), self.fft.ny());
+        let along = |index: f64, n: usize, pitch_m: f64| index / (n as f64 * pitch_m);
+        // Rounding must not remove the wave of the length itself.
+        let most = (1.0 + 1e-9) / shortest_m;
+        let is_kept = |mode: &Mode| {
+            let (kx, ky) = (mode.place / ny, mode.place % ny);
+            let x = along(kx as f64, nx, grid.dx_m());
+            x.hypot(along(signed_index(ky, ny), ny, grid.dy_m())) <= most
+        };
+        let whole: f64 = self.eigenvalues_m2().sum();
+        let kept: f64 = self.modes.iter().filter(|mode| is_kept(mode)).map(|mode| mode.eigenvalue_m2).sum();
+        if kept <= 0.0 {
+            return 1.0;
+        }
+        for mode in &mut self.modes {
+            mode.eigenvalue_m2 = if is_kept(mode) { mode.eigenvalue_m2 * whole / kept } else { 0.0 };
+        }
+        // The removed waves follow in their order.
+        self.modes.sort_by(|a, b| b.eigenvalue_m2.total_cmp(&a.eigenvalue_m2));
+        kept / whole
+    }
+
     /// Returns the transform of the domain.
     pub(crate) fn fft(&self) -> &RealFft2 {
         &self.fft

@@ -77,6 +77,7 @@ impl StatedSurface {
             },
             families: CorrelationFamily::ALL.to_vec(),
             marginal: Measurable::Stated(Marginal::STANDARD_NORMAL),
+            shortest_wave_m: None,
             translation: TranslationKind::Plain,
             expansion: None,
         };

@@ -128,7 +128,7 @@ impl Study {
             let slides = self.counterface.is_some() && f.boundary == BoundaryKind::Periodic;
             let slid = if slides { DISTANCES * f.realisations } else { 0 };
             let solutions = levels * (f.realisations + uncertain) + slid;
-            let plan = f.cutoff_plan(levels);
+            let plan = f.cutoff_plan(levels, 0.0);
             let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
             let bytes = self.friction_bytes(f, levels, plan, threads);
             let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, bytes);

@@ -2,11 +2,14 @@
 
 mod cutoff;
 mod entries;
+mod scan;
 mod tables;
 mod uncertain_surface;
 mod uncertainty;
+mod whole_error;
 mod words;
 
+use self::whole_error::WholeError;
 use crate::contact::Control;
 use crate::friction::strip::Strips;
 use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel, TwoBodyFriction};
@@ -94,6 +97,10 @@ pub(super) fn run(
     }
     let uncertain = uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
     let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
+    let (scan, of_scan) = scan::run(study, surface, (generated.surface.as_ref(), &levels[lead]), seed, monitor)?;
+    let point = entries::operating_point(&levels[lead], nominal_area_m2);
+    let whole = WholeError::new(study, surface, &levels[lead], point, (cutoff.as_ref(), scan.as_ref()));
+    levels[lead].mean_errors = whole.errors.clone();
     let window = &problem.window;
     let mut result = FrictionResult {
         body: rough_body(study.body),
@@ -102,7 +109,7 @@ pub(super) fn run(
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
         realisations: study.realisations,
-        operating_point: entries::operating_point(&levels[lead], nominal_area_m2),
+        operating_point: whole.operating_point(),
         levels: levels
             .iter()
             .enumerate()
@@ -112,6 +119,7 @@ pub(super) fn run(
             })
             .collect(),
         cutoff,
+        scan,
         uncertainty: None,
     };
     output.tables = tables::of_levels(&levels, study.body);
@@ -133,6 +141,9 @@ pub(super) fn run(
     output.assumptions.extend(words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]));
     output.assumptions.extend(generated.correction.clone());
     output.extend(of_cutoff);
+    output.extend(of_scan);
+    output.warnings.extend(whole.warnings);
+    output.assumptions.extend(whole.sentence);
     if let Some((found, own)) = uncertain {
         output.extend(own);
         result.uncertainty = Some(found);

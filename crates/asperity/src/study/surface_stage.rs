@@ -27,6 +27,10 @@ pub(super) struct SurfaceStage {
     pub(super) measured_counterface: Option<ScannedSurface>,
     /// Shortest wavelength in metre at which the spectra of all scans are reliable.
     pub(super) band_end_m: Option<f64>,
+    /// Whether the random surface stands for the scan: it has its covariance and rms height.
+    pub(super) is_of_the_scan: bool,
+    /// Whether the study states the shortest wave.
+    pub(super) states_cut_off: bool,
     covariance: Option<CovarianceResult>,
     pub(super) output: StageOutput,
 }
@@ -101,8 +105,26 @@ pub(super) fn without_tables(study: &SurfaceStudy, folder: &Path) -> Result<Surf
         }
     }
     let band_end_m = measured.as_ref().and_then(ScannedSurface::band_end_m);
+    let (is_of_the_scan, states_cut_off) = match study.request {
+        SurfaceRequest::Translated {
+            rms_height_m: Measurable::Measured,
+            covariance: CovarianceRequest::Measured | CovarianceRequest::Empirical,
+            shortest_wave_m,
+            ..
+        } => (measured.is_some(), shortest_wave_m.is_some()),
+        _ => (false, true),
+    };
     let model = CompositeModel { surface: model, counterface: None };
-    Ok(SurfaceStage { model, measured, measured_counterface: None, band_end_m, covariance, output })
+    Ok(SurfaceStage {
+        model,
+        measured,
+        measured_counterface: None,
+        band_end_m,
+        is_of_the_scan,
+        states_cut_off,
+        covariance,
+        output,
+    })
 }
 
 /// Returns a warning if random maps have another contact area than the scan under the same elastic mean pressure.

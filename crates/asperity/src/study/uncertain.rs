@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-pub(super) use self::keys::{BETWEEN_PARTS, KEYS, UncertainKey};
+pub(super) use self::keys::{BETWEEN_PARTS, CUT_OFF, KEYS, UncertainKey};
 use self::keys::{LATENT, any_quantity};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;
@@ -82,7 +82,8 @@ impl Place {
     /// Returns the place of a value that no study file states.
     pub(super) fn latent(name: &str) -> Option<Self> {
         let (section, key) = name.split_once('.')?;
-        Some(Self { key: LATENT.iter().find(|own| (own.section, own.name) == (section, key))?, element: None })
+        let mut known = LATENT.iter().chain(KEYS);
+        Some(Self { key: known.find(|own| (own.section, own.name) == (section, key))?, element: None })
     }
 
     pub(super) fn name(&self) -> String {
@@ -143,7 +144,7 @@ pub(super) fn add_latent(table: &mut Table, places: &[Place]) {
     for Place { key, .. } in places {
         let section = table.entry(key.section).or_insert_with(|| Value::Table(Table::new()));
         if let Value::Table(section) = section {
-            section.insert(key.name.into(), Value::Float(0.0));
+            section.insert(key.name.into(), key.show(0.0));
         }
     }
 }

@@ -83,7 +83,9 @@ pub(super) fn run(
             points.scan = ScanErrors::new(&points, &mut output)?;
         }
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
-        latent.extend(machines::between_parts(window).map_err(|error| StudyError::Verdict(error.to_string()))?);
+        for other in [machines::between_parts(window), machines::cut_off(window)] {
+            latent.extend(other.map_err(|error| StudyError::Verdict(error.to_string()))?);
+        }
         study = Cow::Owned(study.with_latent(latent));
         responses = expansion::expand_friction(&points, &study, window, monitor, &mut output)?;
     }

@@ -1,5 +1,7 @@
 //! Spectra averaged over blocks of wavevectors, for likelihood fits.
 
+use std::f64::consts::TAU;
+
 use crate::fourier::signed_index;
 use crate::map::HeightMap;
 
@@ -36,6 +38,8 @@ pub struct BlockSpectrum {
     blocks: Vec<Block>,
     /// Band of the radial spectrum.
     band: ReliableBand,
+    /// Largest wavenumber in the blocks in rad/m.
+    high_rad_per_m: f64,
     /// Steps of the wavenumbers along x and y in rad/m.
     step_rad_per_m: [f64; 2],
     pitch_m: [f64; 2],
@@ -131,6 +135,7 @@ impl BlockSpectrum {
             blocks: sums.into_iter().map(block).filter(|block| block.density_m4 > 0.0).collect(),
             floor_m4,
             band,
+            high_rad_per_m: high,
             step_rad_per_m: [qx_min, qy_min],
             pitch_m: [grid.dx_m(), grid.dy_m()],
             smoothing: match spectrum.route {
@@ -147,6 +152,12 @@ impl BlockSpectrum {
         self.band
     }
 
+    /// Returns the length in metre of the shortest wave that the map resolves: the end of its reliable band or, if the spectrum
+    /// rolls off, the wave at which a thousandth of the density is left.
+    pub fn shortest_wave_m(&self) -> f64 {
+        TAU / self.high_rad_per_m
+    }
+
     /// Returns the correlation of the slopes along x and y within the band; far from zero for an oblique texture.
     pub fn slope_correlation(&self) -> f64 {
         self.slope_correlation
@@ -155,7 +166,7 @@ impl BlockSpectrum {
     /// Returns the sides of the map in metre.
     #[doc(hidden)]
     pub fn size_m(&self) -> [f64; 2] {
-        self.step_rad_per_m.map(|step| std::f64::consts::TAU / step)
+        self.step_rad_per_m.map(|step| TAU / step)
     }
 
     /// Pitches in metre.

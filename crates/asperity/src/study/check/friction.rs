@@ -69,11 +69,17 @@ impl FrictionStudy {
         Ok((grid, window))
     }
 
-    /// Returns the plan of the study of the cut-off with a number of levels; `None` for Coulomb's law, which does not depend on the contact.
-    pub(in crate::study) fn cutoff_plan(&self, levels: usize) -> Option<CutoffPlan> {
+    /// Returns whether the friction law depends on the contact.
+    pub(in crate::study) fn depends_on_contact(&self) -> bool {
         // Laws that depend on the contact have a plastic floor at any hardness.
-        let depends_on_contact = self.law.plastic_floor(1.0).is_some();
-        depends_on_contact.then(|| CutoffPlan::new(self.points, self.size_m, levels * self.realisations))
+        self.law.plastic_floor(1.0).is_some()
+    }
+
+    /// Returns the plan of the study of the cut-off with a number of levels, on a surface without waves shorter than
+    /// `shortest_m`; `None` for Coulomb's law, which does not depend on the contact.
+    pub(in crate::study) fn cutoff_plan(&self, levels: usize, shortest_m: f64) -> Option<CutoffPlan> {
+        self.depends_on_contact()
+            .then(|| CutoffPlan::new(self.points, self.size_m, levels * self.realisations, shortest_m))
     }
 }
 
@@ -260,7 +266,7 @@ mod tests {
                     correlation_length = \"20 um\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
                     shear_strength = \"385 MPa\"\n[friction]\n";
         let study = |law: &str| Study::parse(&format!("{text}{law}"), "study.toml").unwrap().friction.unwrap();
-        assert!(study("").cutoff_plan(5).is_some());
-        assert_eq!(study("law = \"coulomb\"\ncoefficient = 0.2\n").cutoff_plan(5), None);
+        assert!(study("").cutoff_plan(5, 0.0).is_some());
+        assert_eq!(study("law = \"coulomb\"\ncoefficient = 0.2\n").cutoff_plan(5, 0.0), None);
     }
 }

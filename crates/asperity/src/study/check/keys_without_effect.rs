@@ -84,6 +84,7 @@ impl SurfaceSection {
                 self.fractal_dimension.is_some() && !fractal,
                 "without the generator weierstrass_mandelbrot",
             ),
+            ("cut_off", self.cut_off.is_some() && fractal, "with the generator weierstrass_mandelbrot"),
             ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
             ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
             ("height_unit", self.height_unit.is_some() && self.file.is_none(), "without `file`"),

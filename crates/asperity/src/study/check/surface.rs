@@ -77,7 +77,7 @@ impl SurfaceSection {
         if let Some(outliers) = self.outliers {
             within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
         }
-        for (key, cutoff) in [("s_filter", self.s_filter), ("l_filter", self.l_filter)] {
+        for (key, cutoff) in [("s_filter", self.s_filter), ("l_filter", self.l_filter), ("cut_off", self.cut_off)] {
             if let Some(cutoff) = cutoff {
                 within(SECTION, key, cutoff, positive, POSITIVE)?;
             }
@@ -179,7 +179,16 @@ impl SurfaceSection {
         let marginal = self.stated_or_measured("marginal", "the marginal distribution", marginal)?;
         let rms_height_m = self.stated_or_measured("rms_height", "the rms height", rms_height)?;
         let (families, translation) = (families.to_vec(), self.translation);
-        Ok(SurfaceRequest::Translated { rms_height_m, covariance, families, marginal, translation, expansion })
+        let shortest_wave_m = self.cut_off.map(|cut_off| cut_off.0);
+        Ok(SurfaceRequest::Translated {
+            rms_height_m,
+            covariance,
+            families,
+            marginal,
+            shortest_wave_m,
+            translation,
+            expansion,
+        })
     }
 
     fn stated_or_measured<T>(

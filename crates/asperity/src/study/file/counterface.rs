@@ -128,6 +128,7 @@ impl CounterfaceSection {
             s_filter: own.s_filter,
             l_filter: own.l_filter,
             robust_filter: own.robust_filter,
+            cut_off: None,
             covariance: own.covariance.unwrap_or_default(),
             rms_height: own.rms_height,
             correlation_length: own.correlation_length,

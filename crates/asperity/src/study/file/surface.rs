@@ -88,6 +88,11 @@ pub struct SurfaceSection {
     /// Whether the L-filter is robust against grooves and spikes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub robust_filter: bool,
+    /// Length of the shortest wave of the random surfaces that exists physically, shorter or longer than the waves that the scan
+    /// resolves. When left out, the random surfaces have the waves that the scan resolves, and a verdict takes the length as unknown
+    /// between these and twice the pixel. Not used by the Weierstrass–Mandelbrot generator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut_off: Option<Length>,
     /// Generator of the random surfaces.
     #[serde(default)]
     pub generator: SurfaceGenerator,
@@ -180,6 +185,7 @@ impl Default for SurfaceSection {
             s_filter: None,
             l_filter: None,
             robust_filter: false,
+            cut_off: None,
             generator: SurfaceGenerator::default(),
             covariance: CovarianceSource::default(),
             rms_height: None,

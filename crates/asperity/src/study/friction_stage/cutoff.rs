@@ -38,7 +38,8 @@ pub(super) fn run(
     monitor: &dyn Monitor,
 ) -> Result<(Option<CutoffResult>, StageOutput), StudyError> {
     let mut output = StageOutput::default();
-    let Some(plan) = friction.cutoff_plan(levels.len()) else { return Ok((None, output)) };
+    let shortest_m = surface.model.shortest_wave_m();
+    let Some(plan) = friction.cutoff_plan(levels.len(), shortest_m) else { return Ok((None, output)) };
     let lead = &levels[lead];
     let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
     let (own, halved) = (own?.0, halved?.0);
@@ -72,7 +73,7 @@ pub(super) fn run(
             plastic_fraction: found.plastic_fraction,
         }
     };
-    let (mut points, mut halved_pitch) = (vec![point(2.0 * pitch_m, &unchanged)], None);
+    let (mut points, mut halved_pitch) = (vec![point(plan.cutoff_m, &unchanged)], None);
     for index in 1..study.blocks() {
         match (study.solve(index, &task)?, study.cutoff_m(index)) {
             (Ok(found), Some(cutoff_m)) => points.push(point(cutoff_m, &found)),
@@ -92,7 +93,7 @@ pub(super) fn run(
         strips: STRIPS,
         strip_length_m: plan.length_m,
         pitch_m,
-        cutoff_m: 2.0 * pitch_m,
+        cutoff_m: plan.cutoff_m,
         band_end_m: surface.band_end_m,
         plastic_floor,
         points,
@@ -101,8 +102,6 @@ pub(super) fn run(
     };
     result.known = known(&result, &anchor);
     output.tables.push(("friction_cutoff", table(&result)));
-    output.warnings.extend(unresolved(&result, &anchor, &lead.control.name()));
-    output.warnings.extend(beyond_the_band(&result, &anchor));
     output.assumptions.push(result.known.clone());
     Ok((Some(result), output))
 }
@@ -193,41 +192,6 @@ fn known(result: &CutoffResult, anchor: &OperatingMean) -> String {
     }
 }
 
-/// Returns a warning if half the pitch changes the mean.
-fn unresolved(result: &CutoffResult, anchor: &OperatingMean, level: &str) -> Option<String> {
-    let halved = result.halved_pitch.as_ref()?;
-    let [low, high] = halved.change_interval;
-    let differs = low > 0.0 || high < 0.0;
-    (differs && halved.change.abs() > anchor.material()).then(|| {
-        format!(
-            "at {level}, the pitch {} does not resolve the shortest waves of the strips, {}: half the pitch changes μ from {} by {} \
-             (95 %: {} to {}); take more points in [friction], or take these waves out of the surface",
-            sentence::si(result.pitch_m, "m"),
-            sentence::si(result.cutoff_m, "m"),
-            sentence::digits(anchor.mean),
-            sentence::digits(halved.change),
-            sentence::digits(low),
-            sentence::digits(high),
-        )
-    })
-}
-
-/// Returns a warning if waves beyond the reliable band of the scan change the mean.
-fn beyond_the_band(result: &CutoffResult, anchor: &OperatingMean) -> Option<String> {
-    let (band_m, own) = (result.band_end_m?, result.points.first()?);
-    let there = mean_at(&result.points, band_m);
-    (band_m > own.cutoff_m && (there - own.mean).abs() > anchor.material()).then(|| {
-        format!(
-            "the strips hold waves down to {}, but the scan is reliable down to {} only: μ is {} without the shorter waves, which are \
-             the model's alone, and {} with them; take them out by `s_filter`, or measure with smaller pixels",
-            sentence::si(own.cutoff_m, "m"),
-            sentence::si(band_m, "m"),
-            sentence::digits(there),
-            sentence::digits(own.mean),
-        )
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,10 +232,6 @@ mod tests {
         assert!(known(&result([0.2, 0.25, 0.3], 0.0, None), &anchor).contains("no floor"));
         assert!(known(&result([0.2, 0.205, 0.3], 0.7, Some(0.19)), &anchor).starts_with("Yielding makes"));
         assert!(known(&result([0.2, 0.205, 0.3], 0.1, Some(0.15)), &anchor).starts_with("The shortest waves hardly"));
-        // The waves that make the difference lie beyond the band of the scan.
-        assert!(beyond_the_band(&elastic, &anchor).unwrap().contains("μ is 0.25 without the shorter waves"));
-        assert_eq!(beyond_the_band(&result([0.2, 0.205, 0.3], 0.1, None), &anchor), None);
-        assert_eq!(beyond_the_band(&CutoffResult { band_end_m: Some(1e-6), ..elastic }, &anchor), None);
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub(in crate::study) const KEYS: &[UncertainKey] = &[
     key("surface", "hurst", "", 0.0, 1.0),
     key("surface", "smoothness", "", 0.0, UNBOUNDED),
     key("surface", "fractal_dimension", "", 2.0, 3.0),
+    key("surface", "cut_off", "m", 0.0, UNBOUNDED),
     key("material", "youngs_modulus", "Pa", 0.0, UNBOUNDED),
     key("material", "poisson_ratio", "", -1.0, 0.5),
     key("material", "hardness", "Pa", 0.0, UNBOUNDED),
@@ -64,6 +65,9 @@ pub(in crate::study) const KEYS: &[UncertainKey] = &[
 
 /// Name of the differences between the parts of a rough slider.
 pub(in crate::study) const BETWEEN_PARTS: &str = "surface.between_parts";
+
+/// Name of the shortest wave of the surface. A study that does not state it may have it as a value that the scan leaves unknown.
+pub(in crate::study) const CUT_OFF: &str = "surface.cut_off";
 
 /// Standard normal values that no study file states: what the scans of either body leave uncertain, differences between scans and between
 /// the parts of a rough slider.

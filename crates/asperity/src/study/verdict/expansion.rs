@@ -13,6 +13,7 @@ use crate::stats::{Moments, NORMAL_95};
 use crate::study::StudyError;
 use crate::study::check::VerdictStudy;
 use crate::study::output::StageOutput;
+use crate::study::uncertain::CUT_OFF;
 
 /// Solved points per uncertain value and one, before any are solved near the limit of vibration.
 const POINTS_PER_VALUE: usize = 4;
@@ -35,7 +36,10 @@ pub(super) fn expand_friction(
     monitor: &dyn Monitor,
     output: &mut StageOutput,
 ) -> Result<Option<FrictionResponses>, StudyError> {
-    let places = contact_places(verdict);
+    let mut places = contact_places(verdict);
+    if !window.mean_errors.cut_off.is_empty() {
+        places.retain(|place| place.name() != CUT_OFF);
+    }
     if places.is_empty() {
         return Ok(None);
     }

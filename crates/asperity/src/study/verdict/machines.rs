@@ -16,7 +16,7 @@ use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
 use crate::study::file::{Hold, MachineModel};
 use crate::study::result::ModelResult;
-use crate::study::uncertain::{BETWEEN_PARTS, Place, without_latent};
+use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, without_latent};
 
 /// Number of samples that can be drawn.
 const MOST_SAMPLES: usize = u32::MAX as usize;
@@ -63,6 +63,8 @@ pub(super) struct Machines<'a> {
     process_has_stribeck: bool,
     /// Place of the differences between the parts of a rough slider.
     between_parts: Option<Place>,
+    /// Place of the shortest wave, if the scan leaves it unknown.
+    cut_off: Option<Place>,
     /// Windows that share the load; `None` for those of the study.
     sharing: Option<Sharing>,
     /// Factor of the mean friction coefficient.
@@ -95,6 +97,11 @@ impl<'a> Machines<'a> {
             window,
             responses,
             between_parts: study.places.iter().copied().find(|place| place.name() == BETWEEN_PARTS),
+            cut_off: study
+                .places
+                .iter()
+                .copied()
+                .find(|place| place.name() == CUT_OFF && !window.mean_errors.cut_off.is_empty()),
             sharing: None,
             friction_factor: 1.0,
             changes: Vec::new(),
@@ -225,6 +232,7 @@ impl<'a> Machines<'a> {
             None => self.window.clone(),
         };
         let part = self.between_parts.and_then(|place| place.value_in(&table));
+        let shortest_m = self.cut_off.and_then(|place| place.value_in(&table));
         let mut study = vibration_of(table)?;
         window.stribeck = match &study.friction {
             FrictionSource::File(_) if self.process_has_stribeck => window.stribeck.map(|rate| rate * ratio),
@@ -244,7 +252,8 @@ impl<'a> Machines<'a> {
             let std = (window.between_parts_std / window.mean).powi(2).mul_add(reduction, 1.0).ln().sqrt();
             window.mean *= (std * normal - 0.5 * std * std).exp();
         }
-        window.mean *= self.friction_factor;
+        let of_waves = shortest_m.and_then(|shortest_m| self.window.mean_errors.at_cut_off(shortest_m));
+        window.mean *= self.friction_factor * of_waves.unwrap_or(1.0);
         let dynamics = Dynamics::new(&study, &window).map_err(|error| error.to_string())?;
         Ok(Machine { study, dynamics, window })
     }
@@ -254,6 +263,15 @@ impl<'a> Machines<'a> {
 pub(super) fn between_parts(window: &WindowFriction) -> Result<Option<(Place, UncertainInput)>, InputError> {
     let place = Place::latent(BETWEEN_PARTS).filter(|_| window.between_parts_std > 0.0);
     place.map(|place| Ok((place, UncertainInput::new(BETWEEN_PARTS, Marginal::STANDARD_NORMAL, false)?))).transpose()
+}
+
+/// Returns the shortest wave of the surface, unknown between those that the strips have and twice the pixel of the scan; `None` if it does
+/// not matter.
+pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, UncertainInput)>, InputError> {
+    let waves = &window.mean_errors.cut_off;
+    let Some(((longest_m, _), (shortest_m, _))) = waves.first().zip(waves.last()) else { return Ok(None) };
+    let place = Place::latent(CUT_OFF).zip(Marginal::beta(1.0, 1.0, *shortest_m, *longest_m).ok());
+    place.map(|(place, marginal)| Ok((place, UncertainInput::new(CUT_OFF, marginal, true)?))).transpose()
 }
 
 /// Returns the machine of a study file.

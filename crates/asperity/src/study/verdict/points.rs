@@ -1,7 +1,7 @@
 //! Solved strips at the values of a study file.
 
 use serde::Deserialize;
-use toml::Table;
+use toml::{Table, Value};
 
 use super::scan::errors::{BodyErrors, Measured, ScanErrors, StatisticErrors};
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
@@ -55,6 +55,12 @@ impl ContactPoints<'_> {
         }
         let mut table = table.clone();
         without_latent(&mut table);
+        if self.study.file().surface.as_ref().is_some_and(|surface| surface.cut_off.is_none()) {
+            // The friction of the scan itself has the effect of an unknown cut-off.
+            if let Some(Value::Table(surface)) = table.get_mut("surface") {
+                surface.remove("cut_off");
+            }
+        }
         table.remove("verdict");
         table.remove("uncertainty");
         let file = StudyFile::deserialize(table).map_err(|error| StudyError::Verdict(error.message().to_owned()))?;

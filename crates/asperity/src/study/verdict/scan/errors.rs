@@ -65,7 +65,7 @@ mod tests {
             translation: TranslationKind::Plain,
             expansion: None,
         };
-        let surface = SurfaceModel { marginal, texture };
+        let surface = SurfaceModel { marginal, texture, shortest_wave_m: None };
         for [rms_height, covariance, marginal] in
             [[true, true, true], [true, false, false], [false, true, false], [false, false, true], [false; 3]]
         {

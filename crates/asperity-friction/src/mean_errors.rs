@@ -1,0 +1,67 @@
+//! Errors of the mean friction coefficient beside the sampling error of the strips.
+
+use serde::{Deserialize, Serialize};
+
+/// Errors of the mean friction coefficient that all machines share, as factors of the mean, and its dependence on the shortest waves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeanErrors {
+    /// Relative standard error by the sampling of strips.
+    pub strips: f64,
+    /// Smallest and largest factor that the pitch of the strips leaves possible.
+    pub grid: [f64; 2],
+    /// Smallest and largest factor that the difference between random and scanned surface leaves possible.
+    pub model: [f64; 2],
+    /// Factors of the mean for surfaces with shorter waves, from the shortest wave of the strips to the pixel of the scan: (length of the
+    /// shortest wave in metre, factor). Empty if the scan resolves all waves, and without a scan.
+    pub cut_off: Vec<(f64, f64)>,
+}
+
+impl Default for MeanErrors {
+    /// Returns the errors of an exact mean.
+    fn default() -> Self {
+        Self { strips: 0.0, grid: [1.0; 2], model: [1.0; 2], cut_off: Vec::new() }
+    }
+}
+
+impl MeanErrors {
+    /// Returns the names and factors of the errors of the computation.
+    pub fn computational(&self) -> [(&'static str, [f64; 2]); 2] {
+        [("grid", self.grid), ("model", self.model)]
+    }
+
+    /// Returns the factor of the mean on a surface whose shortest wave has a length in metre; `None` if it is known.
+    pub fn at_cut_off(&self, length_m: f64) -> Option<f64> {
+        let mut pairs = self.cut_off.windows(2);
+        let segment = pairs.find(|pair| length_m >= pair[1].0).or(self.cut_off.windows(2).last())?;
+        let [(long_m, long), (short_m, short)] = [segment[0], segment[1]];
+        let part = ((length_m / short_m).ln() / (long_m / short_m).ln()).clamp(0.0, 1.0);
+        Some((part * long.ln() + (1.0 - part) * short.ln()).exp())
+    }
+
+    /// Returns the smallest and the largest factor over the cut-off.
+    pub fn cut_off_range(&self) -> [f64; 2] {
+        self.cut_off.iter().fold([1.0; 2], |[low, high], (_, factor)| [low.min(*factor), high.max(*factor)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_is_linear_in_logarithms_between_the_solved_cut_offs() {
+        let errors = MeanErrors { cut_off: vec![(8e-6, 1.0), (4e-6, 0.9), (2e-6, 0.6)], ..MeanErrors::default() };
+        for (length_m, factor) in [
+            (1e-6, 0.6),
+            (2e-6, 0.6),
+            (2e-6 * 2.0_f64.sqrt(), (0.9_f64 * 0.6).sqrt()),
+            (4e-6, 0.9),
+            (8e-6, 1.0),
+            (1e-5, 1.0),
+        ] {
+            let found = errors.at_cut_off(length_m).unwrap();
+            assert!((found / factor - 1.0).abs() < 1e-12, "{length_m}: {found}");
+        }
+        assert_eq!((errors.cut_off_range(), MeanErrors::default().at_cut_off(1e-6)), ([0.6, 1.0], None));
+    }
+}

@@ -1,0 +1,160 @@
+//! The whole error of the friction coefficient at the operating point.
+//!
+//! Errors of the sampling of strips and of the scan are independent and add in quadrature. The error of the pitch and the difference
+//! between random and scanned surface are biases, which extend the interval to one side.
+
+use crate::friction::{MeanErrors, SolvedLevel};
+use crate::stats::NORMAL_95;
+use crate::study::check::FrictionStudy;
+use crate::study::result::{CutoffResult, OperatingPoint, Pair, ScanFriction};
+use crate::study::sentence;
+use crate::study::surface_stage::SurfaceStage;
+
+/// Largest error of the pitch over the mean of a resolved surface.
+const RESOLVED: f64 = 0.03;
+/// Largest relative difference of slopes and friction between strips and scan.
+const LIKE_THE_SCAN: f64 = 0.15;
+/// Change of μ by the shortest waves that is negligible.
+const NEGLIGIBLE: f64 = 0.005;
+/// Order of convergence in the pitch if none is observed.
+const LEAST_ORDER: f64 = 1.0;
+
+/// Errors of the mean friction coefficient of a level.
+pub(super) struct WholeError {
+    pub(super) errors: MeanErrors,
+    point: OperatingPoint,
+    pub(super) warnings: Vec<String>,
+    /// Sentence on the scan beside the strips, if it was pressed.
+    pub(super) sentence: Option<String>,
+}
+
+impl WholeError {
+    /// Combines the errors of the mean of `lead`, of which `point` has the sampling interval.
+    pub(super) fn new(
+        friction: &FrictionStudy,
+        surface: &SurfaceStage,
+        lead: &SolvedLevel,
+        point: OperatingPoint,
+        (cutoff, scan): (Option<&CutoffResult>, Option<&ScanFriction>),
+    ) -> Self {
+        let mean = lead.mean;
+        let floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
+        // No error leads below the plastic floor.
+        let least = floor.map_or(0.0, |floor| (floor / mean).min(1.0));
+        let factor = |value: f64| (value / mean).max(least);
+        let half = |interval: Pair| 0.5 * (interval[1] - interval[0]);
+        let sampling = point.mean_interval.map(half);
+        let sampling = if lead.process.moments.std > 0.0 { sampling } else { Some(0.0) };
+        let strips = sampling.map_or(0.0, |half| half / (NORMAL_95 * mean));
+        let mut errors = MeanErrors { strips, ..MeanErrors::default() };
+        let (mut warnings, mut noise, mut grid_error, mut resolved) = (Vec::new(), 0.0, None, true);
+        if let Some(halved) = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()) {
+            let [low, high] = halved.change_interval;
+            let order = scan.and_then(|scan| scan.cut_offs.first()?.order).map_or(LEAST_ORDER, |p| p.max(LEAST_ORDER));
+            let bias = halved.change / (1.0 - (-order).exp2());
+            noise = half(halved.change_interval);
+            errors.grid = [factor(mean + bias.min(0.0)), factor(mean + bias.max(0.0))];
+            grid_error = Some(bias.abs());
+            let is_significant = low > 0.0 || high < 0.0;
+            if is_significant && bias.abs() > RESOLVED * mean {
+                resolved = false;
+                warnings.push(unresolved(friction, bias / mean));
+            }
+        }
+        let computational = sampling.map(|sampling| sampling.hypot(noise));
+        let biased = errors.grid.map(|factor| factor * mean);
+        let [mut low, mut high] = biased;
+        let (mut scan_sampling, mut mean_of_scan, mut words) = (0.0, None, None);
+        if let Some((first, last)) = scan.and_then(|scan| scan.cut_offs.first().zip(scan.cut_offs.last())) {
+            mean_of_scan = Some(last.mean);
+            // Shorter waves than the scan has are the model's alone.
+            let is_of_the_scan = surface.is_of_the_scan
+                && surface.model.surface.shortest_wave_m.is_none_or(|m| m >= last.cutoff_m * (1.0 - 1e-9));
+            if is_of_the_scan {
+                errors.model = [factor(first.mean.min(mean)), factor(first.mean.max(mean))];
+                let shortest = scan.iter().flat_map(|scan| &scan.cut_offs);
+                errors.cut_off = shortest.map(|of| (of.cutoff_m, factor(mean * of.mean / first.mean))).collect();
+                if errors.cut_off_range().iter().all(|factor| (factor - 1.0).abs() < NEGLIGIBLE) {
+                    errors.cut_off.clear();
+                }
+                for of in [first, last] {
+                    let grid = of.grid_error.unwrap_or(0.0);
+                    (low, high) = (low.min(of.mean - grid), high.max(of.mean + grid));
+                }
+                scan_sampling = half(last.mean_interval);
+                let difference = first.mean / mean - 1.0;
+                if difference.abs() > LIKE_THE_SCAN && difference.abs() > half(first.mean_interval) / mean {
+                    resolved = false;
+                    warnings.push(unlike("friction coefficient", difference));
+                }
+                if let Some(ratio) = scan.and_then(|scan| scan.slope_ratio)
+                    && (ratio - 1.0).abs() > LIKE_THE_SCAN
+                {
+                    resolved = false;
+                    warnings.push(unlike("rms slope", 1.0 / ratio - 1.0));
+                }
+                if (last.mean / first.mean - 1.0).abs() > RESOLVED {
+                    warnings.push(format!(
+                        "the scan resolves waves down to {}; with its shorter waves, down to twice the pixel, μ is {} times as large: only \
+                         smaller pixels tell which is right",
+                        sentence::si(first.cutoff_m, "m"),
+                        sentence::digits(last.mean / first.mean),
+                    ));
+                }
+            }
+            words = Some(format!(
+                "The scan itself, pressed at the same mean pressure, has the friction coefficient {}{}; the random strips have {}.",
+                sentence::digits(last.mean),
+                if last.cutoff_m < first.cutoff_m {
+                    format!(
+                        " ({} without waves below {})",
+                        sentence::digits(first.mean),
+                        sentence::si(first.cutoff_m, "m")
+                    )
+                } else {
+                    String::new()
+                },
+                sentence::digits(mean),
+            ));
+        }
+        let least = floor.unwrap_or(0.0).min(mean);
+        let widened = |[low, high]: Pair, half: f64| [low - half, high + half].map(|end| end.max(least));
+        let point = OperatingPoint {
+            mean_sampling_interval: point.mean_interval,
+            mean_computational_interval: computational.map(|half| widened(biased, half)),
+            mean_interval: computational.map(|half| widened([low, high], half.hypot(scan_sampling))),
+            mean_of_scan,
+            grid_error,
+            saturation: floor.map(|floor| (1.0 - floor / mean).max(0.0)),
+            resolved,
+            ..point
+        };
+        Self { errors, point, warnings, sentence: words }
+    }
+
+    /// Returns the operating point with its intervals.
+    pub(super) fn operating_point(&self) -> OperatingPoint {
+        self.point.clone()
+    }
+}
+
+/// Returns the warning that the pitch is too large, with an error of first order relative to the mean.
+fn unresolved(friction: &FrictionStudy, bias: f64) -> String {
+    let factor = (bias.abs() / RESOLVED).ceil();
+    let [nx, ny] = friction.points.map(|points| (points as f64 * factor) as usize);
+    format!(
+        "the friction coefficient is not resolved: its pitch makes it about {} % too {}; about points = [{nx}, {ny}] in [friction] resolve it",
+        sentence::digits(100.0 * bias.abs()),
+        if bias < 0.0 { "high" } else { "low" },
+    )
+}
+
+/// Returns the warning that a quantity of the scan differs from that of the strips.
+fn unlike(quantity: &str, difference: f64) -> String {
+    format!(
+        "the random strips do not stand for the scan: its {quantity} is {} % {}; a form of higher degree to remove (`level`), the rejection \
+         of outliers or a larger scan may help",
+        sentence::digits(100.0 * difference.abs()),
+        if difference < 0.0 { "smaller" } else { "larger" },
+    )
+}
