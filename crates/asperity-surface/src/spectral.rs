@@ -259,6 +259,24 @@ mod tests {
     }
 
     #[test]
+    fn a_field_without_short_waves_has_the_variance_of_the_long_ones() {
+        // The density of e^{−r²/ℓ²} is a Gaussian in q: the waves up to Q have 1 − e^{−Q²ℓ²/4} of the variance.
+        let (length_m, shortest_m) = (6.0, 16.0);
+        let grid = Grid::new(192, 160, 1.0, 1.25).unwrap();
+        let covariance = model(CorrelationModel::SquaredExponential, length_m, length_m);
+        let (field, kept) = SpectralField::periodic(&covariance, grid).without_waves_below(shortest_m);
+        let q = std::f64::consts::TAU / shortest_m;
+        assert!((kept / (1.0 - (-0.25 * (q * length_m).powi(2)).exp()) - 1.0).abs() < 0.01, "{kept}");
+        let xi = random::standard_normal(&mut random::stream(2, "long waves", 0), field.xi_len());
+        let map = field.generate(&xi);
+        let rest = crate::filter::Respaced::cut(&map, crate::filter::Edges::Periodic, shortest_m).generate(&[]);
+        let largest = (map.heights_m() - rest.heights_m()).iter().fold(0.0_f64, |most, z| most.max(z.abs()));
+        assert!(largest < 1e-12, "{largest}");
+        // The others have the whole variance.
+        assert!((field.covariance_with_m2(3, 4)[[3, 4]] / 4.0 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_crop_of_an_embedding_has_the_model_covariance_without_wrapping() {
         for kind in [
             CorrelationModel::Exponential,

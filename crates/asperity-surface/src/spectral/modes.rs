@@ -164,7 +164,7 @@ impl FourierModes {
     }
 
     /// Sets the eigenvalues of waves shorter than a length in metre to zero and scales the others to the whole variance. Returns the
-    /// fraction of the variance in these; does nothing and returns 1 if there is none. `grid` has the pitches of the domain.
+    /// fraction of the variance in these; does nothing and returns 1 if there is none beside the mean. `grid` has the pitches of the domain.
     pub(crate) fn remove_waves_below(&mut self, shortest_m: f64, grid: Grid) -> f64 {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
         let along = |index: f64, n: usize, pitch_m: f64| index / (n as f64 * pitch_m);
@@ -177,7 +177,7 @@ impl FourierModes {
         };
         let whole: f64 = self.eigenvalues_m2().sum();
         let kept: f64 = self.modes.iter().filter(|mode| is_kept(mode)).map(|mode| mode.eigenvalue_m2).sum();
-        if kept <= 0.0 {
+        if !self.modes.iter().any(|mode| mode.place != 0 && is_kept(mode)) {
             return 1.0;
         }
         for mode in &mut self.modes {
