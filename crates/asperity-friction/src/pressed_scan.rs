@@ -94,27 +94,29 @@ pub struct Extrapolated {
     pub value: f64,
     /// Error of the limit; `None` if only one pitch was solved.
     pub error: Option<f64>,
-    /// Observed order of convergence; `None` without a credible one.
+    /// Observed order of convergence; `None` if it is below 0.5 or unknown.
     pub order: Option<f64>,
 }
 
 impl Extrapolated {
     /// Extrapolates values on grids of halved pitch, the finest last; `None` without a value. The order of convergence is observed on the
-    /// last three. Without a credible order the limit is the last value, and its difference from the one before is the error.
+    /// last three. If it is not between 0.5 and 2.5, the limit is the last value, and its difference from the one before is the error.
     pub fn new(values: &[f64]) -> Option<Self> {
         match *values {
             [] => None,
             [value] => Some(Self { value, error: None, order: None }),
             [.., coarse, fine] => {
                 let change = fine - coarse;
-                if let [.., first, _, _] = *values {
-                    let order = ((coarse - first) / change).log2();
-                    if ORDERS.contains(&order) {
-                        let rest = change / (order.exp2() - 1.0);
-                        return Some(Self { value: fine + rest, error: Some(rest.abs()), order: Some(order) });
-                    }
+                let order = match *values {
+                    [.., first, _, _] => Some(((coarse - first) / change).log2()),
+                    _ => None,
+                };
+                let order = order.filter(|order| order.is_finite() && order >= ORDERS.start());
+                if let Some(order) = order.filter(|order| ORDERS.contains(order)) {
+                    let rest = change / (order.exp2() - 1.0);
+                    return Some(Self { value: fine + rest, error: Some(rest.abs()), order: Some(order) });
                 }
-                Some(Self { value: fine, error: Some(change.abs()), order: None })
+                Some(Self { value: fine, error: Some(change.abs()), order })
             }
         }
     }
@@ -138,6 +140,9 @@ mod tests {
             let error = Some((values[2] - values[1]).abs());
             assert_eq!(Extrapolated::new(&values), Some(Extrapolated { value: values[2], error, order: None }));
         }
+        // Faster convergence than of any expected order.
+        let fast = Extrapolated::new(&[0.3, 0.26, 0.255]).unwrap();
+        assert_eq!((fast.value, fast.order), (0.255, Some(((0.26_f64 - 0.3) / (0.255 - 0.26)).log2())));
         let two = Extrapolated { value: 0.25, error: Some(0.3 - 0.25), order: None };
         assert_eq!(Extrapolated::new(&[0.3, 0.25]), Some(two));
         assert_eq!(Extrapolated::new(&[0.3]).unwrap().error, None);

@@ -89,7 +89,7 @@ pub struct ScanCutoff {
     pub mean_interval: Pair,
     /// Error of `mean` due to the pitch; `null` if one pitch was solved.
     pub grid_error: Option<f64>,
-    /// Observed order of convergence in the pitch; `null` without a credible one.
+    /// Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown.
     pub order: Option<f64>,
     /// Root mean square gradient of the heights, by differences over the pixels.
     pub rms_slope: f64,

@@ -81,6 +81,10 @@ fn of_run(results: &Results, folder: &Path) -> Answer {
         if let Some([low, high]) = point.mean_interval {
             show("friction_mean_interval", vec![low, high].into());
         }
+        if let Some(mean) = point.mean_of_scan {
+            show("friction_mean_of_scan", mean.into());
+        }
+        show("friction_resolved", point.resolved.into());
     } else {
         if let Some(pressure) = &results.pressure {
             show("contact_probability", pressure.contact_probability.into());

@@ -95,11 +95,19 @@ fn friction(friction: &FrictionResult) -> Answer {
         RoughBodyResult::Slider => " between parts (the slider is rough, and the friction of a part is constant)",
         RoughBodyResult::Both => " between parts and along the path (both bodies are rough)",
     };
+    let of_scan = point.mean_of_scan.map_or_else(String::new, |mean| {
+        format!(" The scan itself, pressed like the random strips, has {}.", significant(mean, 4))
+    });
+    let mean = shown(Dimension::None, point.mean, point.mean_interval);
     Answer {
         question: "What is the friction coefficient?",
-        answer: format!("μ = {}", shown(Dimension::None, point.mean, point.mean_interval)),
+        answer: if point.resolved {
+            format!("μ = {mean}")
+        } else {
+            format!("Not resolved: about {mean}; see the warnings")
+        },
         detail: format!(
-            "At the operating point ({}){brackets}. Standard deviation{parts}: {} for a window of {}, {} over the nominal area.",
+            "At the operating point ({}){brackets}.{of_scan} Standard deviation{parts}: {} for a window of {}, {} over the nominal area.",
             place(point),
             significant(point.std, 2),
             Dimension::Length.show(friction.window_m),

@@ -52,10 +52,24 @@ fn of_pressure(pressure: &PressureResult) -> Vec<Row> {
 fn of_friction(friction: &FrictionResult) -> Vec<Row> {
     let point = &friction.operating_point;
     let strips = format!("random strips: {}", friction.realisations);
-    let mut rows = vec![
-        row("friction coefficient μ", shown(Dimension::None, point.mean, point.mean_interval), strips.clone()),
+    let of_scan = point.mean_of_scan.map(|mean| {
+        row("μ of the scan itself", significant(mean, 4), "pressed like the strips, with all waves down to its pixels")
+    });
+    let whole = if of_scan.is_some() {
+        format!("{strips}; their pitch; the scan itself beside them; one limited scan")
+    } else {
+        format!("{strips}; their pitch")
+    };
+    let mut rows = vec![row("friction coefficient μ", shown(Dimension::None, point.mean, point.mean_interval), whole)];
+    rows.extend(of_scan);
+    rows.extend([
+        row(
+            "μ of the random surface",
+            shown(Dimension::None, point.mean, point.mean_sampling_interval),
+            strips.clone(),
+        ),
         row("its standard deviation between windows", shown(Dimension::None, point.std, point.std_interval), strips),
-    ];
+    ]);
     rows.extend(friction.cutoff.as_ref().and_then(of_pitch));
     let mean = friction.uncertainty.as_ref().and_then(|found| {
         let level = friction.levels.iter().position(|level| level.leading).unwrap_or(0);

@@ -1,10 +1,33 @@
 //! The table of friction over the shortest wavelength.
 
-use asperity_results::CutoffResult;
+use asperity_results::{CutoffResult, ScanCutoff, ScanFriction};
 
 use crate::cells::{DASH, percent, plain, shown};
 use crate::format::Dimension;
 use crate::page::data_table::DataTable;
+
+/// Returns one row per cut-off of the scan itself.
+pub(super) fn of_scan(scan: &ScanFriction) -> DataTable {
+    let length = |metre: f64| Dimension::Length.show(metre);
+    let row = |of: &ScanCutoff| {
+        let mean = shown(Dimension::None, of.mean, Some(of.mean_interval));
+        let grid_error = of.grid_error.map_or_else(|| DASH.to_owned(), |error| plain(error, 2));
+        vec![length(of.cutoff_m), mean, grid_error, plain(of.rms_slope, 3), percent(of.plastic_fraction, 3)]
+    };
+    let [x_m, y_m] = scan.size_m;
+    let pitches: Vec<String> = scan.pitches_m.iter().map(|pitch_m| length(*pitch_m)).collect();
+    let caption = format!(
+        "Friction of the scan itself, {} × {}, pressed at the operating point on pitches of {}; brackets are the 95 % interval for the surface \
+         of which it is a sample{}",
+        length(x_m),
+        length(y_m),
+        pitches.join(", "),
+        scan.slope_ratio
+            .map_or_else(String::new, |ratio| format!("; a strip has {} times its rms slope", plain(ratio, 3))),
+    );
+    let headers = ["Shortest wave", "μ", "Error of the pitch", "Rms slope", "Contact at the hardness"];
+    DataTable::new(&caption, &headers, scan.cut_offs.iter().map(row).collect(), "tables/friction_scan.csv")
+}
 
 /// Returns one row per cut-off and one for half the pitch; `None` without a cut-off.
 pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {

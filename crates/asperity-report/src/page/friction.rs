@@ -76,6 +76,7 @@ pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let mut tables: Vec<DataTable> = [process, drifts].map(|table| table(friction)).into();
     tables.extend(friction.cutoff.as_ref().and_then(cutoff::table));
+    tables.extend(friction.scan.as_ref().map(cutoff::of_scan));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
     tables
 }

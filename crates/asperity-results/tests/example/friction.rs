@@ -6,8 +6,8 @@ use asperity_results::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint,
     CutoffResult, FailedPoint, FrictionResult, GoodnessResult, HalvedPitch, LevelResult, OperatingPoint,
     PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
-    RoughBodyResult, StationarityResult, TailResult, UncertainLevel, UncertainParameter, UncertainResponse,
-    UncertaintyResult, UpscalingResult,
+    RoughBodyResult, ScanCutoff, ScanFriction, StationarityResult, TailResult, UncertainLevel, UncertainParameter,
+    UncertainResponse, UncertaintyResult, UpscalingResult,
 };
 
 use super::law;
@@ -156,12 +156,34 @@ pub(super) fn friction() -> FrictionResult {
             contact_stiffness_pa_per_m: Some(5.6e12),
             contact_stiffness_pa_per_m_se: Some(1.2e11),
             mean: 0.2249,
-            mean_interval: Some([0.2227, 0.2271]),
+            mean_interval: Some([0.2181, 0.2289]),
+            mean_computational_interval: Some([0.2211, 0.2271]),
+            mean_sampling_interval: Some([0.2227, 0.2271]),
+            mean_of_scan: Some(0.2214),
+            grid_error: Some(0.0012),
+            saturation: Some(0.244),
+            resolved: true,
             std: 0.0058,
             std_interval: None,
             std_nominal_area: 4.3e-5,
         },
         levels: (0..PENETRATIONS_M.len()).map(level).collect(),
+        scan: Some(ScanFriction {
+            size_m: [5e-4, 5e-4],
+            pitches_m: vec![1e-6, 5e-7],
+            slope_ratio: Some(1.02),
+            cut_offs: [(4e-6, 0.2236, 0.09), (2e-6, 0.2214, 0.1)]
+                .map(|(cutoff_m, mean, rms_slope)| ScanCutoff {
+                    cutoff_m,
+                    mean,
+                    mean_interval: [0.98 * mean, 1.02 * mean],
+                    grid_error: Some(0.0007),
+                    order: None,
+                    rms_slope,
+                    plastic_fraction: 0.2,
+                })
+                .into(),
+        }),
         cutoff: Some(CutoffResult {
             mean_pressure_pa: 3e6,
             strips: 4,

@@ -7,6 +7,7 @@ mod errors;
 mod files;
 mod friction_cutoff;
 mod friction_levels;
+mod friction_scan;
 mod friction_uncertainty;
 mod paper_fig3;
 mod paper_fig5;

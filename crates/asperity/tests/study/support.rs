@@ -191,6 +191,11 @@ pub(crate) const USUAL: &[&str] = &[
     "/hurst",
     "/misfit",
     "/slope_ratio",
+    // A surface without a scan, or without a hardness.
+    "/mean_of_scan",
+    "/scan",
+    "/saturation",
+    "/order",
     "/slope_cutoff_m",
     "/karhunen_loeve",
     "/percentile",

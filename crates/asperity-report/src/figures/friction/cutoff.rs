@@ -8,28 +8,32 @@ use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 
 const NAME: &str = "friction_cutoff";
+const SCAN: &str = "friction_scan";
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
-    let cutoff = run.results.friction.as_ref().and_then(|friction| friction.cutoff.as_ref());
-    let chart = chart(run.tables.get(NAME)?, cutoff)?;
+    let friction = run.results.friction.as_ref();
+    let cutoff = friction.and_then(|friction| friction.cutoff.as_ref());
+    let chart = chart(run.tables.get(NAME)?, cutoff, run.tables.get(SCAN))?;
     let caption = format!(
         "Mean μ at the mean pressure of the operating point without the waves below a cut-off, which a Gaussian filter removes from \
-         the same strips; shaded: 95 % intervals. {}",
+         the same strips; shaded: 95 % intervals. Circles are the scan itself without its shorter waves. {}",
         cutoff.map_or("", |cutoff| &cutoff.known)
     );
     let title = "The friction coefficient over the shortest wavelength";
     CaptionedFigure::from_charts(NAME, title, caption.trim_end(), 1, &[chart], &[NAME])
 }
 
-fn chart(table: &Table, cutoff: Option<&CutoffResult>) -> Option<Chart> {
+fn chart(table: &Table, cutoff: Option<&CutoffResult>, scan: Option<&Table>) -> Option<Chart> {
     let [x, mean] = columns(table, ["cutoff_m", "mean"])?;
     let own = cutoff.map(|cutoff| cutoff.cutoff_m);
     let band_end = cutoff.and_then(|cutoff| cutoff.band_end_m);
     let floor = cutoff.and_then(|cutoff| cutoff.plastic_floor);
     let halved = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()).map(|halved| halved.mean);
     let limits = columns(table, ["mean_low", "mean_high"]);
-    let (first, last) = range(positive(x).chain(own.as_slice()).chain(band_end.as_slice()))?;
-    let shown = mean.iter().chain(floor.as_slice()).chain(halved.as_slice());
+    let scan = scan.and_then(|table| columns(table, ["cutoff_m", "mean"]));
+    let [scan_x, scan_mean] = scan.unwrap_or([&[], &[]]);
+    let (first, last) = range(positive(x).chain(positive(scan_x)).chain(own.as_slice()).chain(band_end.as_slice()))?;
+    let shown = mean.iter().chain(scan_mean).chain(floor.as_slice()).chain(halved.as_slice());
     let (low, high) = range(shown.chain(limits.into_iter().flatten().flatten()))?;
     let x_axis = Axis::logarithmic("Cut-off wavelength", Dimension::Length.unit(last), (first / 1.25, last * 1.25));
     let mut chart = Chart::new(x_axis, Axis::padded("Friction coefficient μ", Unit::none(), (low, high), 0.08));
@@ -37,6 +41,9 @@ fn chart(table: &Table, cutoff: Option<&CutoffResult>) -> Option<Chart> {
         chart.band("", x, limits, VERMILION);
     }
     chart.points("mean μ, 95 %", x, mean, Pen::new(VERMILION, 1.8, Dash::Solid));
+    if !scan_x.is_empty() {
+        chart.points("the scan itself", scan_x, scan_mean, Pen::new(BLACK, 1.2, Dash::Dotted));
+    }
     if let (Some(x), Some(y)) = (own, halved) {
         chart.add("half the pitch", Mark::Symbol { x, y, shape: Shape::OpenDiamond, colour: BLUE });
     }

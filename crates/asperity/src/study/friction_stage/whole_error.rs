@@ -16,8 +16,9 @@ const RESOLVED: f64 = 0.03;
 const LIKE_THE_SCAN: f64 = 0.15;
 /// Change of μ by the shortest waves that is negligible.
 const NEGLIGIBLE: f64 = 0.005;
-/// Order of convergence in the pitch if none is observed.
+/// Orders of convergence in the pitch that are credible; the least if none is observed.
 const LEAST_ORDER: f64 = 1.0;
+const LARGEST_ORDER: f64 = 2.5;
 
 /// Errors of the mean friction coefficient of a level.
 pub(super) struct WholeError {
@@ -50,7 +51,9 @@ impl WholeError {
         let (mut warnings, mut noise, mut grid_error, mut resolved) = (Vec::new(), 0.0, None, true);
         if let Some(halved) = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()) {
             let [low, high] = halved.change_interval;
-            let order = scan.and_then(|scan| scan.cut_offs.first()?.order).map_or(LEAST_ORDER, |p| p.max(LEAST_ORDER));
+            let order = scan
+                .and_then(|scan| scan.cut_offs.first()?.order)
+                .map_or(LEAST_ORDER, |order| order.clamp(LEAST_ORDER, LARGEST_ORDER));
             let bias = halved.change / (1.0 - (-order).exp2());
             noise = half(halved.change_interval);
             errors.grid = [factor(mean + bias.min(0.0)), factor(mean + bias.max(0.0))];
