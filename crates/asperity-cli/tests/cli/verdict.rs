@@ -344,9 +344,9 @@ fn machines_without_an_answer_are_counted_and_left_out() {
         ("valid_share = 0.999\n", "", 4, format!("{failed} of {sampled} sampled machines have no answer")),
         (
             "",
-            "half_width = 0.003\nevaluations = 2048\n",
+            "half_width = 0.002\nevaluations = 2048\n",
             0,
-            "the interval of the probability is wider than ± 0.3 %".into(),
+            "the interval of the probability is wider than ± 0.2 %".into(),
         ),
     ] {
         fs::write(folder.path().join("study.toml"), format!("{before}{MACHINE}{lines}{after}")).unwrap();

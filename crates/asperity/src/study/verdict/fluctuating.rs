@@ -143,7 +143,8 @@ mod tests {
     fn few_machines_have_the_mean_fraction_of_an_independent_program() {
         // Few trajectories decide that φ is below .97.
         let share = sampled(48, &[0.97]).mean(|machine| machine.fraction);
-        assert!((share.value - 0.29).abs() < 2.0 * share.half_width && share.half_width < 0.05, "{share:?}");
+        // The fractions of machines have a standard deviation of .16, so that the mean of 48 independent ones has an error of .023.
+        assert!((share.value - 0.29).abs() < 2.0 * 0.023, "{share:?}");
     }
 
     #[test]
