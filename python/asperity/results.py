@@ -1921,8 +1921,8 @@ class VerdictResult(Record):
     friction: LearntFriction | None
     """Friction as a function of the uncertain values; `null` if it does not depend on them."""
     friction_fluctuates: bool
-    """Whether friction fluctuates along the path, so that a machine may vibrate for a part of the time. Without
-    fluctuation, `probability`, `expected_vibration_share` and `probability_half` are equal.
+    """Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part
+    of the time. If not, `probability`, `expected_vibration_share` and `probability_half` are equal.
     """
     guesses: list[Guess]
     """Effect of each unknown value."""

@@ -14,24 +14,24 @@ pub struct VerdictResult {
     /// Model of the machine. It decides what a margin is.
     #[serde(default)]
     pub model: ModelResult,
-    /// Fraction of the time above which a machine with fluctuating friction counts as vibrating.
-    pub vibration_threshold: f64,
-    /// Whether friction fluctuates along the path, so that a machine may vibrate for a part of the time. Without fluctuation,
-    /// `probability`, `expected_vibration_share` and `probability_half` are equal.
-    pub friction_fluctuates: bool,
+    /// Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick.
+    pub expected_vibration_share: f64,
+    /// Its 95 % interval: the error of the computation.
+    pub expected_vibration_share_interval: Pair,
     /// Probability that a machine whose motion begins in stick vibrates longer than the fraction `vibration_threshold` of the second half of
     /// the duration, in the mean over realisations of friction. With mode coupling, the probability that steady sliding is unstable.
     pub probability: f64,
     /// Its 95 % interval: the error of the computation.
     pub probability_interval: Pair,
-    /// Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick.
-    pub expected_vibration_share: f64,
-    /// Its 95 % interval: the error of the computation.
-    pub expected_vibration_share_interval: Pair,
     /// Probability that a machine whose motion begins in stick vibrates for at least half of the second half of the duration.
     pub probability_half: f64,
     /// Its 95 % interval: the error of the computation.
     pub probability_half_interval: Pair,
+    /// Fraction of the time above which a machine with fluctuating friction counts as vibrating.
+    pub vibration_threshold: f64,
+    /// Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part of the time. If not,
+    /// `probability`, `expected_vibration_share` and `probability_half` are equal.
+    pub friction_fluctuates: bool,
     /// Probability that a machine vibrates which slides steadily at first and is not kicked; `null` if friction fluctuates, because the
     /// fluctuation starts vibration.
     pub probability_from_steady_sliding: Option<f64>,

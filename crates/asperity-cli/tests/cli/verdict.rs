@@ -367,6 +367,9 @@ fn unknown_values_give_a_range_of_probabilities() {
         let value = found["probability_over_unknowns"][key].as_f64().unwrap();
         assert!((value - wanted).abs() < 0.005, "{key}: {value} instead of {wanted}");
     }
+    let over = &found["probability_over_unknowns"];
+    assert_eq!(pair(&found["probability_range"]).map(Value::from), [over["q05"].clone(), over["q95"].clone()]);
+    assert!(found["sentence"].as_str().unwrap().contains("depending on the unknown damping ratio"), "{found}");
     let guess = &found["guesses"][0];
     assert_eq!(guess["input"], "vibration.damping_ratio");
     assert!((guess["probability_at_q05"].as_f64().unwrap() - wanted[2]).abs() < 0.005, "{guess}");

@@ -174,12 +174,43 @@ fn widened(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bo
 #[cfg(test)]
 mod tests {
     use super::super::machines::Machine;
+    use super::super::machines::tests::stated_window;
     use super::super::responses::tests::of_powers;
     use super::*;
     use crate::distribution::{Marginal, standard_normal_cdf};
     use crate::friction::{StatedFriction, WindowFriction};
     use crate::monitor::Silent;
     use crate::study::Study;
+
+    #[test]
+    fn a_margin_that_no_value_changes_gives_an_exact_probability() {
+        // Friction is stated and does not fluctuate, so the nominal area has no effect. The limit of the damping ratio is b/2.
+        for (damping, wanted) in [("0.049", 1.0), ("0.051", 0.0)] {
+            let text = format!(
+                "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                 nominal_area = \"833 ± 20 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+                 velocity_law = \"linear\"\nlinear_weakening = 0.1\ndamping_ratio = {damping}\n"
+            );
+            let study = Study::parse(&text, "study.toml").unwrap();
+            let window = stated_window(&study);
+            let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+            let sampled = Sampled::until(&machines, &evaluate, 0.02, 64, &Silent).unwrap();
+            let mut estimator = Estimator {
+                machines: &machines,
+                sampled: &sampled,
+                responses: None,
+                seed: 1,
+                monitor: &Silent,
+                evaluations: 0,
+                warnings: Vec::new(),
+            };
+            let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
+            let found = estimator.probability(&event).unwrap();
+            assert_eq!((found.value, found.interval), (wanted, Interval { low: wanted, high: wanted }));
+            assert_eq!((estimator.evaluations, found.sources.len()), (0, 0));
+        }
+    }
 
     #[test]
     fn errors_of_a_small_probability_are_relative() {
