@@ -279,7 +279,8 @@ mod tests {
     #[test]
     #[ignore = "slow"]
     fn intervals_cover_the_probability_although_sampling_stops_when_they_are_narrow() {
-        let mut cases: Vec<(String, (usize, f64, f64), Box<dyn Fn(&[f64]) -> bool>)> = Vec::new();
+        type Case = (String, (usize, f64, f64), Box<dyn Fn(&[f64]) -> bool>);
+        let mut cases: Vec<Case> = Vec::new();
         for variables in [1, 2, 3, 6] {
             for (probability, half_width) in [(0.03, 0.02), (0.101, 0.01), (0.327, 0.02), (0.47, 0.015), (0.903, 0.02)]
             {
