@@ -1613,10 +1613,16 @@ class Remedy(Record):
 
     friction_coefficient_now: float | None
     """Friction coefficient at the present value."""
+    held: str | None
+    """Damping that stays constant: `damper`, the coefficient c = 2ζmω₀ in N s/m, or `damping_ratio`, ζ; `null` for a
+    change of the damping ratio itself.
+    """
     input: str
     """Name of the value, `section.key`."""
     now: float
     """Its present central value."""
+    range: list[float]
+    """Range in which values are searched."""
     reach: list[Reach]
     """Values that reach the target probabilities."""
     unit: str
@@ -1904,12 +1910,20 @@ class VerdictResult(Record):
     """Number of machines that were evaluated."""
     event_drivers: list[Driver]
     """Sensitivity of the event; empty for probabilities below 5 or above 95 %."""
+    expected_vibration_share: float
+    """Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick."""
+    expected_vibration_share_interval: list[float]
+    """Its 95 % interval: the error of the computation."""
     failed_samples: int
     """Number of them that have no answer."""
     first_failure: str | None = None
     """Reason of the first of them."""
     friction: LearntFriction | None
     """Friction as a function of the uncertain values; `null` if it does not depend on them."""
+    friction_fluctuates: bool
+    """Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part
+    of the time. If not, `probability`, `expected_vibration_share` and `probability_half` are equal.
+    """
     guesses: list[Guess]
     """Effect of each unknown value."""
     if_vibrating: VibratingMachines | None
@@ -1927,21 +1941,36 @@ class VerdictResult(Record):
     nominal: NominalMachine
     """The machine with all values at their centres."""
     probability: float
-    """Probability that a machine vibrates whose motion begins in stick. With mode coupling, the probability that
-    steady sliding is unstable.
+    """Probability that a machine whose motion begins in stick vibrates longer than the fraction
+    `vibration_threshold` of the second half of the duration, in the mean over realisations of friction. With mode
+    coupling, the probability that steady sliding is unstable.
     """
-    probability_from_steady_sliding: float
-    """Probability that a machine vibrates which slides steadily at first and is not kicked."""
-    probability_from_steady_sliding_interval: list[float]
+    probability_from_steady_sliding: float | None
+    """Probability that a machine vibrates which slides steadily at first and is not kicked; `null` if friction
+    fluctuates, because the fluctuation starts vibration.
+    """
+    probability_from_steady_sliding_interval: list[float] | None
+    """Its 95 % interval: the error of the computation."""
+    probability_half: float
+    """Probability that a machine whose motion begins in stick vibrates for at least half of the second half of the
+    duration.
+    """
+    probability_half_interval: list[float]
     """Its 95 % interval: the error of the computation."""
     probability_interval: list[float]
     """Its 95 % interval: the error of the computation."""
     probability_over_unknowns: Quantiles | None
     """Quantiles of the probability over the values that are unknown; `null` if none is."""
+    probability_range: list[float] | None
+    """Range of the probability over the values that are unknown: its 5 and 95 % quantiles. `null` if none is
+    unknown.
+    """
     remedies: list[Remedy]
     """Changes that reach the target probabilities."""
     rests_on: list[RestsOn]
     """Inputs of the verdict with their origin; empty in results of earlier versions."""
+    vibration_threshold: float
+    """Fraction of the time above which a machine with fluctuating friction counts as vibrating."""
 
     _nested: ClassVar[Mapping[str, type[Record]]] = {
         "area_as_one": AreaAsOne,

@@ -5,6 +5,7 @@
 //! value is NaN, and every step omits it.
 
 mod columns;
+mod drift;
 mod fit;
 mod preparation;
 mod record;

@@ -3,6 +3,7 @@
 use asperity_results::{ModelResult, VerdictResult};
 
 use crate::format::{Dimension, significant};
+use crate::words::named;
 
 /// Probability below which a number rests on the tails of the assumed distributions.
 pub(crate) const RARE: f64 = 1e-3;
@@ -18,44 +19,123 @@ pub(crate) struct Headline {
 impl Headline {
     /// Returns the verdict without the errors of its numbers.
     pub(crate) fn new(verdict: &VerdictResult) -> Self {
-        let (noun, p) = (noun(verdict), verdict.probability);
-        let part = str::to_owned;
+        Self::with_intervals(verdict, &|_| String::new())
+    }
+
+    /// Returns the verdict. `interval` writes the interval of a number behind it.
+    fn with_intervals(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
+        let noun = noun(verdict);
+        if is_exact(verdict) {
+            return Self::of_one_machine(verdict, noun, interval);
+        }
+        let before = format!("{noun} is ");
         let coupled = verdict.model == ModelResult::ModeCoupling;
-        if is_exact(verdict) && coupled {
+        let event =
+            if coupled { "flutter".into() } else { format!("{}, once started from standstill", vibrate(verdict)) };
+        let range = leading_range(verdict);
+        let highest = range.map_or(verdict.probability_interval[1], |[_, high]| high);
+        // A wide interval of a small probability reaches above it.
+        if highest < RARE {
+            let after = format!(
+                ": fewer than 1 in 1,000 machines like this one {event}; the number rests on the assumed tails."
+            );
+            return Self { before, answer: "very improbable".into(), after };
+        }
+        let own = format!("{}{}", percent(verdict.probability), interval(verdict.probability_interval));
+        let (word, machines, after) = match range {
+            Some([low, high]) => {
+                let word = if word(low) == word(high) { word(low) } else { "uncertain" };
+                let after = format!("{event}, depending on {}; {own} on average", unknown_values(verdict));
+                (word, format!("{} to {}", percent(low), percent(high)), after)
+            }
+            None => (word(verdict.probability), own, event),
+        };
+        if verdict.friction_fluctuates {
+            let share = percent(verdict.expected_vibration_share);
+            let error = interval(verdict.expected_vibration_share_interval);
+            let after = format!("{error} of the time on average; {machines} of machines like this one {after}.");
+            return Self { before, answer: format!("{word}: {share}"), after };
+        }
+        Self { before, answer: format!("{word}: {machines}"), after: format!(" of machines like this one {after}.") }
+    }
+
+    /// Returns the verdict on a machine whose values are all exact.
+    fn of_one_machine(verdict: &VerdictResult, noun: &str, interval: &dyn Fn([f64; 2]) -> String) -> Self {
+        let before = String::from("The machine ");
+        if verdict.model == ModelResult::ModeCoupling {
             let distance = significant(verdict.nominal.damping_margin.abs(), 3);
             let (answer, side) =
                 if verdict.nominal.vibrates { ("squeals", "above") } else { ("does not squeal", "below") };
             let after = format!(" by mode coupling: its friction coefficient is {distance} {side} the critical one.");
-            return Self { before: part("The machine "), answer: part(answer), after };
+            return Self { before, answer: answer.into(), after };
         }
-        if is_exact(verdict) {
-            return if verdict.nominal.vibrates {
-                let after = format!(" ({}), once started from standstill.", noun.to_lowercase());
-                Self { before: part("The machine "), answer: part("vibrates"), after }
-            } else {
-                let limit = verdict.nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
-                let after = format!(": its damping ratio is not below the limit of {limit}.");
-                Self { before: part("The machine "), answer: part("does not vibrate"), after }
-            };
+        if verdict.friction_fluctuates {
+            let answer = format!("vibrates {} of the time", percent(verdict.expected_vibration_share));
+            let error = interval(verdict.expected_vibration_share_interval);
+            return Self { before, answer, after: format!("{error}, once started from standstill.") };
         }
-        let before = format!("{noun} is ");
-        let event = if coupled { "flutter" } else { "vibrate, once started from standstill" };
-        // A wide interval of a small probability reaches above it.
-        if verdict.probability_interval[1] < RARE {
-            let after = format!(
-                ": fewer than 1 in 1,000 machines like this one {event}; the number rests on the assumed tails."
-            );
-            return Self { before, answer: part("very improbable"), after };
+        if verdict.nominal.vibrates {
+            let after = format!(" ({}), once started from standstill.", noun.to_lowercase());
+            return Self { before, answer: "vibrates".into(), after };
         }
-        let word = match p {
-            p if p < 0.05 => "improbable",
-            p if p < 0.35 => "unlikely",
-            p if p < 0.65 => "as likely as not",
-            p if p < 0.95 => "likely",
-            _ => "almost certain",
-        };
-        let after = format!(" of machines like this one {event}.");
-        Self { before, answer: format!("{word}: {}", percent(p)), after }
+        let limit = verdict.nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
+        let after = format!(": its damping ratio is not below the limit of {limit}.");
+        Self { before, answer: "does not vibrate".into(), after }
+    }
+}
+
+/// Returns the word for a probability.
+fn word(probability: f64) -> &'static str {
+    match probability {
+        p if p < 0.05 => "improbable",
+        p if p < 0.35 => "unlikely",
+        p if p < 0.65 => "as likely as not",
+        p if p < 0.95 => "likely",
+        _ => "almost certain",
+    }
+}
+
+/// Returns the range of the probability over the unknown values, if it is wider than the error of the computation.
+pub(crate) fn leading_range(verdict: &VerdictResult) -> Option<[f64; 2]> {
+    let width = |[low, high]: [f64; 2]| high - low;
+    verdict.probability_range.filter(|range| width(*range) > width(verdict.probability_interval))
+}
+
+/// Returns a name for the unknown values.
+pub(crate) fn unknown_values(verdict: &VerdictResult) -> String {
+    match verdict.guesses.as_slice() {
+        [guess] if guess.input.ends_with(".scan") => "the limited scan".into(),
+        [guess] => format!("the unknown {}", named(&guess.input)),
+        guesses => format!("the {} unknown values", guesses.len()),
+    }
+}
+
+/// Returns a fraction of the time in words: `a tenth of the time`.
+pub(crate) fn of_the_time(fraction: f64) -> String {
+    let part = match fraction {
+        0.1 => "a tenth".into(),
+        0.25 => "a quarter".into(),
+        0.5 => "half".into(),
+        fraction => percent(fraction),
+    };
+    format!("{part} of the time")
+}
+
+/// Returns the event of a machine, as a verb in the plural.
+fn vibrate(verdict: &VerdictResult) -> String {
+    if verdict.friction_fluctuates {
+        format!("vibrate more than {}", of_the_time(verdict.vibration_threshold))
+    } else {
+        "vibrate".into()
+    }
+}
+
+/// Returns the event of a machine, as a noun.
+pub(crate) fn vibration(verdict: &VerdictResult) -> String {
+    if verdict.friction_fluctuates {
+        format!("vibration for more than {}", of_the_time(verdict.vibration_threshold))
+    } else {
+        "vibration".into()
     }
 }
 
@@ -75,36 +155,35 @@ pub fn verdict_sentence(verdict: &VerdictResult) -> String {
 }
 
 fn probability_sentence(verdict: &VerdictResult) -> String {
-    let Headline { before, answer, after } = Headline::new(verdict);
+    let interval = |[low, high]: [f64; 2]| match low > 1.0 - RARE || low == high {
+        true => String::new(),
+        false => format!(" ({} to {})", percent(low), percent(high)),
+    };
+    let Headline { before, answer, after } = Headline::with_intervals(verdict, &interval);
     let sentence = format!("{before}{answer}{after}");
     if is_exact(verdict) {
         return match steady_sliding(verdict) {
             Some(sliding) => format!("{}; {sliding}. No value is uncertain.", sentence.trim_end_matches('.')),
-            None if verdict.nominal.vibrates => format!("{sentence} No value is uncertain."),
+            None if verdict.nominal.vibrates || verdict.friction_fluctuates => {
+                format!("{sentence} No value is uncertain.")
+            }
             None => sentence,
         };
     }
-    let [low, high] = verdict.probability_interval;
-    if high < RARE {
-        return sentence;
-    }
-    let interval = match low > 1.0 - RARE {
-        true => String::new(),
-        false => format!(" ({} to {})", percent(low), percent(high)),
-    };
-    if verdict.model == ModelResult::ModeCoupling {
+    let is_rare = leading_range(verdict).unwrap_or(verdict.probability_interval)[1] < RARE;
+    match verdict.probability_from_steady_sliding {
         // Coupled modes flutter however their motion begins.
-        return format!("{before}{answer}{interval}{after}");
+        Some(sliding) if !is_rare && verdict.model == ModelResult::StickSlip => {
+            format!("{}; {} from steady sliding.", sentence.trim_end_matches('.'), percent(sliding))
+        }
+        _ => sentence,
     }
-    let after = after.trim_end_matches('.');
-    let sliding = percent(verdict.probability_from_steady_sliding);
-    format!("{before}{answer}{interval}{after}; {sliding} from steady sliding.")
 }
 
 /// Returns a phrase on steady sliding in a machine of exact values that vibrates; `None` for a quiet machine.
 pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
     let nominal = &verdict.nominal;
-    if !nominal.vibrates || verdict.model == ModelResult::ModeCoupling {
+    if !nominal.vibrates || verdict.friction_fluctuates || verdict.model == ModelResult::ModeCoupling {
         return None;
     }
     if nominal.steady_sliding_unstable {

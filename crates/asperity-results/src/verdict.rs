@@ -14,15 +14,31 @@ pub struct VerdictResult {
     /// Model of the machine. It decides what a margin is.
     #[serde(default)]
     pub model: ModelResult,
-    /// Probability that a machine vibrates whose motion begins in stick. With mode coupling, the probability that steady sliding is
-    /// unstable.
+    /// Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick.
+    pub expected_vibration_share: f64,
+    /// Its 95 % interval: the error of the computation.
+    pub expected_vibration_share_interval: Pair,
+    /// Probability that a machine whose motion begins in stick vibrates longer than the fraction `vibration_threshold` of the second half of
+    /// the duration, in the mean over realisations of friction. With mode coupling, the probability that steady sliding is unstable.
     pub probability: f64,
     /// Its 95 % interval: the error of the computation.
     pub probability_interval: Pair,
-    /// Probability that a machine vibrates which slides steadily at first and is not kicked.
-    pub probability_from_steady_sliding: f64,
+    /// Probability that a machine whose motion begins in stick vibrates for at least half of the second half of the duration.
+    pub probability_half: f64,
     /// Its 95 % interval: the error of the computation.
-    pub probability_from_steady_sliding_interval: Pair,
+    pub probability_half_interval: Pair,
+    /// Fraction of the time above which a machine with fluctuating friction counts as vibrating.
+    pub vibration_threshold: f64,
+    /// Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part of the time. If not,
+    /// `probability`, `expected_vibration_share` and `probability_half` are equal.
+    pub friction_fluctuates: bool,
+    /// Probability that a machine vibrates which slides steadily at first and is not kicked; `null` if friction fluctuates, because the
+    /// fluctuation starts vibration.
+    pub probability_from_steady_sliding: Option<f64>,
+    /// Its 95 % interval: the error of the computation.
+    pub probability_from_steady_sliding_interval: Option<Pair>,
+    /// Range of the probability over the values that are unknown: its 5 and 95 % quantiles. `null` if none is unknown.
+    pub probability_range: Option<Pair>,
     /// Quantiles of the probability over the values that are unknown; `null` if none is.
     pub probability_over_unknowns: Option<Quantiles>,
     /// Parts of the half width of `probability_interval`, largest first.
@@ -234,8 +250,13 @@ pub struct Remedy {
     pub input: String,
     /// SI unit of the value; empty for a number.
     pub unit: String,
+    /// Damping that stays constant: `damper`, the coefficient c = 2ζmω₀ in N s/m, or `damping_ratio`, ζ; `null` for a change of the damping
+    /// ratio itself.
+    pub held: Option<String>,
     /// Its present central value.
     pub now: f64,
+    /// Range in which values are searched.
+    pub range: Pair,
     /// Friction coefficient at the present value.
     pub friction_coefficient_now: Option<f64>,
     /// Values that reach the target probabilities.

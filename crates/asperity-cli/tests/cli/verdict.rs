@@ -344,9 +344,9 @@ fn machines_without_an_answer_are_counted_and_left_out() {
         ("valid_share = 0.999\n", "", 4, format!("{failed} of {sampled} sampled machines have no answer")),
         (
             "",
-            "half_width = 0.003\nevaluations = 2048\n",
+            "half_width = 0.002\nevaluations = 2048\n",
             0,
-            "the interval of the probability is wider than ± 0.3 %".into(),
+            "the interval of the probability is wider than ± 0.2 %".into(),
         ),
     ] {
         fs::write(folder.path().join("study.toml"), format!("{before}{MACHINE}{lines}{after}")).unwrap();
@@ -367,6 +367,9 @@ fn unknown_values_give_a_range_of_probabilities() {
         let value = found["probability_over_unknowns"][key].as_f64().unwrap();
         assert!((value - wanted).abs() < 0.005, "{key}: {value} instead of {wanted}");
     }
+    let over = &found["probability_over_unknowns"];
+    assert_eq!(pair(&found["probability_range"]).map(Value::from), [over["q05"].clone(), over["q95"].clone()]);
+    assert!(found["sentence"].as_str().unwrap().contains("depending on the unknown damping ratio"), "{found}");
     let guess = &found["guesses"][0];
     assert_eq!(guess["input"], "vibration.damping_ratio");
     assert!((guess["probability_at_q05"].as_f64().unwrap() - wanted[2]).abs() < 0.005, "{guess}");

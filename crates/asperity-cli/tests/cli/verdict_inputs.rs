@@ -136,6 +136,7 @@ fn wrong_uncertain_values_name_their_line() {
             14,
             "vibration.mass",
         ),
+        ("damping_ratio = 0.05\n[verdict]\nthreshold = 1.0\n", 14, "a fraction of the time between 0 and 1"),
         ("damping_ratio = 0.05\n[uncertainty]\nsurface = 1\n", 14, "is not true or false"),
     ] {
         let ended = run(&format!("{lines}{more}"));

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::drift;
 use super::smoothing::polynomial;
 use super::{MeasuredError, PreparedRecord};
 use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
@@ -311,6 +312,7 @@ impl FittedRecord {
                     .into(),
             );
         }
+        warnings.extend(drift::warning(values, record.step_m, moments.moments.std));
         warnings.extend(notes_on(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
         if best.length_m < ObservedLengths::RESOLVED * record.step_m {
             let whole = narrowed_to_per_m.is_none();

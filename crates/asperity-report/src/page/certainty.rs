@@ -115,9 +115,15 @@ fn of_verdict(run: &Run) -> Vec<Row> {
     let [low, high] = verdict.probability_interval;
     let computed = format!("{} [{}, {}]", percent(verdict.probability), percent(low), percent(high));
     let sampled = format!("machines that were computed: {}", verdict.evaluations);
-    let mut rows = vec![row("probability of vibration", computed, sampled)];
-    rows.extend(verdict.probability_over_unknowns.map(|unknown| {
-        let range = format!("{} to {} (5–95 %)", percent(unknown.q05), percent(unknown.q95));
+    let name = format!("probability of {}", crate::verdict::vibration(verdict));
+    let mut rows = vec![row(&name, computed, sampled.clone())];
+    if verdict.friction_fluctuates {
+        let [low, high] = verdict.expected_vibration_share_interval;
+        let share = format!("{} [{}, {}]", percent(verdict.expected_vibration_share), percent(low), percent(high));
+        rows.insert(0, row("fraction of the time in vibration", share, sampled));
+    }
+    rows.extend(verdict.probability_range.map(|[low, high]| {
+        let range = format!("{} to {} (5–95 %)", percent(low), percent(high));
         row("the same over the unknown values", range, "values that are stated as unknown; measuring them narrows it")
     }));
     rows

@@ -15,7 +15,10 @@ use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
 use crate::run::RESULTS;
-use crate::verdict::{Headline, MEAN_FRICTION, RARE, is_exact, percent, steady_sliding};
+use crate::verdict::{
+    Headline, MEAN_FRICTION, RARE, is_exact, leading_range, percent, steady_sliding, unknown_values,
+    vibration as vibration_event,
+};
 use crate::words::{between, named, unbroken};
 
 /// Returns the first screen: the verdict in one sentence, its numbers, and four cards. `chain` is shown below them.
@@ -62,11 +65,10 @@ fn numbers(verdict: &VerdictResult) -> Html {
         sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(&sliding)))));
     } else {
         sentences.push(text(computed_to(verdict)));
+        sentences.extend(half_of_the_time(verdict).map(text));
         sentences.extend(over_unknowns(verdict));
-        if verdict.model == ModelResult::StickSlip {
-            let sliding = percent(verdict.probability_from_steady_sliding);
-            sentences.push(text(format!("From steady sliding {sliding}.")));
-        }
+        let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == ModelResult::StickSlip);
+        sentences.extend(sliding.map(|sliding| text(format!("From steady sliding {}.", percent(sliding)))));
     }
     if verdict.leaves_out_fluctuation {
         sentences.push(text(MEAN_FRICTION.into()));
@@ -80,15 +82,17 @@ fn numbers(verdict: &VerdictResult) -> Html {
     spaced.collect()
 }
 
-/// Returns the range of the probability over the unknown values in a sentence.
+/// Returns how many machines vibrate for at least half of the time in a sentence; `None` if friction does not fluctuate.
+fn half_of_the_time(verdict: &VerdictResult) -> Option<String> {
+    let found = percent(verdict.probability_half);
+    verdict.friction_fluctuates.then(|| format!("{found} of the machines vibrate at least half of the time."))
+}
+
+/// Returns the range of the probability over the unknown values in a sentence, unless the headline states it.
 fn over_unknowns(verdict: &VerdictResult) -> Option<Html> {
-    let Quantiles { q05, q95, .. } = verdict.probability_over_unknowns?;
-    let over = match verdict.guesses.as_slice() {
-        [guess] => format!("Over the unknown {}", named(&guess.input)),
-        guesses => format!("Over the {} unknown values", guesses.len()),
-    };
-    let ends = format!("{} and {}", percent(q05), percent(q95));
-    Some(html!("{} it lies between <strong>{}</strong>.", over, unbroken(&ends)))
+    let [low, high] = verdict.probability_range.filter(|_| leading_range(verdict).is_none())?;
+    let ends = format!("{} and {}", percent(low), percent(high));
+    Some(html!("Over {} the probability lies between <strong>{}</strong>.", unknown_values(verdict), unbroken(&ends)))
 }
 
 /// Returns frequency and amplitudes of the machines that vibrate in a sentence.
@@ -162,7 +166,7 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             ),
             &verdict.drivers,
         ),
-        drivers("Sensitivity of the event that a machine vibrates", &verdict.event_drivers),
+        drivers(&format!("Sensitivity of the event: {}", vibration_event(verdict)), &verdict.event_drivers),
         DataTable::new(
             "Probability of vibration if an unknown value were at its 5 % or its 95 % quantile",
             &["Value", "At 5 %", "At 95 %"],

@@ -42,12 +42,34 @@ fn vibrating(html: &str) -> f64 {
     vibrates / (quiet + vibrates)
 }
 
+/// Returns a verdict without unknown values.
+fn known() -> VerdictResult {
+    let verdict = example::verdict::verdict();
+    VerdictResult { probability_range: None, probability_over_unknowns: None, guesses: Vec::new(), ..verdict }
+}
+
+/// Returns a verdict on machines whose friction fluctuates.
+fn fluctuating() -> VerdictResult {
+    VerdictResult {
+        friction_fluctuates: true,
+        probability: 0.82,
+        probability_interval: [0.8, 0.84],
+        expected_vibration_share: 0.29,
+        expected_vibration_share_interval: [0.28, 0.3],
+        probability_half: 0.108,
+        probability_half_interval: [0.1, 0.12],
+        probability_from_steady_sliding: None,
+        probability_from_steady_sliding_interval: None,
+        ..known()
+    }
+}
+
 /// Returns a page with 1,000 sampled machines, whose margins are uniform between the ends.
 fn sampled(probability: f64, low: f64, high: f64) -> String {
     let mut run = Run { results: example::results(), ..Run::default() };
     let half = 0.5 * 0.02;
     let interval = [probability - half, probability + half];
-    let verdict = VerdictResult { probability, probability_interval: interval, ..example::verdict::verdict() };
+    let verdict = VerdictResult { probability, probability_interval: interval, ..known() };
     run.results.verdict = Some(verdict);
     let margins = (0..1000).map(|i| low + (high - low) * (f64::from(i) + 0.5) / 1000.0).collect();
     let columns = vec![("vibration.stribeck".to_owned(), vec![4.2; 1000]), ("damping_margin".to_owned(), margins)];
@@ -57,7 +79,7 @@ fn sampled(probability: f64, low: f64, high: f64) -> String {
 
 #[test]
 fn the_sentence_states_the_probability_with_its_interval() {
-    let likely = example::verdict::verdict();
+    let likely = known();
     assert_eq!(
         verdict_sentence(&likely),
         "Stick-slip is as likely as not: 64 % (61 % to 67 %) of machines like this one vibrate, once started from standstill; 12 % from \
@@ -85,12 +107,89 @@ fn the_sentence_states_the_probability_with_its_interval() {
 }
 
 #[test]
+fn the_range_over_unknown_values_leads_where_it_is_wider_than_the_error_of_the_computation() {
+    let mut verdict = example::verdict::verdict();
+    assert_eq!(
+        verdict_sentence(&verdict),
+        "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
+         Stribeck coefficient; 64 % (61 % to 67 %) on average; 12 % from steady sliding."
+    );
+    verdict.probability_range = Some([0.55, 0.64]);
+    assert!(verdict_sentence(&verdict).starts_with("Stick-slip is as likely as not: 55 % to 64 % of machines"));
+    verdict.probability_range = Some([0.63, 0.65]);
+    assert!(verdict_sentence(&verdict).starts_with("Stick-slip is as likely as not: 64 % (61 % to 67 %) of machines"));
+    assert!(verdict_text(&verdict).contains("Over the unknown Stribeck coefficient the probability lies between 63 %"));
+}
+
+#[test]
+fn under_fluctuating_friction_the_fraction_of_the_time_leads() {
+    let mut verdict = fluctuating();
+    verdict.vibration_threshold = 0.1;
+    assert_eq!(
+        verdict_sentence(&verdict),
+        "Stick-slip is likely: 29 % (28 % to 30 %) of the time on average; 82 % (80 % to 84 %) of machines like this one vibrate more than \
+         a tenth of the time, once started from standstill."
+    );
+    let text = verdict_text(&verdict);
+    for wanted in [
+        "\n11 % of the machines vibrate at least half of the time.\n",
+        "0.026: vibration for more than a tenth of the time is then 5 % probable.",
+        "Sensitivity of the event: vibration for more than a tenth of the time",
+    ] {
+        assert!(text.contains(wanted), "`{wanted}` is missing in\n{text}");
+    }
+    assert!(!text.contains("steady sliding"), "{text}");
+    verdict.vibration_threshold = 0.3;
+    assert!(verdict_sentence(&verdict).contains("vibrate more than 30 % of the time"));
+    let words = plain(&page(verdict.clone()));
+    assert!(words.contains("Stick-slip is likely: 29 % of the time on average; 82 % of machines"), "{words}");
+    assert!(words.contains("fraction of the time in vibration"));
+    (verdict.evaluations, verdict.expected_vibration_share_interval) = (1, [0.27, 0.31]);
+    assert_eq!(
+        verdict_sentence(&verdict),
+        "The machine vibrates 29 % of the time (27 % to 31 %), once started from standstill. No value is uncertain."
+    );
+}
+
+#[test]
+fn a_remedy_names_the_damping_that_it_keeps_and_the_range_without_a_value() {
+    let mut verdict = known();
+    let remedy = &mut verdict.remedies[0];
+    (remedy.input, remedy.unit, remedy.now) = ("vibration.mass".into(), "kg".into(), 5.0);
+    (remedy.held, remedy.range) = (Some("damper".into()), [0.5, 60.0]);
+    remedy.reach[0].value = Some(12.0);
+    assert!(
+        verdict_text(&verdict).contains("Raise the mass (same damper in N s/m) from 5"),
+        "{}",
+        verdict_text(&verdict)
+    );
+    verdict.remedies[0].held = Some("damping_ratio".into());
+    verdict.remedies[0].reach[0].value = None;
+    let text = verdict_text(&verdict);
+    assert!(text.contains("No mass (same damping ratio) from 500 g to 60 kg reaches 5 %."), "{text}");
+}
+
+#[test]
+fn only_unknown_values_are_measured_next() {
+    let mut verdict = example::verdict::verdict();
+    // The strength narrows the margin less, but the Stribeck coefficient varies from part to part.
+    verdict.guesses[0].input = "material.shear_strength".into();
+    assert!(
+        verdict_text(&verdict).contains("Measure the shear strength next: the margin’s range would shrink by 12 %.")
+    );
+    verdict.guesses[0].input = "vibration.static_friction".into();
+    assert!(verdict_text(&verdict).contains("No single measurement of an unknown value would narrow the margin."));
+    let text = verdict_text(&known());
+    assert!(text.contains("nothing to measure next. Parts with equal Stribeck coefficient would shrink"), "{text}");
+}
+
+#[test]
 fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
     let verdict = example::verdict::verdict();
     let text = verdict_text(&verdict);
     assert!(text.starts_with(&verdict_sentence(&verdict)), "{text}");
     for wanted in [
-        "\nOver the unknown Stribeck coefficient it lies between 22 % and 91 %.\nIf it vibrates: 312 Hz (298–325), with amplitudes",
+        "12 % from steady sliding.\nIf it vibrates: 312 Hz (298–325), with amplitudes",
         "\nRaise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.\n",
         "\nMeasure the Stribeck coefficient next",
         "\nQuantiles of the margin ζ − ζ_v\n  Quantile  Margin\n",
@@ -112,7 +211,7 @@ fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
     assert!(!verdict_text(&met).contains("Nothing needs to change"), "{}", verdict_text(&met));
     met.probability = 0.003;
     assert!(verdict_text(&met).contains("Nothing needs to change: vibration is at most 1 % probable."));
-    let mut rare = verdict;
+    let mut rare = VerdictResult { probability_range: None, ..verdict };
     (rare.probability, rare.probability_interval) = (2e-5, [1e-5, 4e-5]);
     assert!(
         verdict_text(&rare).contains("\nThe probability is 2.0·10⁻⁵ (1.0·10⁻⁵ to 4.0·10⁻⁵).\n"),
@@ -133,9 +232,9 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
     assert_eq!(html.matches("<li><span>").count(), 3, "three drivers");
     let words = plain(&html);
     for wanted in [
-        "Stick-slip is as likely as not: 64 % of machines like this one vibrate, once started from standstill.",
-        "Computed to ±3 percentage points. Over the unknown Stribeck coefficient it lies between 22 % and 91 %. From steady sliding \
-         12 %. If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
+        "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
+         Stribeck coefficient; 64 % on average.",
+        "Computed to ±3 percentage points. From steady sliding 12 %. If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
         "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
         "not in the range",

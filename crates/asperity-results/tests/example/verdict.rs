@@ -38,10 +38,17 @@ pub(crate) fn verdict() -> VerdictResult {
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
         model: ModelResult::StickSlip,
+        vibration_threshold: 0.1,
+        friction_fluctuates: false,
         probability: 0.64,
         probability_interval: [0.61, 0.67],
-        probability_from_steady_sliding: 0.12,
-        probability_from_steady_sliding_interval: [0.1, 0.14],
+        expected_vibration_share: 0.64,
+        expected_vibration_share_interval: [0.61, 0.67],
+        probability_half: 0.64,
+        probability_half_interval: [0.61, 0.67],
+        probability_from_steady_sliding: Some(0.12),
+        probability_from_steady_sliding_interval: Some([0.1, 0.14]),
+        probability_range: Some([0.22, 0.91]),
         leaves_out_fluctuation: false,
         probability_over_unknowns: Some(Quantiles { q05: 0.22, q50: 0.66, q95: 0.91 }),
         error_sources: vec![
@@ -84,7 +91,9 @@ pub(crate) fn verdict() -> VerdictResult {
         remedies: vec![Remedy {
             input: "vibration.damping_ratio".into(),
             unit: String::new(),
+            held: None,
             now: 0.0155,
+            range: [0.001, 0.1],
             friction_coefficient_now: Some(0.43),
             reach: vec![
                 Reach {

@@ -29,6 +29,7 @@ use std::borrow::Cow;
 
 use self::drivers::MarginModel;
 use self::dynamics::Dynamics;
+use self::fluctuating::{HALF, Wanted};
 use self::machines::{Machine, Machines};
 use self::points::ContactPoints;
 use self::probability::{Estimator, Event, Probability};
@@ -36,11 +37,12 @@ use self::probability::{Estimator, Event, Probability};
 use self::sampled::{Evaluated, Sampled};
 use self::scan::errors::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
+use crate::chaos::UncertainInput;
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
-use crate::stats::quantile_sorted;
+use crate::stats::{Interval, quantile_sorted};
 use crate::study::output::StageOutput;
-use crate::study::result::{ErrorSource, MarginQuantile, ModelResult, VerdictResult};
+use crate::study::result::{ErrorSource, MarginQuantile, ModelResult, Pair, VerdictResult};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{Study, StudyError, sentence};
 
@@ -112,16 +114,20 @@ pub(super) fn run(
             output.assumptions.push("The verdict on mode coupling leaves out the fluctuation of friction.".into());
         }
     }
-    let evaluate = |machine: &Machine, index: usize| {
-        let mut evaluated = Evaluated::constant_friction(machine)?;
-        if fluctuates {
-            let seed = seed.wrapping_add(index as u64);
-            if let Some(vibrates) = fluctuating::vibrates(machine, duration_s, seed, monitor)? {
-                evaluated.vibrates = vibrates;
-            }
+    let threshold = study.threshold;
+    let evaluate_until = |machine: &Machine, index: usize, wanted: Wanted<'_>| {
+        let evaluated = Evaluated::constant_friction(machine)?;
+        if !fluctuates {
+            return Ok(evaluated);
         }
-        Ok(evaluated)
+        let found = fluctuating::fraction(machine, wanted, seed.wrapping_add(index as u64), monitor)?;
+        Ok(found.map_or(evaluated, |fraction| evaluated.with_fraction(fraction, threshold)))
     };
+    // The sample decides both events, all other machines the one of the study. A single machine has all trajectories.
+    let levels = if machines.variables() == 0 { &[][..] } else { &[threshold, HALF][..] };
+    let evaluate = |machine: &Machine, index: usize| evaluate_until(machine, index, Wanted { duration_s, levels });
+    let decide =
+        |machine: &Machine, index: usize| evaluate_until(machine, index, Wanted { duration_s, levels: &[threshold] });
     let most = if machines.variables() == 0 { 1 } else { study.evaluations };
     let sampled = Sampled::until(&machines, &evaluate, study.half_width, most, monitor)?;
     let valid = sampled.valid().count();
@@ -147,16 +153,21 @@ pub(super) fn run(
         evaluations: sampled.machines.len(),
         warnings: Vec::new(),
     };
-    let Probability { value: probability, interval, sources } = estimator.probability(&Event {
-        vibrates: |machine| machine.vibrates,
-        margin: |margins| margins.from_stick,
-        by_margin: !fluctuates,
-    })?;
-    let sliding = estimator.probability(&Event {
-        vibrates: |machine| machine.margins.from_steady_sliding < 0.0,
-        margin: |margins| margins.from_steady_sliding,
-        by_margin: true,
-    })?;
+    let from_stick = |value| Event { value, margin: |margins| margins.from_stick, by_margin: !fluctuates };
+    let found = estimator.probability(&from_stick(|machine| number(machine.vibrates)))?;
+    let (share, half, sliding) = if fluctuates {
+        let share = estimator.probability(&from_stick(|machine| machine.fraction))?;
+        let half = estimator.probability(&from_stick(|machine| number(machine.fraction >= HALF)))?;
+        (share, half, None)
+    } else {
+        let sliding = estimator.probability(&Event {
+            value: |machine| number(machine.margins.from_steady_sliding < 0.0),
+            margin: |margins| margins.from_steady_sliding,
+            by_margin: true,
+        })?;
+        (found.clone(), found.clone(), Some(sliding))
+    };
+    let Probability { value: probability, interval, sources } = &found;
     let evaluations = estimator.evaluations;
     output.warnings.append(&mut estimator.warnings);
     if let Some((source, _)) = sources.first().filter(|_| 0.5 * (interval.high - interval.low) > study.half_width) {
@@ -167,16 +178,22 @@ pub(super) fn run(
     let margin_quantiles = MARGIN_PROBABILITIES
         .map(|probability| MarginQuantile { probability, damping_margin: quantile_sorted(&margins, probability) });
     let vibrates = evaluate(&nominal, 0).map_err(StudyError::Verdict)?.vibrates;
-    let (remedies, warnings) = remedies::remedies(&machines, study, &evaluate, fluctuates, seed, monitor)?;
+    let (remedies, warnings) = remedies::remedies(&machines, study, &decide, fluctuates, seed, monitor)?;
     output.warnings.extend(warnings);
     let mut result = VerdictResult {
         model,
-        probability,
-        probability_interval: [interval.low, interval.high],
-        error_sources: error_sources(&sources),
+        vibration_threshold: threshold,
+        friction_fluctuates: fluctuates,
+        probability: *probability,
+        probability_interval: pair(interval),
+        expected_vibration_share: share.value,
+        expected_vibration_share_interval: pair(&share.interval),
+        probability_half: half.value,
+        probability_half_interval: pair(&half.interval),
+        error_sources: error_sources(sources),
         friction: responses.as_ref().map(|responses| responses.result.clone()),
-        probability_from_steady_sliding: sliding.value,
-        probability_from_steady_sliding_interval: [sliding.interval.low, sliding.interval.high],
+        probability_from_steady_sliding: sliding.as_ref().map(|sliding| sliding.value),
+        probability_from_steady_sliding_interval: sliding.as_ref().map(|sliding| pair(&sliding.interval)),
         evaluations,
         failed_samples: failed,
         first_failure,
@@ -194,9 +211,8 @@ pub(super) fn run(
         let later = sampled.later(
             &machines,
             &|machine, index| {
-                let seed = seed.wrapping_add(index as u64);
-                fluctuating::vibrates(machine, LATER as f64 * duration_s, seed, monitor)
-                    .map(|vibrates| vibrates.unwrap_or(false))
+                let wanted = Wanted { duration_s: LATER as f64 * duration_s, levels: &[threshold] };
+                Ok(evaluate_until(machine, index, wanted)?.vibrates)
             },
             monitor,
         )?;
@@ -208,7 +224,7 @@ pub(super) fn run(
         }
     }
     if fluctuates || window.between_parts_std > NEGLIGIBLE_STD * window.mean {
-        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &evaluate, fluctuates, monitor)?;
+        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &found, &decide, fluctuates, monitor)?;
         output.tables.extend(result.area_as_one.as_deref().map(area::table));
     }
     if let Some(map) = map::map(&machines, study, friction_fluctuates, seed, monitor)? {
@@ -216,12 +232,17 @@ pub(super) fn run(
         output.warnings.extend(map.warning);
         output.tables.push(map.contours);
     }
+    // An exact probability is the same for all unknown values.
+    if interval.low == interval.high && machines.inputs().inputs().iter().any(UncertainInput::is_unknown) {
+        result.probability_range = Some(pair(interval));
+    }
     if let Some(model) = MarginModel::new(&machines, &sampled, fluctuates)? {
         result.drivers = model.margin_drivers(&machines, seed)?;
-        if EVENT_RANGE.contains(&probability) {
+        if EVENT_RANGE.contains(probability) {
             result.event_drivers = model.event_drivers(&machines, seed)?;
         }
         if let Some((quantiles, guesses)) = model.over_unknowns(&machines, seed)? {
+            result.probability_range = Some([quantiles.q05, quantiles.q95]);
             (result.probability_over_unknowns, result.guesses) = (Some(quantiles), guesses);
         }
         if model.unexplained > UNEXPLAINED {
@@ -236,6 +257,14 @@ pub(super) fn run(
     output.assumptions.extend(friction.and_then(|friction| plastic::plastic_sentence(friction, window)));
     result.assumptions.clone_from(&output.assumptions);
     Ok(Verdict { result, output })
+}
+
+fn number(is_true: bool) -> f64 {
+    f64::from(u8::from(is_true))
+}
+
+fn pair(interval: &Interval) -> Pair {
+    [interval.low, interval.high]
 }
 
 /// Returns the parts of an interval; none of an exact probability.

@@ -62,22 +62,39 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     html!(
         "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, {}: fractions of its variance{}.</p>\n",
         bars.collect::<Html>(),
-        next(&verdict.drivers),
+        next(verdict),
         measure,
         margin,
         others,
     )
 }
 
-/// Returns the value whose measurement narrows the margin most.
-pub(super) fn next(drivers: &[Driver]) -> Html {
+/// Returns the unknown value whose measurement narrows the margin most. A value that varies from part to part keeps varying however well it is
+/// measured, so without unknown values it returns the value whose tolerance matters most.
+pub(super) fn next(verdict: &VerdictResult) -> Html {
     let reduction = |driver: &&Driver| driver.range_reduction.unwrap_or(0.0);
-    match drivers.iter().max_by(|a, b| reduction(a).total_cmp(&reduction(b))) {
-        Some(driver) if reduction(&driver) >= LITTLE => html!(
+    let most = |wanted: &dyn Fn(&&Driver) -> bool| {
+        let drivers = verdict.drivers.iter().filter(wanted).filter(|driver| reduction(driver) >= LITTLE);
+        drivers.max_by(|a, b| reduction(a).total_cmp(&reduction(b)))
+    };
+    let is_unknown = |driver: &&Driver| verdict.guesses.iter().any(|guess| guess.input == driver.input);
+    if let Some(driver) = most(&is_unknown) {
+        return html!(
             "Measure the <strong>{}</strong> next: the margin’s range would shrink by {}.",
             named(&driver.input),
             percent(reduction(&driver)),
+        );
+    }
+    if !verdict.guesses.is_empty() {
+        return html!("No single measurement of an unknown value would narrow the margin.");
+    }
+    match most(&|_| true) {
+        Some(driver) => html!(
+            "No value is unknown, so there is nothing to measure next. Parts with equal <strong>{}</strong> would shrink the margin’s range \
+             by {}.",
+            named(&driver.input),
+            percent(reduction(&driver)),
         ),
-        _ => html!("No single measurement would narrow the margin."),
+        None => html!("No value is unknown, so there is nothing to measure next."),
     }
 }

@@ -8,7 +8,7 @@ use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
 use crate::run::RESULTS;
-use crate::verdict::{is_exact, percent};
+use crate::verdict::{is_exact, percent, vibration};
 use crate::words::{dimension, named, unbroken};
 
 /// Probability that the damping ratio is given for if the study states no remedies.
@@ -38,7 +38,7 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let Some(first) = verdict.remedies.first() else { return Html::default() };
     let Some(place) = first.reach.iter().position(|reach| reach.probability < verdict.probability) else {
         let least = first.reach.iter().map(|reach| reach.probability).fold(1.0, f64::min);
-        let text = format!("Nothing needs to change: vibration is at most {} probable.", target(least));
+        let text = format!("Nothing needs to change: {} is at most {} probable.", vibration(verdict), target(least));
         return html!("{}", text);
     };
     let wanted = first.reach[place].probability;
@@ -46,7 +46,7 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let size = |(remedy, reach): &(&Remedy, &Reach)| reach.value.map(|value| (value / remedy.now).ln().abs());
     let reached = found.filter_map(|change| Some((size(&change)?, change)));
     let Some((_, (remedy, reach))) = reached.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-        return html!("{}", format!("No stated change reaches {} within its range.", target(wanted)));
+        return html!("{}", not_reached(&verdict.remedies, wanted));
     };
     let dimension = dimension(&remedy.unit);
     let verb = if reach.value.is_some_and(|value| value > remedy.now) { "Raise" } else { "Lower" };
@@ -57,14 +57,36 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
         _ => String::new(),
     };
     html!(
-        "{} the <strong>{}</strong> from {} to <strong>{}</strong>: vibration is then {} probable.{}",
+        "{} the <strong>{}</strong>{} from {} to <strong>{}</strong>: {} is then {} probable.{}",
         verb,
         named(&remedy.input),
+        held(remedy),
         shown(dimension, remedy.now, None),
         reach.value.map_or_else(|| DASH.into(), |value| dimension.show_short(value)),
+        vibration(verdict),
         target(wanted),
         friction,
     )
+}
+
+/// Returns the damping that a change of mass or natural frequency leaves as it is, behind the name of the input; empty for other inputs, which
+/// change neither.
+fn held(remedy: &Remedy) -> &'static str {
+    match (remedy.input.as_str(), remedy.held.as_deref()) {
+        ("vibration.mass" | "vibration.natural_frequency", Some("damper")) => " (same damper in N s/m)",
+        ("vibration.mass" | "vibration.natural_frequency", Some(_)) => " (same damping ratio)",
+        _ => "",
+    }
+}
+
+/// Returns that no remedy reaches a probability, in a sentence.
+fn not_reached(remedies: &[Remedy], wanted: f64) -> String {
+    let [remedy] = remedies else {
+        return format!("No stated change reaches {} within its range.", target(wanted));
+    };
+    let [low, high] = remedy.range.map(|value| dimension(&remedy.unit).show_short(value));
+    let name = named(&remedy.input);
+    format!("No {name}{} from {low} to {high} reaches {}.", held(remedy), target(wanted))
 }
 
 fn row(remedy: &Remedy) -> Html {
@@ -81,7 +103,7 @@ fn cells(remedy: &Remedy) -> Vec<String> {
         None => "not in the range".into(),
     };
     let left = remedy.reach.iter().find_map(|reach| reach.friction_coefficient).or(remedy.friction_coefficient_now);
-    let mut cells = vec![named(&remedy.input), shown(dimension, remedy.now, None)];
+    let mut cells = vec![format!("{}{}", named(&remedy.input), held(remedy)), shown(dimension, remedy.now, None)];
     cells.extend(remedy.reach.iter().map(value));
     cells.push(plain(left, 3));
     cells
@@ -135,7 +157,8 @@ fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
     }
     let how = "Read from the margin’s 5 % quantile: the central damping ratio shifts and its uncertainty stays.";
     if needed <= limits.damping_ratio() {
-        let sentence = format!("Nothing needs to change: vibration is {} probable.", percent(verdict.probability));
+        let found = percent(verdict.probability);
+        let sentence = format!("Nothing needs to change: {} is {found} probable.", vibration(verdict));
         return html!("<p>{}</p>\n<p class=\"note\">{}</p>\n", unbroken(&sentence), STATE);
     }
     html!(

@@ -5,7 +5,9 @@ use asperity_results::{AreaAsOne, ModelResult, VerdictResult};
 use crate::cells::{percent, plain};
 use crate::format::{count, significant};
 use crate::page::data_table::DataTable;
-use crate::page::verdict::{computed_to, drivers, margin_of, over_unknowns, remedies, tables, vibration};
+use crate::page::verdict::{
+    computed_to, drivers, half_of_the_time, margin_of, over_unknowns, remedies, tables, vibration,
+};
 use crate::run::RESULTS;
 use crate::verdict::{RARE, is_exact, percent as probability, verdict_sentence};
 
@@ -16,12 +18,13 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
     if verdict.probability_interval[1] < RARE && !is_exact(verdict) {
         sentences.push(computed_to(verdict));
     }
+    sentences.extend(half_of_the_time(verdict).filter(|_| !is_exact(verdict)));
     sentences.extend([over_unknowns(verdict), vibration(verdict)].into_iter().flatten().map(|html| html.text()));
     if !verdict.remedies.is_empty() {
         sentences.push(remedies::sentence(verdict).text());
     }
     if verdict.drivers.len() > 1 {
-        sentences.push(drivers::next(&verdict.drivers).text());
+        sentences.push(drivers::next(verdict).text());
     }
     if !is_exact(verdict) {
         sentences.push(computation(verdict));

@@ -29,6 +29,8 @@ pub(in crate::study) struct VerdictStudy {
     pub(in crate::study) scan_errors: bool,
     /// Duration T; `None` for the duration of the vibration stage.
     pub(in crate::study) duration_s: Option<f64>,
+    /// Fraction of the time above which a machine counts as vibrating.
+    pub(in crate::study) threshold: f64,
     pub(in crate::study) remedies: Vec<RemedyStudy>,
     /// Probabilities to reach.
     pub(in crate::study) targets: Vec<f64>,
@@ -72,10 +74,11 @@ impl StudyFile {
         let inputs = self.joint_inputs()?;
         let central = Table::try_from(self).map_err(|error| invalid(SECTION, "remedies", error.to_string()))?;
         let stated = self.verdict.clone().unwrap_or_default();
-        let VerdictSection { duration, remedies, targets, half_width, evaluations } = stated;
+        let VerdictSection { duration, threshold, remedies, targets, half_width, evaluations } = stated;
         if let Some(duration) = duration {
             within(SECTION, "duration", duration, positive, POSITIVE)?;
         }
+        within(SECTION, "threshold", threshold, |t| t > 0.0 && t < 1.0, "a fraction of the time between 0 and 1")?;
         for target in &targets {
             within(SECTION, "targets", *target, |p| TARGETS.contains(&p), "a probability from 0.001 to 0.999")?;
         }
@@ -96,6 +99,7 @@ impl StudyFile {
             places: self.uncertain.iter().map(UncertainValue::place).collect(),
             scan_errors: self.uncertainty.as_ref().is_none_or(|section| section.surface),
             duration_s: duration.map(|duration| duration.0),
+            threshold,
             remedies,
             targets,
             half_width,

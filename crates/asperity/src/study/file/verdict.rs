@@ -26,6 +26,9 @@ pub struct VerdictSection {
     /// Duration T after which a machine with fluctuating friction must still vibrate; that of `[vibration]` when left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<Time>,
+    /// Fraction of the time: a machine counts as vibrating if it vibrates longer than this fraction of the second half of the duration.
+    #[serde(default = "threshold")]
+    pub threshold: f64,
     /// Values to change until the probability reaches the targets.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remedies: Vec<RemedySection>,
@@ -58,7 +61,7 @@ pub struct RemedySection {
     /// Range of its central value.
     #[schemars(with = "[NumberOrQuantity; 2]")]
     pub range: [Value; 2],
-    /// Constant under a change of mass or frequency.
+    /// Damping that stays constant under a change of mass or natural frequency; the damper when left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<Hold>,
 }
@@ -67,11 +70,11 @@ choice! {
     /// Damping that stays constant when mass or natural frequency change.
     #[derive(Default)]
     pub enum Hold: "damping that stays constant" {
-        /// The damping ratio ζ.
+        /// The coefficient of the damper, c = 2ζmω₀, in N s/m.
         #[default]
-        DampingRatio = "damping_ratio",
-        /// The coefficient of the damper, c = 2ζmω₀.
         Damper = "damper",
+        /// The damping ratio ζ.
+        DampingRatio = "damping_ratio",
     }
 }
 
@@ -79,6 +82,7 @@ impl Default for VerdictSection {
     fn default() -> Self {
         Self {
             duration: None,
+            threshold: threshold(),
             remedies: Vec::new(),
             targets: targets(),
             half_width: half_width(),
@@ -89,6 +93,9 @@ impl Default for VerdictSection {
 
 fn yes() -> bool {
     true
+}
+fn threshold() -> f64 {
+    0.1
 }
 fn targets() -> Vec<f64> {
     vec![0.05, 0.01]

@@ -1,8 +1,8 @@
 //! Probability that machines vibrate at one central value, with its error.
 
 use super::decided::LEAST_CHANCE;
-use super::replicates::{REPLICATES, fraction_below_zero, fraction_unanswered};
-use crate::stats::{Interval, Moments, quantile_sorted, student_quantile};
+use super::replicates::{REPLICATES, fraction_below_zero, fraction_unanswered, half_width};
+use crate::stats::{Interval, quantile_sorted};
 
 /// Answers of the machines of all replicates, or of one, at one central value.
 pub(super) struct Answers {
@@ -64,8 +64,7 @@ impl Answers {
         if self.fractions.len() < REPLICATES {
             return 0.0;
         }
-        let error = Moments::new(&self.fractions).sample_std();
-        student_quantile(0.975, (REPLICATES - 1) as f64) * error / (REPLICATES as f64).sqrt()
+        half_width(&self.fractions, 0.0)
     }
 
     /// Returns half the width of the interval of the margin's quantile.

@@ -6,14 +6,23 @@
 //! A rough slider carries its windows along. A part with n windows has their mean friction, so the variance between parts falls like the
 //! variance along a path: by 1/n. All windows of a part have the statistics of its surface in common, so differences between scans do not
 //! depend on n.
+//!
+//! The rows have fewer machines than the verdict, and the verdict's answers for these machines are known. With the indicator B of a row, the
+//! indicator K of the verdict and its probability P, a control variate gives the probability of the row:
+//!
+//! mean[B] + β (P − mean[K]),  β = cov(B, K)/var(K)
+//!
+//! The row that is the verdict itself has its probability.
 
 use asperity_base::blocks::Task;
 
 use super::machines::{Machine, Machines};
+use super::probability::Probability;
+use super::replicates::Mean;
 use super::sampled::{Evaluate, Sampled};
 use super::sharing::Sharing;
 use crate::monitor::{Cancelled, Monitor};
-use crate::stats::wilson_interval;
+use crate::stats::{Interval, Moments};
 use crate::study::Table;
 use crate::study::result::AreaAsOne;
 
@@ -30,12 +39,13 @@ pub(in crate::study) const CONSTANT: usize = 1024;
 const TABLE: &str = "verdict_area";
 
 /// Computes the probabilities for numbers of windows from 1 to all of the nominal area; `None` if the area of one window is unknown or
-/// the nominal area has fewer than two of them. All numbers of windows share machines and realisations of friction. `fluctuates` states
-/// whether friction has any.
+/// the nominal area has fewer than two of them. All numbers of windows share machines and realisations of friction. `verdict` is the
+/// probability of the study itself, and `fluctuates` states whether friction has any fluctuation.
 pub(super) fn area_as_one(
     machines: &Machines<'_>,
     nominal: &Machine,
     sampled: &Sampled,
+    verdict: &Probability,
     evaluate: &Evaluate<'_>,
     fluctuates: bool,
     monitor: &dyn Monitor,
@@ -49,29 +59,22 @@ pub(super) fn area_as_one(
     let numbers_of_machines = numbers_of_machines.map(|number| number.min(sampled.machines.len()));
     let rows = numbers(all).into_iter().map(|windows| {
         let sharing = if windows < all { Sharing::Windows(windows) } else { Sharing::Area };
-        let shared = machines.with_sharing(sharing);
-        let is_known = sharing.is_the_studys(nominal.study.upscaling);
-        let vibrates = |index: usize| {
-            let known = sampled.machines[index].as_ref().ok()?;
-            if is_known {
-                return Some(known.vibrates);
-            }
-            let machine = shared.at(&machines.variables_of(index)).ok()?;
-            Some(evaluate(&machine, index).ok()?.vibrates)
+        let (probability, interval) = if sharing.is_the_studys(nominal.study.upscaling) {
+            (verdict.value, verdict.interval)
+        } else {
+            let shared = machines.with_sharing(sharing);
+            let answers = |index: usize| {
+                let known = sampled.machines[index].as_ref().ok()?.vibrates;
+                let machine = shared.at(&machines.variables_of(index)).ok()?;
+                Some([evaluate(&machine, index).ok()?.vibrates, known])
+            };
+            controlled(&paired(numbers_of_machines, &answers, monitor)?, verdict, machines.variables() == 0)
         };
-        let (vibrating, count) = counted(numbers_of_machines, &vibrates, monitor)?;
-        let probability = vibrating as f64 / count as f64;
-        let interval = wilson_interval(vibrating, count);
         Ok(AreaAsOne {
             windows,
             friction_std: sharing.friction_std(&nominal.window),
             probability,
-            // The answer for exact values has no error.
-            probability_interval: if machines.variables() == 0 {
-                [probability; 2]
-            } else {
-                [interval.low, interval.high]
-            },
+            probability_interval: [interval.low, interval.high],
         })
     });
     let rows = rows.collect::<Result<Vec<_>, Cancelled>>()?;
@@ -87,24 +90,44 @@ fn numbers(all: f64) -> Vec<f64> {
     numbers
 }
 
-/// Returns how many of the `most` machines vibrate, and the number of machines with an answer. Sampling ends after the `first` if all have
-/// the same answer.
-fn counted(
+/// Machine with its number, and whether it vibrates in the row and in the verdict.
+type Pair = (usize, [bool; 2]);
+
+/// Returns the answers of the machines that have one. Sampling ends after the `first` machines if all have the same answer in the row.
+fn paired(
     [first, most]: [usize; 2],
-    vibrates: &(dyn Fn(usize) -> Option<bool> + Sync),
+    answers: &(dyn Fn(usize) -> Option<[bool; 2]> + Sync),
     monitor: &dyn Monitor,
-) -> Result<(usize, usize), Cancelled> {
-    let (mut vibrating, mut count) = (0, 0);
+) -> Result<Vec<Pair>, Cancelled> {
+    let mut pairs: Vec<Pair> = Vec::new();
     for (from, to) in [(0, first), (first, most)] {
         let task = Task::new(monitor, "verdict: area as one", to - from);
-        let answers = task.map(to - from, |place| Ok::<Option<bool>, Cancelled>(vibrates(from + place)))?;
-        vibrating += answers.iter().flatten().filter(|vibrates| **vibrates).count();
-        count += answers.iter().flatten().count();
-        if vibrating == 0 || vibrating == count {
+        let found = task.map(to - from, |place| Ok::<_, Cancelled>(answers(from + place)))?;
+        pairs.extend(found.into_iter().enumerate().filter_map(|(place, pair)| Some((from + place, pair?))));
+        if pairs.windows(2).all(|two| two[0].1[0] == two[1].1[0]) {
             break;
         }
     }
-    Ok((vibrating, count))
+    Ok(pairs)
+}
+
+/// Returns the probability of a row with its interval, given the probability of the verdict.
+fn controlled(pairs: &[Pair], verdict: &Probability, is_exact: bool) -> (f64, Interval) {
+    let number = |is_true: bool| f64::from(u8::from(is_true));
+    let [row, known] = [0, 1].map(|of: usize| pairs.iter().map(|(_, pair)| number(pair[of])).collect::<Vec<_>>());
+    let [row, known] = [Moments::new(&row).mean, Moments::new(&known).mean];
+    // Both covariances of numbers that are 0 or 1.
+    let both = pairs.iter().filter(|(_, [row, known])| *row && *known).count() as f64 / pairs.len() as f64;
+    let variance = known * (1.0 - known);
+    let slope = if variance > 0.0 { (both - row * known) / variance } else { 0.0 };
+    let rest = Mean::new(pairs.iter().map(|(index, [row, known])| (*index, number(*row) - slope * number(*known))));
+    let value = (rest.value + slope * verdict.value).clamp(0.0, 1.0);
+    if is_exact {
+        // The answer for exact values has no error.
+        return (value, Interval { low: value, high: value });
+    }
+    let whole = 0.5 * slope.abs() * (verdict.interval.high - verdict.interval.low);
+    (value, Mean { value, half_width: rest.half_width.hypot(whole) }.interval())
 }
 
 /// Returns the table of the probabilities.
@@ -150,7 +173,7 @@ mod tests {
 
     #[test]
     fn parts_of_a_rough_slider_differ_less_the_more_windows_share_the_load() {
-        const MACHINES: usize = 128;
+        const MACHINES: usize = 1024;
         let (mean, std, area_reduction) = (0.19, 0.038, 1.0 / 16.0);
         let stated =
             StatedFriction { mean, std: 0.0, length_m: 1e-3, marginal: Marginal::STANDARD_NORMAL, window_m: [1e-3; 2] };
@@ -169,32 +192,66 @@ mod tests {
             let machines = Machines::new(&study, &window, None, 1);
             let nominal = machines.nominal().unwrap();
             let sampled = Sampled::until(&machines, &evaluate, 0.02, MACHINES, &Silent).unwrap();
-            let rows = area_as_one(&machines, &nominal, &sampled, &evaluate, false, &Silent).unwrap().unwrap();
+            let verdict = verdict_of(&sampled);
+            let rows =
+                area_as_one(&machines, &nominal, &sampled, &verdict, &evaluate, false, &Silent).unwrap().unwrap();
             let own = if upscaling == Upscaling::Paper { 0 } else { rows.len() - 1 };
-            assert_eq!(rows[own].probability, sampled.probability().0, "the verdict of the study itself");
+            assert_eq!(rows[own].probability, verdict.value, "the verdict of the study itself");
+            assert_eq!(rows[own].probability_interval, [verdict.interval.low, verdict.interval.high]);
             rows
         });
-        assert_eq!(rows[0], rows[1]);
+        let probabilities = rows.each_ref().map(|rows| rows.iter().map(|row| row.probability).collect::<Vec<_>>());
+        let is_equal = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+        assert!(probabilities[0].iter().zip(&probabilities[1]).all(is_equal), "{probabilities:?}");
         let study = Study::parse(STUDY, "study.toml").unwrap().verdict.unwrap();
         // The nominal area of 64 mm² has fewer than two windows of 40 mm².
         let large = WindowFriction { area_m2: Some(40e-6), ..window.clone() };
         let machines = Machines::new(&study, &large, None, 1);
         let (nominal, sampled) = (machines.nominal().unwrap(), Sampled::default());
-        assert_eq!(area_as_one(&machines, &nominal, &sampled, &evaluate, false, &Silent), Ok(None));
+        let verdict = verdict_of(&sampled);
+        assert_eq!(area_as_one(&machines, &nominal, &sampled, &verdict, &evaluate, false, &Silent), Ok(None));
         let (name, columns) = table(&rows[0]);
         assert_eq!(name, "verdict_area");
-        let probabilities: Vec<f64> = rows[0].iter().map(|row| row.probability).collect();
-        assert_eq!(columns.column("probability"), Some(&probabilities[..]));
+        assert_eq!(columns.column("probability"), Some(&probabilities[0][..]));
         for row in &rows[0] {
             let reduction = if row.windows < 64.0 { 1.0 / row.windows } else { area_reduction };
             assert!((row.friction_std / (std * reduction.sqrt()) - 1.0).abs() < 1e-12, "{row:?}");
-            // A lognormal factor of mean 1 with the variance of one window over n. Each 1/256 of its probability has one machine.
+            // A lognormal factor of mean 1 with the variance of one window over n. Each of eight replicates has one machine in each
+            // 1/128 of its probability: the error of the mean is less than a third of a machine of a replicate.
             let log_std = ((std / mean).powi(2) * reduction).ln_1p().sqrt();
             let wanted = standard_normal_cdf(-((0.2_f64 / mean).ln() + 0.5 * log_std * log_std) / log_std);
-            assert!((row.probability - wanted).abs() <= 1.5 / MACHINES as f64, "{row:?}, not {wanted}");
-            let interval = wilson_interval((row.probability * MACHINES as f64).round() as usize, MACHINES);
-            assert_eq!(row.probability_interval, [interval.low, interval.high]);
+            assert!((row.probability - wanted).abs() <= 4.0 / MACHINES as f64, "{row:?}, not {wanted}");
+            let [low, high] = row.probability_interval;
+            assert!(low <= wanted && wanted <= high && high - low < 16.0 / MACHINES as f64, "{row:?}, not {wanted}");
         }
+    }
+
+    fn verdict_of(sampled: &Sampled) -> Probability {
+        let found = sampled.probability();
+        Probability { value: found.value, interval: found.interval(), sources: Vec::new() }
+    }
+
+    #[test]
+    fn a_row_that_follows_the_verdict_has_its_probability_and_its_error() {
+        // Half of the 64 machines of a row vibrate; the verdict, with .4, is known better.
+        let interval = Interval { low: 0.39, high: 0.41 };
+        let verdict = Probability { value: 0.4, interval, sources: Vec::new() };
+        let pairs =
+            |answers: fn(usize) -> [bool; 2]| (0..64).map(|index| (index, answers(index))).collect::<Vec<Pair>>();
+        let equal = pairs(|index| [(index / 8).is_multiple_of(2); 2]);
+        let (value, found) = controlled(&equal, &verdict, false);
+        assert!((value - 0.4).abs() < 1e-12 && found.low < 0.39 && found.low > 0.34, "{value} {found:?}");
+        // Rows without a relation to the verdict keep their own fraction: a quarter, and none.
+        let free = pairs(|index| [(index / 16).is_multiple_of(4), (index / 8).is_multiple_of(2)]);
+        assert!((controlled(&free, &verdict, false).0 - 0.25).abs() < 1e-12);
+        let none = pairs(|index| [false, (index / 8).is_multiple_of(2)]);
+        assert_eq!(controlled(&none, &verdict, true), (0.0, Interval { low: 0.0, high: 0.0 }));
+    }
+
+    /// Returns how many machines vibrate, and how many have an answer.
+    fn counted(numbers: [usize; 2], answers: &(dyn Fn(usize) -> Option<[bool; 2]> + Sync)) -> (usize, usize) {
+        let pairs = paired(numbers, answers, &Silent).unwrap();
+        (pairs.iter().filter(|(_, [vibrates, _])| *vibrates).count(), pairs.len())
     }
 
     #[test]
@@ -205,12 +262,12 @@ mod tests {
             let asked = AtomicUsize::new(0);
             let vibrates = |index: usize| {
                 asked.fetch_add(1, Ordering::Relaxed);
-                (index != 2).then_some(if index < 4 { first } else { rest })
+                (index != 2).then_some([if index < 4 { first } else { rest }, index == 0])
             };
-            assert_eq!(counted([4, 10], &vibrates, &Silent), Ok(wanted));
+            assert_eq!(counted([4, 10], &vibrates), wanted);
             assert_eq!(asked.into_inner(), 4);
         }
-        let mixed = |index: usize| (index != 2).then_some(index.is_multiple_of(2));
-        assert_eq!(counted([4, 10], &mixed, &Silent), Ok((4, 9)));
+        let mixed = |index: usize| (index != 2).then_some([index.is_multiple_of(2), false]);
+        assert_eq!(counted([4, 10], &mixed), (4, 9));
     }
 }

@@ -207,7 +207,7 @@ fn compare_remedies(noisy: bool, machines: u64) {
             |value: f64| if unit.is_empty() { format!("{value:?}") } else { format!("\"{value:?} {unit}\"") };
         let target = choices.one_of(&[0.002, 0.01, 0.05, 0.3, 0.9]);
         let study = drawn.study(&format!(
-            "targets = [{target}]\nremedies = [{{ input = \"vibration.{name}\", range = [{}, {}] }}]",
+            "targets = [{target}]\nremedies = [{{ input = \"vibration.{name}\", range = [{}, {}], hold = \"damping_ratio\" }}]",
             quantity(low),
             quantity(high)
         ));
@@ -278,7 +278,7 @@ fn maps_of_random_machines_are_those_of_the_closed_form() {
             let [low, high] = [1.0 / ratio, ratio].map(|ratio| {
                 Value { kind: "exact", central: drawn.values[at].central * ratio, spread: 0.0 }.text(unit)
             });
-            format!("{{ input = \"vibration.{name}\", range = [{low}, {high}] }}")
+            format!("{{ input = \"vibration.{name}\", range = [{low}, {high}], hold = \"damping_ratio\" }}")
         };
         let [x_text, y_text] = [x, y].map(|at| remedy(at, choices.decades(0.1, 1.0)));
         let study = drawn.study(&format!("remedies = [{x_text}, {y_text}]"));

@@ -72,7 +72,7 @@ impl MarginModel {
             model.effect = effect_of_fluctuation(&points, &margins, &vibrates);
             margins.iter_mut().zip(&points).for_each(|(margin, point)| *margin += dot(&model.effect, point));
             margins.sort_by(f64::total_cmp);
-            model.threshold = quantile_sorted(&margins, sampled.probability().0);
+            model.threshold = quantile_sorted(&margins, sampled.probability().value);
         }
         Ok(Some(model))
     }

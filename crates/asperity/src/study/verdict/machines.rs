@@ -7,9 +7,10 @@ use thiserror::Error;
 use toml::{Table, Value};
 
 use super::dynamics::Dynamics;
+use super::replicates::{REPLICATES, designs};
 use super::responses::FrictionResponses;
 use super::sharing::Sharing;
-use crate::chaos::{Design, InputError, SamplingMethod, UncertainInput, UncertainInputs};
+use crate::chaos::{Design, InputError, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
 use crate::friction::{Upscaling, WindowFriction};
 use crate::study::StudyFile;
@@ -72,8 +73,8 @@ pub(super) struct Machines<'a> {
     changes: Vec<Change>,
     /// Distributions of the values with which the machines have their dampers, if these stay.
     dampers: Option<UncertainInputs>,
-    /// Scrambled Sobol' points of the samples; `None` if no value is uncertain.
-    design: Option<Arc<Design>>,
+    /// Independently scrambled Sobol' points of the samples; `None` if no value is uncertain.
+    designs: Option<Arc<[Design]>>,
 }
 
 impl<'a> Machines<'a> {
@@ -106,9 +107,7 @@ impl<'a> Machines<'a> {
             friction_factor: 1.0,
             changes: Vec::new(),
             dampers: None,
-            design: Design::new(SamplingMethod::Sobol, seed, STREAM, MOST_SAMPLES, study.places.len())
-                .ok()
-                .map(Arc::new),
+            designs: designs(study.places.len(), MOST_SAMPLES, seed, STREAM).ok().map(Arc::from),
         }
     }
 
@@ -172,9 +171,10 @@ impl<'a> Machines<'a> {
         Self { changes, ..self.clone() }
     }
 
-    /// Returns the independent standard normal variables of sample `index`.
+    /// Returns the independent standard normal variables of sample `index`. The samples of all replicates take turns.
     pub(super) fn variables_of(&self, index: usize) -> Vec<f64> {
-        self.design.as_ref().map_or_else(Vec::new, |design| design.xi(index))
+        let designs = self.designs.as_ref();
+        designs.map_or_else(Vec::new, |designs| designs[index % REPLICATES].xi(index / REPLICATES))
     }
 
     /// Returns the machine with all values at their centres.

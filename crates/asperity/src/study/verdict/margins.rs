@@ -17,7 +17,7 @@ pub(super) type Moved<'a> = Result<Machines<'a>, String>;
 
 /// Returns the machines with other central values.
 pub(super) fn moved<'a>(machines: &Machines<'a>, changes: &[Change]) -> Moved<'a> {
-    let (mut inputs, mut hold, mut exact) = (machines.inputs().clone(), Hold::default(), Vec::new());
+    let (mut inputs, mut hold, mut exact) = (machines.inputs().clone(), Hold::DampingRatio, Vec::new());
     for change in changes {
         match machines.places().iter().position(|uncertain| *uncertain == change.place) {
             Some(input) => {

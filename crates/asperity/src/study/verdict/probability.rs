@@ -4,28 +4,33 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::dynamics::Margins;
 use super::machines::{Machines, NoAnswer};
+use super::replicates::Mean;
 use super::responses::FrictionResponses;
 use super::sampled::{Evaluated, Sampled};
 use crate::chaos::rare::{self, RareError, RareMethod, SmallProbability, small_probability};
 use crate::monitor::{Cancelled, Monitor};
-use crate::stats::{Interval, NORMAL_95, wilson_interval};
+use crate::stats::{Interval, NORMAL_95};
 use crate::study::StudyError;
 
 /// Smallest number of machines on each side below which the probability is computed as a small one.
-const FEW: usize = 40;
+const FEW: f64 = 40.0;
+/// Relative difference of margins that rounding and the search for a limit may leave.
+const ROUNDING: f64 = 1e-9;
 /// Evaluations after which an upper bound suffices if no sampled machine is on the rare side, and the largest such bound.
 const FEW_EVALUATIONS: usize = 2000;
 const SMALL_BOUND: f64 = 1e-4;
 
-/// Event that a machine vibrates.
+/// Event that a machine vibrates, or the fraction of the time in which it does.
 pub(super) struct Event {
-    pub(super) vibrates: fn(&Evaluated) -> bool,
+    /// 1 if the event occurs and 0 if it does not, or the fraction.
+    pub(super) value: fn(&Evaluated) -> f64,
     pub(super) margin: fn(&Margins) -> f64,
     /// Whether the sign of the margin decides.
     pub(super) by_margin: bool,
 }
 
 /// Probability with its 95 % interval, and the half widths that its causes have alone.
+#[derive(Debug, Clone)]
 pub(super) struct Probability {
     pub(super) value: f64,
     pub(super) interval: Interval,
@@ -50,19 +55,23 @@ impl Estimator<'_> {
     /// # Errors
     /// The monitor cancelled.
     pub(super) fn probability(&mut self, event: &Event) -> Result<Probability, StudyError> {
-        let (vibrating, all) = self.sampled.count(event.vibrates);
-        let fraction = vibrating as f64 / all as f64;
+        let mean = self.sampled.mean(event.value);
         if self.machines.variables() == 0 {
-            return Ok(Probability {
-                value: fraction,
-                interval: Interval { low: fraction, high: fraction },
-                sources: Vec::new(),
-            });
+            // The fraction of the time of one machine has the error of its trajectories; an event has none.
+            let error = self.sampled.valid().map(|machine| machine.fraction_se).fold(0.0, f64::max);
+            let half_width = if mean.value.fract() == 0.0 { 0.0 } else { NORMAL_95 * error };
+            let interval = Mean { half_width, ..mean }.interval();
+            return Ok(Probability { value: mean.value, interval, sources: Vec::new() });
         }
-        let is_complement = 2 * vibrating >= all;
-        let few = vibrating.min(all - vibrating) < FEW && event.by_margin;
+        if event.by_margin && self.is_constant(event) {
+            let interval = Interval { low: mean.value, high: mean.value };
+            return Ok(Probability { value: mean.value, interval, sources: Vec::new() });
+        }
+        let all = self.sampled.valid().count() as f64;
+        let is_complement = mean.value >= 0.5;
+        let few = mean.value.min(1.0 - mean.value) * all < FEW && event.by_margin;
         let small = if few { self.small(self.machines, event, is_complement)? } else { None };
-        let (value, mut interval) = small.unwrap_or_else(|| (fraction, wilson_interval(vibrating, all)));
+        let (value, mut interval) = small.unwrap_or_else(|| (mean.value, mean.interval()));
         let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
         for (name, error) in self.responses.map_or_else(Vec::new, FrictionResponses::errors) {
             let mut shifted = [value; 2];
@@ -86,10 +95,17 @@ impl Estimator<'_> {
         Ok(Probability { value, interval, sources })
     }
 
+    /// Returns whether no value changes the margin, up to rounding.
+    fn is_constant(&self, event: &Event) -> bool {
+        let margins = self.sampled.valid().map(|machine| (event.margin)(&machine.margins));
+        let [low, high] =
+            margins.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], margin| [low.min(margin), high.max(margin)]);
+        high - low <= ROUNDING * low.abs().min(high.abs())
+    }
+
     /// Returns whether the event, or its complement, occurs in no sampled machine.
     fn is_absent(&self, event: &Event, is_complement: bool) -> bool {
-        let (vibrating, all) = self.sampled.count(event.vibrates);
-        vibrating == if is_complement { all } else { 0 }
+        self.sampled.mean(event.value).value == if is_complement { 1.0 } else { 0.0 }
     }
 
     /// Returns the small probability of an event, or of its complement, with its interval; `None` with a warning if there is no estimate.
@@ -158,12 +174,43 @@ fn widened(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bo
 #[cfg(test)]
 mod tests {
     use super::super::machines::Machine;
+    use super::super::machines::tests::stated_window;
     use super::super::responses::tests::of_powers;
     use super::*;
     use crate::distribution::{Marginal, standard_normal_cdf};
     use crate::friction::{StatedFriction, WindowFriction};
     use crate::monitor::Silent;
     use crate::study::Study;
+
+    #[test]
+    fn a_margin_that_no_value_changes_gives_an_exact_probability() {
+        // Friction is stated and does not fluctuate, so the nominal area has no effect. The limit of the damping ratio is b/2.
+        for (damping, wanted) in [("0.049", 1.0), ("0.051", 0.0)] {
+            let text = format!(
+                "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+                 nominal_area = \"833 ± 20 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+                 velocity_law = \"linear\"\nlinear_weakening = 0.1\ndamping_ratio = {damping}\n"
+            );
+            let study = Study::parse(&text, "study.toml").unwrap();
+            let window = stated_window(&study);
+            let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+            let sampled = Sampled::until(&machines, &evaluate, 0.02, 64, &Silent).unwrap();
+            let mut estimator = Estimator {
+                machines: &machines,
+                sampled: &sampled,
+                responses: None,
+                seed: 1,
+                monitor: &Silent,
+                evaluations: 0,
+                warnings: Vec::new(),
+            };
+            let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
+            let found = estimator.probability(&event).unwrap();
+            assert_eq!((found.value, found.interval), (wanted, Interval { low: wanted, high: wanted }));
+            assert_eq!((estimator.evaluations, found.sources.len()), (0, 0));
+        }
+    }
 
     #[test]
     fn errors_of_a_small_probability_are_relative() {
@@ -211,7 +258,7 @@ mod tests {
                 evaluations: 0,
                 warnings: Vec::new(),
             };
-            let event = Event { vibrates: |m| m.vibrates, margin: |m| m.from_stick, by_margin: true };
+            let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
             let Probability { value, interval, sources } = estimator.probability(&event).unwrap();
             let at = |factor: f64| standard_normal_cdf((central - 385.0 / factor) / std);
             let [least, wanted, most] = [at(1.0 / factor), at(1.0), at(factor)];

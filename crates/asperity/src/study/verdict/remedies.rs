@@ -7,7 +7,7 @@ use asperity_base::sentence;
 use super::answers::Answers;
 use super::decided;
 use super::machines::{Change, Machines};
-use super::margins::{Limits, Moved, is_damping, margins, moved};
+use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
 use super::replicates::{REPLICATES, points};
 use super::sampled::{Evaluate, Evaluated};
 use crate::distribution::standard_normal_cdf;
@@ -84,7 +84,7 @@ struct Changed<'a> {
 
 impl Changed<'_> {
     fn remedy(&self, study: &VerdictStudy, task: &Task<'_>, warnings: &mut Vec<String>) -> Result<Remedy, StudyError> {
-        let RemedyStudy { place, low, high, .. } = *self.remedy;
+        let RemedyStudy { place, low, high, hold } = *self.remedy;
         let unstated =
             || StudyError::Verdict(format!("the study does not state {}, which a remedy changes", place.name()));
         let now = self.machines.central_value(place).ok_or_else(unstated)?;
@@ -106,7 +106,15 @@ impl Changed<'_> {
         warnings.extend(reach.iter().find_map(|reach| self.truncated(reach.value?)));
         warnings.extend(self.unanswered(sides.iter().flatten(), study.valid_fraction));
         let friction_coefficient_now = self.friction(now);
-        Ok(Remedy { input: place.name(), unit: place.key().unit.into(), now, friction_coefficient_now, reach })
+        Ok(Remedy {
+            input: place.name(),
+            unit: place.key().unit.into(),
+            held: (place.name() != DAMPING).then(|| hold.name().into()),
+            now,
+            range: [low, high],
+            friction_coefficient_now,
+            reach,
+        })
     }
 
     /// Returns the machines with another central value.
@@ -479,7 +487,7 @@ mod tests {
         let (found, warnings) = found(&[
             "linear_weakening\", range = [0.2, 5.0]",
             "dimensionless_belt_velocity\", range = [0.1, 5.0]",
-            "natural_frequency\", range = [\"1 rad/s\", \"1000 rad/s\"], hold = \"damper\"",
+            "natural_frequency\", range = [\"1 rad/s\", \"1000 rad/s\"]",
             "friction_std\", range = [0.1, 0.2]",
         ]);
         for remedy in &found {
@@ -516,7 +524,9 @@ mod tests {
     #[ignore = "slow"]
     fn values_do_not_depend_on_the_width_of_the_range() {
         // At 5 and 1 % ζ is .1 + 1.6449 and 2.3263 times .0141421.
-        let wide = |input: &str, ends: [&str; 4]| ends.map(|end| format!("{input}\", range = [{end}]"));
+        let wide = |input: &str, ends: [&str; 4]| {
+            ends.map(|end| format!("{input}\", range = [{end}], hold = \"damping_ratio\""))
+        };
         let damping = wide("damping_ratio", ["0.01, 1", "0.01, 1e4", "0.0, 1e12", "1e-9, 1e300"]);
         let (found, _) = found(&damping.each_ref().map(String::as_str));
         for remedy in &found {

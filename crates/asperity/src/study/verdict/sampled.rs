@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::dynamics::Margins;
 use super::machines::{Machine, Machines};
+use super::replicates::Mean;
 use crate::monitor::{Cancelled, Monitor};
-use crate::stats::{Interval, NORMAL_95, wilson_interval};
+use crate::stats::{Interval, NORMAL_95};
+use crate::vibration::Count;
 
 /// Number of machines of the first round; each further round doubles the number.
 const FIRST_ROUND: usize = 2048;
@@ -20,15 +22,26 @@ const SHIFTED: usize = 4096;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Evaluated {
     pub(super) margins: Margins,
-    /// Whether it vibrates if its motion begins in stick.
+    /// Fraction φ of the second half of the duration in vibration if its motion begins in stick, the mean over realisations of friction; 0 or 1
+    /// without fluctuation.
+    pub(super) fraction: f64,
+    /// Standard error of φ.
+    pub(super) fraction_se: f64,
+    /// Whether φ is above the threshold of the study.
     pub(super) vibrates: bool,
 }
 
 impl Evaluated {
+    /// Returns the same machine with the fraction φ under fluctuating friction.
+    pub(super) fn with_fraction(self, fraction: Count, threshold: f64) -> Self {
+        Self { fraction: fraction.mean, fraction_se: fraction.se, vibrates: fraction.mean > threshold, ..self }
+    }
+
     /// Returns the machine's answer without fluctuation of friction.
     pub(super) fn constant_friction(machine: &Machine) -> Result<Self, String> {
         let margins = machine.dynamics.margins().map_err(|error| error.to_string())?;
-        Ok(Self { margins, vibrates: margins.from_stick < 0.0 })
+        let vibrates = margins.from_stick < 0.0;
+        Ok(Self { margins, fraction: f64::from(u8::from(vibrates)), fraction_se: 0.0, vibrates })
     }
 }
 
@@ -50,8 +63,8 @@ pub(in crate::study) fn largest_number(half_width: f64, most: usize) -> usize {
     number
 }
 
-/// Returns whether the interval of `all` machines has the half width for every probability in it. If the fraction itself decided,
-/// sampling would stop more often where the fraction is wrong, and too few intervals would cover the probability.
+/// Returns whether `all` independent machines have the half width for every probability in an interval. If the width of the interval
+/// decided, sampling would stop more often where it is too narrow by chance, and too few intervals would cover the probability.
 fn is_narrow(interval: Interval, all: usize, half_width: f64) -> bool {
     let widest = 0.5_f64.clamp(interval.low, interval.high);
     NORMAL_95 * (widest * (1.0 - widest) / all as f64).sqrt() <= half_width
@@ -83,7 +96,7 @@ impl Sampled {
                     machines.at(&machines.variables_of(index)).and_then(|machine| evaluate(&machine, index)),
                 )
             })?);
-            if is_narrow(sampled.probability().1, to, half_width) {
+            if is_narrow(sampled.probability().interval(), to, half_width) {
                 break;
             }
         }
@@ -128,7 +141,7 @@ impl Sampled {
                 _ => 0.0,
             })
         })?;
-        Ok(self.probability().0 + changes.iter().sum::<f64>() / count as f64)
+        Ok(self.probability().value + changes.iter().sum::<f64>() / count as f64)
     }
 
     /// Returns the samples with an answer.
@@ -136,26 +149,26 @@ impl Sampled {
         self.machines.iter().flatten()
     }
 
-    /// Returns the number of samples with an answer for which a property holds, and the number of all.
-    pub(super) fn count(&self, holds: impl Fn(&Evaluated) -> bool) -> (usize, usize) {
-        (self.valid().filter(|machine| holds(machine)).count(), self.valid().count())
+    /// Returns the mean of a value between 0 and 1 over the samples with an answer.
+    pub(super) fn mean(&self, value: impl Fn(&Evaluated) -> f64) -> Mean {
+        let values = self.machines.iter().enumerate();
+        Mean::new(values.filter_map(|(index, machine)| Some((index, value(machine.as_ref().ok()?)))))
     }
 
-    /// Returns the fraction of vibrating machines with its 95 % interval.
-    pub(super) fn probability(&self) -> (f64, Interval) {
-        let (vibrating, all) = self.count(|machine| machine.vibrates);
-        (vibrating as f64 / all as f64, wilson_interval(vibrating, all))
+    /// Returns the fraction of vibrating machines.
+    pub(super) fn probability(&self) -> Mean {
+        self.mean(|machine| f64::from(u8::from(machine.vibrates)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::distribution::standard_normal_cdf;
+    use crate::distribution::{standard_normal_cdf, standard_normal_quantile};
     use crate::monitor::Silent;
-    use crate::random::{standard_normal, stream};
     use crate::study::Study;
     use crate::study::verdict::machines::tests::{LINEAR, stated_window};
+    use crate::study::verdict::replicates::{REPLICATES, designs};
     use asperity_testing::covered;
 
     #[test]
@@ -180,8 +193,9 @@ mod tests {
             let study = Study::parse(&other, "study.toml").unwrap();
             let others = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
             let change = sampled.change(&others, |margins| margins.from_stick, &Silent).unwrap();
-            let below = |limit: f64| sampled.count(|machine| machine.margins.from_stick < limit).0 as f64;
-            let wanted = (below(shift) - below(0.0)) / SHIFTED as f64;
+            let below =
+                |limit: f64| sampled.mean(|machine| f64::from(u8::from(machine.margins.from_stick < limit))).value;
+            let wanted = below(shift) - below(0.0);
             assert!(
                 (change - wanted).abs() < 1e-12 && (wanted == 0.0) == (shift == 0.0),
                 "{change} instead of {wanted}"
@@ -198,10 +212,7 @@ mod tests {
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
         let sampled = Sampled::until(&machines, &evaluate, 1e-3, LATER, &Silent).unwrap();
         assert_eq!(sampled.machines.len(), LATER);
-        let below = |limit: f64| {
-            let (below, all) = sampled.count(|machine| machine.margins.from_stick < limit);
-            below as f64 / all as f64
-        };
+        let below = |limit: f64| sampled.mean(|machine| f64::from(u8::from(machine.margins.from_stick < limit))).value;
         let vibrates =
             |machine: &Machine, _: usize| Ok(Evaluated::constant_friction(machine)?.margins.from_stick < 0.005);
         let later = sampled.later(&machines, &vibrates, &Silent).unwrap();
@@ -209,44 +220,87 @@ mod tests {
     }
 
     /// Returns the interval at which sampling stops, and the number of samples.
-    fn stopped(probability: f64, half_width: f64, replicate: u64) -> (Interval, usize) {
-        let rng = &mut stream(7, "test", replicate);
-        let (mut vibrating, mut all) = (0, 0);
+    fn stopped(variables: usize, vibrates: &dyn Fn(&[f64]) -> bool, half_width: f64, seed: u64) -> (Interval, usize) {
+        const MOST: usize = 1 << 16;
+        let designs = designs(variables, MOST, seed, "test").unwrap();
+        let point = |index: usize| designs[index % REPLICATES].xi(index / REPLICATES);
+        let (mut values, mut all) = (Vec::new(), 0);
         loop {
-            let to = end_of_round(all, 1 << 16);
-            let normal = standard_normal(rng, to - all);
-            vibrating += normal.into_iter().filter(|g| standard_normal_cdf(*g) < probability).count();
+            let to = end_of_round(all, MOST);
+            values.extend((all..to).map(|index| (index, f64::from(u8::from(vibrates(&point(index)))))));
             all = to;
-            let interval = wilson_interval(vibrating, all);
-            if is_narrow(interval, all, half_width) || all == 1 << 16 {
+            let interval = Mean::new(values.iter().copied()).interval();
+            if is_narrow(interval, all, half_width) || all == MOST {
                 return (interval, all);
             }
+        }
+    }
+
+    /// Returns the fraction of intervals that cover the probability, and their mean half width over the one that the error of the estimates
+    /// requires.
+    fn coverage(
+        case: &str,
+        (variables, probability, half_width): (usize, f64, f64),
+        vibrates: &dyn Fn(&[f64]) -> bool,
+        repetitions: u64,
+    ) -> [f64; 2] {
+        let found: Vec<_> = (0..repetitions).map(|seed| stopped(variables, vibrates, half_width, seed)).collect();
+        let held = found.iter().filter(|(interval, _)| interval.contains(probability)).count();
+        let count = repetitions as f64;
+        let error = |interval: &Interval| (0.5 * (interval.low + interval.high) - probability).powi(2);
+        let std = (found.iter().map(|(interval, _)| error(interval)).sum::<f64>() / count).sqrt();
+        let half = found.iter().map(|(interval, _)| 0.5 * (interval.high - interval.low)).sum::<f64>() / count;
+        [covered("probability of vibration", case, held, found.len()), half / (NORMAL_95 * std)]
+    }
+
+    /// Returns whether the mean of the variables, a standard normal variable after scaling, is below the quantile of a probability.
+    fn below_plane(probability: f64) -> impl Fn(&[f64]) -> bool {
+        let quantile = standard_normal_quantile(probability);
+        move |point| point.iter().sum::<f64>() < quantile * (point.len() as f64).sqrt()
+    }
+
+    /// Returns whether the first two variables are outside the circle that they leave with a probability.
+    fn outside_circle(probability: f64) -> impl Fn(&[f64]) -> bool {
+        move |point| point[0].hypot(point[1]) > (-2.0 * probability.ln()).sqrt()
+    }
+
+    #[test]
+    fn intervals_of_replicates_cover_the_probability_and_are_not_too_wide() {
+        for variables in [1, 3] {
+            let case = format!("plane, {variables} values");
+            let [covered, width] = coverage(&case, (variables, 0.327, 0.03), &below_plane(0.327), 60);
+            assert!(
+                covered >= 0.95 - 3.0 * (0.95 * 0.05 / 60.0_f64).sqrt() && width < 3.0,
+                "{case}: {covered} {width}"
+            );
         }
     }
 
     #[test]
     #[ignore = "slow"]
     fn intervals_cover_the_probability_although_sampling_stops_when_they_are_narrow() {
-        for (probability, half_width) in [
-            (0.03, 0.01),
-            (0.1, 0.012),
-            (0.327, 0.02),
-            (0.327, 0.01),
-            (0.44, 0.0153),
-            (0.47, 0.0153),
-            (0.5, 0.0153),
-            (0.9, 0.01),
-        ] {
-            let replicates: Vec<_> = (0..1000).map(|replicate| stopped(probability, half_width, replicate)).collect();
-            let held = replicates.iter().filter(|(i, _)| i.low <= probability && probability <= i.high).count();
-            let case = format!("sampled until ± {half_width}, P = {probability}");
-            let fraction = covered("probability of vibration", &case, held, replicates.len());
-            assert!(fraction >= 0.93, "{case}: {fraction}");
-            for (interval, all) in replicates {
-                // The interval of as many independent samples with the true fraction.
-                let ideal = 2.0 * 1.96 * (probability * (1.0 - probability) / all as f64).sqrt();
-                assert!(interval.high - interval.low <= 1.5 * ideal, "{interval:?} after {all}");
+        type Case = (String, (usize, f64, f64), Box<dyn Fn(&[f64]) -> bool>);
+        let mut cases: Vec<Case> = Vec::new();
+        for variables in [1, 2, 3, 6] {
+            for (probability, half_width) in [(0.03, 0.02), (0.101, 0.01), (0.327, 0.02), (0.47, 0.015), (0.903, 0.02)]
+            {
+                let settings = (variables, probability, half_width);
+                cases.push((format!("plane of {settings:?}"), settings, Box::new(below_plane(probability))));
             }
+        }
+        for (variables, probability, half_width) in [(2, 0.03, 0.02), (2, 0.45, 0.015), (5, 0.2, 0.02)] {
+            let settings = (variables, probability, half_width);
+            cases.push((format!("circle of {settings:?}"), settings, Box::new(outside_circle(probability))));
+        }
+        // Fluctuation of friction decides independently of the values: the fractional part of a large multiple is a random number.
+        for probability in [0.006_f64, 0.03, 0.4] {
+            let vibrates = move |point: &[f64]| (standard_normal_cdf(point[0]) * 1e9).fract() < probability;
+            let settings = (2, probability, 0.02);
+            cases.push((format!("chance of {settings:?}"), settings, Box::new(vibrates)));
+        }
+        for (case, settings, vibrates) in cases {
+            let [covered, width] = coverage(&case, settings, &*vibrates, 1000);
+            assert!(covered >= 0.93 && width < 3.0, "{case}: coverage {covered}, {width} times as wide as the error");
         }
     }
 }
