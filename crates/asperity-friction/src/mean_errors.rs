@@ -14,12 +14,14 @@ pub struct MeanErrors {
     /// Factors of the mean for surfaces with shorter waves, from the shortest wave of the strips to the pixel of the scan: (length of the
     /// shortest wave in metre, factor). Empty if the scan resolves all waves, and without a scan.
     pub cut_off: Vec<(f64, f64)>,
+    /// Whether the strips resolve the surface and resemble the scan.
+    pub resolved: bool,
 }
 
 impl Default for MeanErrors {
     /// Returns the errors of an exact mean.
     fn default() -> Self {
-        Self { strips: 0.0, grid: [1.0; 2], model: [1.0; 2], cut_off: Vec::new() }
+        Self { strips: 0.0, grid: [1.0; 2], model: [1.0; 2], cut_off: Vec::new(), resolved: true }
     }
 }
 

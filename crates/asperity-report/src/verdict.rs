@@ -25,6 +25,11 @@ impl Headline {
     /// Returns the verdict. `interval` writes the interval of a number behind it.
     fn with_intervals(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let noun = noun(verdict);
+        if verdict.friction_unresolved {
+            let after = ": the friction coefficient is not resolved, or the random strips do not stand for the scan; the warnings say what \
+                         would help.";
+            return Self { before: String::new(), answer: "No verdict yet".into(), after: after.into() };
+        }
         if is_exact(verdict) {
             return Self::of_one_machine(verdict, noun, interval);
         }
@@ -73,6 +78,11 @@ impl Headline {
             let answer = format!("vibrates {} of the time", percent(verdict.expected_vibration_share));
             let error = interval(verdict.expected_vibration_share_interval);
             return Self { before, answer, after: format!("{error}, once started from standstill.") };
+        }
+        let [low, high] = verdict.probability_interval;
+        if low < high {
+            let after = ": the error of its friction coefficient decides.";
+            return Self { before, answer: "may vibrate".into(), after: after.into() };
         }
         if verdict.nominal.vibrates {
             let after = format!(" ({}), once started from standstill.", noun.to_lowercase());
@@ -161,6 +171,9 @@ fn probability_sentence(verdict: &VerdictResult) -> String {
     };
     let Headline { before, answer, after } = Headline::with_intervals(verdict, &interval);
     let sentence = format!("{before}{answer}{after}");
+    if verdict.friction_unresolved {
+        return sentence;
+    }
     if is_exact(verdict) {
         return match steady_sliding(verdict) {
             Some(sliding) => format!("{}; {sliding}. No value is uncertain.", sentence.trim_end_matches('.')),

@@ -18,6 +18,9 @@ pub struct VerdictResult {
     pub expected_vibration_share: f64,
     /// Its 95 % interval: the error of the computation.
     pub expected_vibration_share_interval: Pair,
+    /// Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability is then no answer.
+    #[serde(default)]
+    pub friction_unresolved: bool,
     /// Probability that a machine whose motion begins in stick vibrates longer than the fraction `vibration_threshold` of the second half of
     /// the duration, in the mean over realisations of friction. With mode coupling, the probability that steady sliding is unstable.
     pub probability: f64,

@@ -364,6 +364,7 @@ mod tests {
             mean_interval: Some([0.2027, 0.2055]),
             std: 0.0087,
             std_nominal_area: 6.4e-5,
+            resolved: true,
             ..OperatingPoint::default()
         };
         let pressure = PressureResult {

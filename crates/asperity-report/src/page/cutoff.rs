@@ -5,6 +5,7 @@ use asperity_results::{CutoffResult, ScanCutoff, ScanFriction};
 use crate::cells::{DASH, percent, plain, shown};
 use crate::format::Dimension;
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 
 /// Returns one row per cut-off of the scan itself.
 pub(super) fn of_scan(scan: &ScanFriction) -> DataTable {
@@ -26,7 +27,7 @@ pub(super) fn of_scan(scan: &ScanFriction) -> DataTable {
             .map_or_else(String::new, |ratio| format!("; a strip has {} times its rms slope", plain(ratio, 3))),
     );
     let headers = ["Shortest wave", "μ", "Error of the pitch", "Rms slope", "Contact at the hardness"];
-    DataTable::new(&caption, &headers, scan.cut_offs.iter().map(row).collect(), "tables/friction_scan.csv")
+    DataTable::new(&caption, &headers, scan.cut_offs.iter().map(row).collect(), RESULTS)
 }
 
 /// Returns one row per cut-off and one for half the pitch; `None` without a cut-off.

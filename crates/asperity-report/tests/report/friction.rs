@@ -86,6 +86,7 @@ fn friction_over_the_cutoff_has_its_floor_and_the_ends_of_the_band() {
         "Cut-off wavelength (µm)",
         "mean μ, 95 %",
         "half the pitch",
+        "the scan itself",
         "plastic floor τ/H",
         "cut-off of the study’s strips",
         "end of the scan’s band",
@@ -93,12 +94,18 @@ fn friction_over_the_cutoff_has_its_floor_and_the_ends_of_the_band() {
         assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
     }
     let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
-    for wanted in
-        ["The friction coefficient is known only as far as the shortest waves are.", "0.1834 [", "0.21", "31 %"]
-    {
+    for wanted in [
+        "The friction coefficient is known only as far as the shortest waves are.",
+        "0.1834 [",
+        "0.21",
+        "31 %",
+        "The scan itself, pressed like the random strips, has 0.2214.",
+        "Friction of the scan itself, 500 µm × 500 µm",
+    ] {
         assert!(html.contains(wanted), "{wanted:?} is on the page");
     }
     // An elastic study without a scan has neither a floor nor a band.
+    friction(&mut run).scan = None;
     let cutoff = friction(&mut run).cutoff.as_mut().unwrap();
     (cutoff.plastic_floor, cutoff.band_end_m, cutoff.halved_pitch) = (None, None, None);
     let drawn = words(&run, "friction_cutoff");

@@ -65,7 +65,7 @@ fn a_complete_run_has_every_figure_and_every_section() {
     for wanted in [
         "P(contact) = 0.0200 [0.0190, 0.0210]",
         "it is 0.3200 ± 0.0066",
-        "μ = 0.2249 [0.2227, 0.2271]",
+        "μ = 0.225 [0.218, 0.229]",
         "No effect at the scale of your machine",
         "Yes: steady sliding is unstable",
         "ζ = 0.2048",

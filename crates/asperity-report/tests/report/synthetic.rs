@@ -281,7 +281,6 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
     let pressure = |share: f64| map(&depth, move |d| share * 3e6 * (d / 0.6e-6).powf(2.5));
     let cutoff = example::CUTOFFS_M.to_vec();
     let kept = map(&cutoff, example::cutoff_mean);
-    tables.insert("friction_scan".into(), table(&[("cutoff_m", vec![4e-6, 2e-6]), ("mean", vec![0.2236, 0.2214])]));
     tables.insert(
         "friction_cutoff".into(),
         table(&[

@@ -99,11 +99,16 @@ fn the_sentence_states_the_probability_with_its_interval() {
     (certain.probability, certain.probability_interval) = (0.99995, [0.9995, 0.99999]);
     assert!(verdict_sentence(&certain).starts_with("Stick-slip is almost certain: more than 99.9 % of machines"));
     let mut exact = likely;
-    (exact.evaluations, exact.if_vibrating) = (1, None);
+    (exact.evaluations, exact.if_vibrating, exact.probability_interval) = (1, None, [1.0; 2]);
     let sentence = verdict_sentence(&exact);
     assert!(sentence.contains("The machine vibrates (stick-slip)") && sentence.contains("13\u{a0}mm/s"), "{sentence}");
     exact.nominal.vibrates = false;
     assert!(verdict_sentence(&exact).contains("does not vibrate"));
+    // Friction whose error crosses the limit, and friction that is not resolved.
+    exact.probability_interval = [0.0, 1.0];
+    assert!(verdict_sentence(&exact).starts_with("The machine may vibrate: the error of its friction"));
+    exact.friction_unresolved = true;
+    assert!(verdict_sentence(&exact).starts_with("No verdict yet: the friction coefficient is not resolved"));
 }
 
 #[test]
@@ -335,6 +340,7 @@ fn exact_values_are_two_marks_on_an_axis() {
     let verdict = VerdictResult {
         evaluations: 1,
         probability: 1.0,
+        probability_interval: [1.0; 2],
         drivers: Vec::new(),
         remedies: Vec::new(),
         ..example::verdict::verdict()

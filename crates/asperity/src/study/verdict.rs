@@ -203,6 +203,7 @@ pub(super) fn run(
         if_vibrating: vibrating_machines(&machines, &sampled, monitor)?,
         margin_quantiles: margin_quantiles.to_vec(),
         remedies,
+        friction_unresolved: !window.mean_errors.resolved,
         rests_on: rests_on::rests_on(whole, study, window, fluctuates),
         ..VerdictResult::default()
     };

@@ -86,6 +86,7 @@ fn surface(bytes: &[u8]) -> Result<CompositeModel> {
         covariance: CovarianceRequest::Measured,
         families: CorrelationFamily::ALL.to_vec(),
         marginal: Measurable::Measured,
+        shortest_wave_m: None,
         translation: TranslationKind::Plain,
         expansion: None,
     };

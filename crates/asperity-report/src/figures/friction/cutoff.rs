@@ -1,6 +1,6 @@
 //! Mean friction over the shortest wavelength of the surface.
 
-use asperity_results::{CutoffResult, Table};
+use asperity_results::{CutoffResult, ScanCutoff, ScanFriction, Table};
 
 use crate::Run;
 use crate::figures::{CaptionedFigure, columns, positive};
@@ -8,32 +8,38 @@ use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 
 const NAME: &str = "friction_cutoff";
-const SCAN: &str = "friction_scan";
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let friction = run.results.friction.as_ref();
     let cutoff = friction.and_then(|friction| friction.cutoff.as_ref());
-    let chart = chart(run.tables.get(NAME)?, cutoff, run.tables.get(SCAN))?;
+    let chart = chart(run.tables.get(NAME)?, cutoff, friction.and_then(|friction| friction.scan.as_ref()))?;
     let caption = format!(
         "Mean μ at the mean pressure of the operating point without the waves below a cut-off, which a Gaussian filter removes from \
-         the same strips; shaded: 95 % intervals. Circles are the scan itself without its shorter waves. {}",
+         the same strips; shaded: 95 % intervals.{} {}",
+        if friction.is_some_and(|friction| friction.scan.is_some()) {
+            " The dotted line is the scan itself."
+        } else {
+            ""
+        },
         cutoff.map_or("", |cutoff| &cutoff.known)
     );
     let title = "The friction coefficient over the shortest wavelength";
     CaptionedFigure::from_charts(NAME, title, caption.trim_end(), 1, &[chart], &[NAME])
 }
 
-fn chart(table: &Table, cutoff: Option<&CutoffResult>, scan: Option<&Table>) -> Option<Chart> {
+fn chart(table: &Table, cutoff: Option<&CutoffResult>, scan: Option<&ScanFriction>) -> Option<Chart> {
     let [x, mean] = columns(table, ["cutoff_m", "mean"])?;
     let own = cutoff.map(|cutoff| cutoff.cutoff_m);
     let band_end = cutoff.and_then(|cutoff| cutoff.band_end_m);
     let floor = cutoff.and_then(|cutoff| cutoff.plastic_floor);
     let halved = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()).map(|halved| halved.mean);
     let limits = columns(table, ["mean_low", "mean_high"]);
-    let scan = scan.and_then(|table| columns(table, ["cutoff_m", "mean"]));
-    let [scan_x, scan_mean] = scan.unwrap_or([&[], &[]]);
-    let (first, last) = range(positive(x).chain(positive(scan_x)).chain(own.as_slice()).chain(band_end.as_slice()))?;
-    let shown = mean.iter().chain(scan_mean).chain(floor.as_slice()).chain(halved.as_slice());
+    let of_scan = |value: fn(&ScanCutoff) -> f64| -> Vec<f64> {
+        scan.map_or_else(Vec::new, |scan| scan.cut_offs.iter().map(value).collect())
+    };
+    let (scan_x, scan_mean) = (of_scan(|of| of.cutoff_m), of_scan(|of| of.mean));
+    let (first, last) = range(positive(x).chain(positive(&scan_x)).chain(own.as_slice()).chain(band_end.as_slice()))?;
+    let shown = mean.iter().chain(&scan_mean).chain(floor.as_slice()).chain(halved.as_slice());
     let (low, high) = range(shown.chain(limits.into_iter().flatten().flatten()))?;
     let x_axis = Axis::logarithmic("Cut-off wavelength", Dimension::Length.unit(last), (first / 1.25, last * 1.25));
     let mut chart = Chart::new(x_axis, Axis::padded("Friction coefficient μ", Unit::none(), (low, high), 0.08));
@@ -42,7 +48,7 @@ fn chart(table: &Table, cutoff: Option<&CutoffResult>, scan: Option<&Table>) -> 
     }
     chart.points("mean μ, 95 %", x, mean, Pen::new(VERMILION, 1.8, Dash::Solid));
     if !scan_x.is_empty() {
-        chart.points("the scan itself", scan_x, scan_mean, Pen::new(BLACK, 1.2, Dash::Dotted));
+        chart.points("the scan itself", &scan_x, &scan_mean, Pen::new(BLACK, 1.2, Dash::Dotted));
     }
     if let (Some(x), Some(y)) = (own, halved) {
         chart.add("half the pitch", Mark::Symbol { x, y, shape: Shape::OpenDiamond, colour: BLUE });

@@ -15,7 +15,7 @@ use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{ScanCutoff, ScanFriction};
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::{StudyError, Table, sentence};
+use crate::study::{StudyError, sentence};
 use crate::surface::filter::{Edges, Respaced};
 use crate::surface::model::BandSlopes;
 use crate::surface::{FillOptions, Filling, RandomSurface};
@@ -105,22 +105,7 @@ pub(super) fn run(
         slope_ratio,
         cut_offs: cut_offs.collect(),
     };
-    output.tables.push(("friction_scan", table(&result)));
     Ok((Some(result), output))
-}
-
-fn table(result: &ScanFriction) -> Table {
-    let column = |value: &dyn Fn(&ScanCutoff) -> f64| result.cut_offs.iter().map(value).collect::<Vec<f64>>();
-    Table::new([
-        ("cutoff_m", column(&|of| of.cutoff_m)),
-        ("mean", column(&|of| of.mean)),
-        ("mean_low", column(&|of| of.mean_interval[0])),
-        ("mean_high", column(&|of| of.mean_interval[1])),
-        ("grid_error", column(&|of| of.grid_error.unwrap_or(f64::NAN))),
-        ("rms_slope", column(&|of| of.rms_slope)),
-        ("plastic_fraction", column(&|of| of.plastic_fraction)),
-    ])
-    .with_first("cutoff_m")
 }
 
 /// Returns the middle of a map, at most `MOST_CELLS` points of its proportions.

@@ -122,6 +122,7 @@ impl WholeError {
         }
         let least = floor.unwrap_or(0.0).min(mean);
         let widened = |[low, high]: Pair, half: f64| [low - half, high + half].map(|end| end.max(least));
+        errors.resolved = resolved;
         let point = OperatingPoint {
             mean_sampling_interval: point.mean_interval,
             mean_computational_interval: computational.map(|half| widened(biased, half)),

@@ -12,7 +12,7 @@ use super::responses::FrictionResponses;
 use super::sharing::Sharing;
 use crate::chaos::{Design, InputError, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
-use crate::friction::{Upscaling, WindowFriction};
+use crate::friction::{MeanErrors, Upscaling, WindowFriction};
 use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
 use crate::study::file::{Hold, MachineModel};
@@ -117,6 +117,11 @@ impl<'a> Machines<'a> {
             Some(Value::String(model)) if model == MachineModel::ModeCoupling.name() => ModelResult::ModeCoupling,
             _ => ModelResult::StickSlip,
         }
+    }
+
+    /// Returns the errors of the mean friction that all machines share.
+    pub(super) fn mean_errors(&self) -> &MeanErrors {
+        &self.window.mean_errors
     }
 
     /// Returns the number of uncertain values.

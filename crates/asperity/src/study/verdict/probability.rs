@@ -56,24 +56,24 @@ impl Estimator<'_> {
     /// The monitor cancelled.
     pub(super) fn probability(&mut self, event: &Event) -> Result<Probability, StudyError> {
         let mean = self.sampled.mean(event.value);
-        if self.machines.variables() == 0 {
+        let (value, mut interval, small) = if self.machines.variables() == 0 {
             // The fraction of the time of one machine has the error of its trajectories; an event has none.
             let error = self.sampled.valid().map(|machine| machine.fraction_se).fold(0.0, f64::max);
             let half_width = if mean.value.fract() == 0.0 { 0.0 } else { NORMAL_95 * error };
-            let interval = Mean { half_width, ..mean }.interval();
-            return Ok(Probability { value: mean.value, interval, sources: Vec::new() });
-        }
-        if event.by_margin && self.is_constant(event) {
-            let interval = Interval { low: mean.value, high: mean.value };
-            return Ok(Probability { value: mean.value, interval, sources: Vec::new() });
-        }
-        let all = self.sampled.valid().count() as f64;
-        let is_complement = mean.value >= 0.5;
-        let few = mean.value.min(1.0 - mean.value) * all < FEW && event.by_margin;
-        let small = if few { self.small(self.machines, event, is_complement)? } else { None };
-        let (value, mut interval) = small.unwrap_or_else(|| (mean.value, mean.interval()));
-        let mut sources = vec![("machines", 0.5 * (interval.high - interval.low))];
-        for (name, error) in self.responses.map_or_else(Vec::new, FrictionResponses::errors) {
+            (mean.value, Mean { half_width, ..mean }.interval(), None)
+        } else if event.by_margin && self.is_constant(event) {
+            (mean.value, Interval { low: mean.value, high: mean.value }, None)
+        } else {
+            let all = self.sampled.valid().count() as f64;
+            let is_complement = mean.value >= 0.5;
+            let few = mean.value.min(1.0 - mean.value) * all < FEW && event.by_margin;
+            let small = if few { self.small(self.machines, event, is_complement)? } else { None };
+            let (value, interval) = small.unwrap_or_else(|| (mean.value, mean.interval()));
+            (value, interval, small.map(|_| is_complement))
+        };
+        let of_machines = 0.5 * (interval.high - interval.low);
+        let mut sources = if of_machines > 0.0 { vec![("machines", of_machines)] } else { Vec::new() };
+        for (name, error) in self.independent_errors() {
             let mut shifted = [value; 2];
             for (shifted, sign) in shifted.iter_mut().zip([-1.0, 1.0]) {
                 let machines = self.machines.with_friction_factor((sign * NORMAL_95 * error).exp());
@@ -81,18 +81,57 @@ impl Estimator<'_> {
                     None => value + self.sampled.change(&machines, event.margin, self.monitor)?,
                     // A bound holds for any friction near this one.
                     Some(_) if value == 0.0 => value,
-                    Some(_) => self.small(&machines, event, is_complement)?.map_or(value, |(value, _)| value),
+                    Some(is_complement) => {
+                        self.small(&machines, event, is_complement)?.map_or(value, |(value, _)| value)
+                    }
                 };
             }
             sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
             interval = widened(interval, value, shifted, small.is_some());
         }
+        for (name, factors) in self.machines.mean_errors().computational() {
+            if factors == [1.0; 2] {
+                continue;
+            }
+            let mut shifted = [value; 2];
+            for (shifted, factor) in shifted.iter_mut().zip(factors).filter(|(_, factor)| *factor != 1.0) {
+                *shifted = self.shifted(event, (value, small), factor)?;
+            }
+            sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
+            interval = extended(interval, value, shifted, small.is_some());
+        }
         sources.sort_by(|a, b| b.1.total_cmp(&a.1));
-        if small.is_some() && is_complement {
+        if small == Some(true) {
             let interval = Interval { low: 1.0 - interval.high, high: 1.0 - interval.low };
             return Ok(Probability { value: 1.0 - value, interval, sources });
         }
         Ok(Probability { value, interval, sources })
+    }
+
+    /// Returns the names and relative standard errors of the mean friction that are independent of each other.
+    fn independent_errors(&self) -> Vec<(&'static str, f64)> {
+        match self.responses {
+            Some(responses) => responses.errors(),
+            None => {
+                vec![("strips", self.machines.mean_errors().strips)].into_iter().filter(|(_, e)| *e > 0.0).collect()
+            }
+        }
+    }
+
+    /// Returns the probability of an event with another friction of all machines; of its complement, if that is small. `small` states
+    /// whether a small probability is that of the complement.
+    fn shifted(&mut self, event: &Event, (value, small): (f64, Option<bool>), factor: f64) -> Result<f64, StudyError> {
+        let machines = self.machines.with_friction_factor(factor);
+        let change = self.sampled.change(&machines, event.margin, self.monitor)?;
+        Ok(match small {
+            None => value + change,
+            // The sampled machines resolve large changes, and small ones need samples of their own.
+            Some(is_complement) if change == 0.0 => {
+                self.small(&machines, event, is_complement)?.map_or(value, |(value, _)| value)
+            }
+            Some(true) => value - change,
+            Some(false) => value + change,
+        })
     }
 
     /// Returns whether no value changes the margin, up to rounding.
@@ -156,6 +195,17 @@ impl Estimator<'_> {
     }
 }
 
+/// Returns the interval of a probability extended by a bias of the friction, given the probabilities at both ends of the bias. A bias of
+/// a small probability is relative.
+fn extended(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bool) -> Interval {
+    let [least, most] = [shifted[0].min(shifted[1]).min(probability), shifted[0].max(shifted[1]).max(probability)];
+    let Interval { low, high } = interval;
+    if is_small && probability > 0.0 {
+        return Interval { low: low * (least / probability), high: (high * (most / probability)).min(1.0) };
+    }
+    Interval { low: (low - (probability - least)).max(0.0), high: (high + (most - probability)).min(1.0) }
+}
+
 /// Returns the interval of a probability with the error of the friction, given the probabilities at both ends of the interval of
 /// friction. Both errors are independent; those of small probabilities are relative.
 fn widened(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bool) -> Interval {
@@ -178,7 +228,7 @@ mod tests {
     use super::super::responses::tests::of_powers;
     use super::*;
     use crate::distribution::{Marginal, standard_normal_cdf};
-    use crate::friction::{StatedFriction, WindowFriction};
+    use crate::friction::{MeanErrors, StatedFriction, WindowFriction};
     use crate::monitor::Silent;
     use crate::study::Study;
 
@@ -209,6 +259,56 @@ mod tests {
             let found = estimator.probability(&event).unwrap();
             assert_eq!((found.value, found.interval), (wanted, Interval { low: wanted, high: wanted }));
             assert_eq!((estimator.evaluations, found.sources.len()), (0, 0));
+        }
+    }
+
+    #[test]
+    fn a_bias_extends_the_interval_to_its_side() {
+        let close = |found: Interval, [low, high]: [f64; 2]| {
+            assert!((found.low - low).abs() < 1e-12 && (found.high - high).abs() < 1e-12, "{found:?}");
+        };
+        let interval = Interval { low: 0.47, high: 0.53 };
+        close(extended(interval, 0.5, [0.5, 0.7], false), [0.47, 0.73]);
+        close(extended(interval, 0.5, [0.9, 0.4], false), [0.37, 0.93]);
+        close(extended(Interval { low: 0.8e-5, high: 1.25e-5 }, 1e-5, [1e-5, 3e-5], true), [0.8e-5, 3.75e-5]);
+        // A bound, after which the friction of the other end makes the event almost certain.
+        close(extended(Interval { low: 0.0, high: 1e-4 }, 0.0, [0.0, 0.99], true), [0.0, 0.9901]);
+    }
+
+    #[test]
+    fn a_common_error_of_friction_shifts_all_machines() {
+        // A machine vibrates if its friction exceeds 0.2, at which ζ is its limit; an error multiplies the friction of all machines.
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.2229535019025\n\
+                    normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2\n\
+                    static_friction = \"0.19 ± 0.01\"\nfriction_std = 0\n";
+        let study = Study::parse(text, "study.toml").unwrap();
+        let errors = MeanErrors { grid: [1.0, 1.04], model: [0.97, 1.0], ..MeanErrors::default() };
+        let window = WindowFriction { mean_errors: errors, ..stated_window(&study) };
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+        let sampled = Sampled::until(&machines, &evaluate, 0.02, 4096, &Silent).unwrap();
+        let mut estimator = Estimator {
+            machines: &machines,
+            sampled: &sampled,
+            responses: None,
+            seed: 1,
+            monitor: &Silent,
+            evaluations: 0,
+            warnings: Vec::new(),
+        };
+        let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
+        let Probability { value, interval, sources } = estimator.probability(&event).unwrap();
+        // The limit is reached at μ = 0.2: P[μ f > 0.2].
+        let at = |factor: f64| standard_normal_cdf((0.19 - 0.2 / factor) / 0.01);
+        let [less, central, more] = [0.97, 1.0, 1.04].map(at);
+        assert!((value - central).abs() < 0.01, "{value} instead of {central}");
+        assert!(
+            (interval.low - less).abs() < 0.03 && (interval.high - more).abs() < 0.03,
+            "{interval:?}: {less} {more}"
+        );
+        for (name, wanted) in [("grid", 0.5 * (more - central)), ("model", 0.5 * (central - less))] {
+            let own = sources.iter().find(|(source, _)| *source == name).unwrap().1;
+            assert!((own - wanted).abs() < 0.01, "{name}: {own} instead of {wanted}");
         }
     }
 
