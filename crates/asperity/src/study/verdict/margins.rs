@@ -12,6 +12,9 @@ use crate::study::uncertain::Place;
 /// Name of the damping ratio.
 pub(in crate::study) const DAMPING: &str = "vibration.damping_ratio";
 
+/// Names of the values that change mω₀.
+const INERTIA: [&str; 2] = ["vibration.mass", "vibration.natural_frequency"];
+
 /// Machines with other central values, or the reason why there are none.
 pub(super) type Moved<'a> = Result<Machines<'a>, String>;
 
@@ -22,7 +25,8 @@ pub(super) fn moved<'a>(machines: &Machines<'a>, changes: &[Change]) -> Moved<'a
         match machines.places().iter().position(|uncertain| *uncertain == change.place) {
             Some(input) => {
                 inputs = inputs.with_moved(input, change.value).map_err(|error| error.to_string())?;
-                if change.hold == Hold::Damper {
+                // Other values leave mω₀ as it is; what they hold must not decide for mass and frequency.
+                if change.hold == Hold::Damper && INERTIA.contains(&change.place.name().as_str()) {
                     hold = change.hold;
                 }
             }
