@@ -392,7 +392,7 @@ class CutoffPoint(Record):
     """Mean friction without the waves that are shorter than a cut-off."""
 
     cutoff_m: float
-    """Cut-off wavelength of the Gaussian filter; the first entry is twice the pitch, without a filter."""
+    """Cut-off wavelength of the Gaussian filter; the first entry is the strips, without a filter."""
     mean: float
     """μ = ΣF/ΣN."""
     mean_interval: list[float] | None
@@ -426,7 +426,7 @@ class CutoffResult(Record):
     band_end_m: float | None
     """Shortest wavelength at which the spectrum of the scan is reliable; `null` without a scan, or if there is none."""
     cutoff_m: float
-    """Shortest wavelength on the study's own strips: twice the pitch."""
+    """Shortest wavelength on the study's own strips: twice the pitch, or the shortest wave that the scan resolves."""
     halved_pitch: HalvedPitch | None
     """The same surface at the study's own cut-off, solved with half the pitch; `null` if there is no solution."""
     known: str
@@ -829,24 +829,84 @@ class OperatingPoint(Record):
     """
     contact_stiffness_pa_per_m_se: float | None
     """Standard error of `contact_stiffness_pa_per_m` over the strips."""
+    grid_error: float | None
+    """Error of `mean` due to the pitch of the strips, from the change by half the pitch and the observed order of
+    convergence, at least 1; `null` if half the pitch has no solution.
+    """
     level: str
     """The level in words."""
     mean: float
     """The friction coefficient μ̄ = ΣF/ΣN."""
+    mean_computational_interval: list[float] | None
+    """95 % interval of `mean` for the random surface: the sampling of its strips and their pitch."""
     mean_interval: list[float] | None
-    """95 % interval of `mean`; `null` if the strips contain too few correlation lengths."""
+    """95 % interval of `mean` with its whole error: the computation, the difference between random and scanned
+    surface, and the limited scan. `null` if strips or scan contain too few correlation lengths.
+    """
+    mean_of_scan: float | None
+    """The friction coefficient of the scan itself with all its waves, pressed at the same mean pressure; `null`
+    without a scan, with a rough counterface, and for laws that do not depend on the contact.
+    """
     mean_pressure_pa: float
     """Mean pressure."""
+    mean_sampling_interval: list[float] | None
+    """95 % interval of `mean` due to the sampling of strips alone."""
     penetration_m: float
     """Mean depth of the plane below the highest point of each strip."""
     percentile: float | None
     """Percentage of the heights above the plane; `null` if not prescribed."""
+    resolved: bool
+    """Whether the strips resolve the surface and resemble the scan: errors of the pitch of at most 3 %, rms slopes
+    and friction within 15 % of those of the scan.
+    """
+    saturation: float | None
+    """1 − (τ_max/H)/`mean`: the fraction of `mean` that depends on the surface; `null` without a hardness."""
     std: float
     """Standard deviation of one window."""
     std_interval: list[float] | None
     """95 % interval of `std`."""
     std_nominal_area: float
     """Standard deviation of the mean over the nominal area."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScanCutoff(Record):
+    """Friction of the scan without the waves that are shorter than a cut-off."""
+
+    cutoff_m: float
+    """Length of the shortest wave."""
+    grid_error: float | None
+    """Error of `mean` due to the pitch; `null` if one pitch was solved."""
+    mean: float
+    """μ = ΣF/ΣN, extrapolated in the pitch."""
+    mean_interval: list[float]
+    """95 % interval for the surface of which the scan is a sample, from the differences between its sixteen tiles."""
+    order: float | None
+    """Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown."""
+    plastic_fraction: float
+    """Fraction of the contact cells at the hardness."""
+    rms_slope: float
+    """Root mean square gradient of the heights, by differences over the pixels."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScanFriction(Record):
+    """Friction of the scan itself, pressed at the operating point."""
+
+    cut_offs: list[ScanCutoff]
+    """One entry per cut-off: without waves shorter than those of the strips, between, and with all waves down to
+    twice the pixel.
+    """
+    pitches_m: list[float]
+    """Pitches of the solved grids: the larger pixel size and halves of it."""
+    size_m: list[float]
+    """Size of the pressed part of the scan."""
+    slope_ratio: float | None
+    """Rms slope of a strip over that of the scan, both within the resolved waves; `null` if these waves do not fit
+    on the maps.
+    """
+
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"cut_offs": ScanCutoff}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -972,6 +1032,8 @@ class FrictionResult(Record):
     """The friction coefficient that drives the vibration, and that the report and the program state."""
     realisations: int
     """Strips per level."""
+    scan: ScanFriction | None
+    """Friction of the scan itself at the operating point; `null` without a scan."""
     strip_width_m: float
     """Width of the strip."""
     uncertainty: UncertaintyResult | None = None
@@ -985,6 +1047,7 @@ class FrictionResult(Record):
         "cutoff": CutoffResult,
         "levels": LevelResult,
         "operating_point": OperatingPoint,
+        "scan": ScanFriction,
         "uncertainty": UncertaintyResult,
     }
 
@@ -1923,6 +1986,10 @@ class VerdictResult(Record):
     friction_fluctuates: bool
     """Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part
     of the time. If not, `probability`, `expected_vibration_share` and `probability_half` are equal.
+    """
+    friction_unresolved: bool
+    """Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability
+    is then no answer.
     """
     guesses: list[Guess]
     """Effect of each unknown value."""

@@ -85,7 +85,8 @@ pub(super) fn run(
             points.scan = ScanErrors::new(&points, &mut output)?;
         }
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
-        for other in [machines::between_parts(window), machines::cut_off(window)] {
+        let cut_off = if study.scan_errors { machines::cut_off(window) } else { Ok(None) };
+        for other in [machines::between_parts(window), cut_off] {
             latent.extend(other.map_err(|error| StudyError::Verdict(error.to_string()))?);
         }
         study = Cow::Owned(study.with_latent(latent));
