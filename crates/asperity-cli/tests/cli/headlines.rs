@@ -136,7 +136,7 @@ fn random_maps_like_a_scan_of_fine_roughness_on_long_waves_keep_its_slopes() {
     let scan = Scan::new(heights_m.clone(), Some((1e-6, 1e-6)));
     fs::write(folder.path().join("scan.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
     let specification = "seed = 5\nsize = [\"200 um\", \"200 um\"]\npoints = [200, 200]\n[surface]\n\
-                         file = \"scan.x3p\"\nlevel = \"plane\"\ngenerator = \"spectral\"\n";
+                         file = \"scan.x3p\"\nlevel = \"plane\"\ngenerator = \"spectral\"\ncut_off = \"2 um\"\n";
     let maps = generated(folder.path(), specification, 2);
     for map in &maps {
         for view in [Array2::clone, s_filtered] {

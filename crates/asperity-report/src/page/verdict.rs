@@ -91,7 +91,11 @@ fn half_of_the_time(verdict: &VerdictResult) -> Option<String> {
 /// Returns the range of the probability over the unknown values in a sentence, unless the headline states it.
 fn over_unknowns(verdict: &VerdictResult) -> Option<Html> {
     let [low, high] = verdict.probability_range.filter(|_| leading_range(verdict).is_none())?;
-    let ends = format!("{} and {}", percent(low), percent(high));
+    let (low, high) = (percent(low), percent(high));
+    if low == high {
+        return None;
+    }
+    let ends = format!("{low} and {high}");
     Some(html!("Over {} the probability lies between <strong>{}</strong>.", unknown_values(verdict), unbroken(&ends)))
 }
 

@@ -33,7 +33,7 @@ fn study(more: &str) -> String {
     format!(
         "seed = 5\n[surface]\nfile = \"scan.npy\"\npixel_size = \"1 um\"\nheight_unit = \"m\"\nlevel = \"mean\"\ngenerator = \"spectral\"\n\
          {more}[material]\nyoungs_modulus = \"1 GPa\"\npoisson_ratio = 0.4\nshear_strength = \"10 MPa\"\n[friction]\n\
-         strip = [\"640 um\", \"128 um\"]\npoints = [640, 128]\nwindow = \"64 um\"\nboundary = \"periodic\"\nmean_pressures = [\"10 MPa\"]\n\
+         strip = [\"640 um\", \"128 um\"]\npoints = [960, 192]\nwindow = \"64 um\"\nboundary = \"periodic\"\nmean_pressures = [\"10 MPa\"]\n\
          realisations = 4\n"
     )
 }
