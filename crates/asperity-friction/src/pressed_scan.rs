@@ -13,8 +13,8 @@ const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
 
 /// Tiles along each side of the map for the sampling error.
 const TILES: usize = 4;
-/// Windows along a side of the map.
-pub const WINDOWS: usize = 4 * TILES;
+/// Windows of a map along x and along y: four of them side by side for each tile along x, one along y.
+pub const WINDOWS: [usize; 2] = [4 * TILES, TILES];
 
 /// Friction of a pressed map.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub struct PressedScan {
 impl PressedScan {
     /// Presses one map, given on grids of falling pitch, each with the problem of its grid; returns the reason if there is no solution.
     ///
-    /// The map is closed periodically at its edges. Windows are a fraction 1/[`WINDOWS`] of it long and a quarter of it wide.
+    /// The map is closed periodically at its edges. The windows of the problems are [`WINDOWS`] along its sides.
     ///
     /// # Errors
     /// The monitor cancelled.
@@ -81,8 +81,8 @@ fn of_tiles(tracks: &[Record], stride: usize) -> f64 {
             }
         }
     }
-    let ([force_n, load_n], count) = (sums, tiles.len() as f64);
-    let mean = force_n / load_n;
+    let [force_n, load_n] = sums;
+    let (mean, count) = (force_n / load_n, tiles.len() as f64);
     let squares: f64 = tiles.iter().map(|[force_n, load_n]| (force_n - mean * load_n).powi(2)).sum();
     student_quantile(0.975, count - 1.0) * (squares * count / (count - 1.0)).sqrt() / load_n
 }
@@ -154,10 +154,12 @@ mod tests {
         // Windows of load 1 + .3 z and force .2 N + .01 z: 16 tiles of 4 windows of one position.
         let (repeats, mut covered) = (1000, 0);
         for repeat in 0..repeats {
-            let z = random::standard_normal(&mut random::stream(6, "tiles", repeat), 2 * WINDOWS * TILES);
+            let z = random::standard_normal(&mut random::stream(6, "tiles", repeat), 2 * WINDOWS[0] * TILES);
             let track = |row: usize| {
                 let of = |value: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-                    (0..WINDOWS).map(|k| value(z[2 * (row * WINDOWS + k)], z[2 * (row * WINDOWS + k) + 1])).collect()
+                    (0..WINDOWS[0])
+                        .map(|k| value(z[2 * (row * WINDOWS[0] + k)], z[2 * (row * WINDOWS[0] + k) + 1]))
+                        .collect()
                 };
                 let load_n = of(&|a, _| 1.0 + 0.3 * a);
                 let friction_force_n = of(&|a, b| 0.2 * (1.0 + 0.3 * a) + 0.01 * b);

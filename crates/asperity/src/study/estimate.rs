@@ -5,7 +5,8 @@ mod verdict;
 
 use crate::friction::DISTANCES;
 use crate::map::BoundaryKind;
-use crate::study::check::{FrictionSource, VibrationStudy};
+use crate::study::check::{FrictionSource, FrictionStudy, VibrationStudy};
+use crate::study::friction_stage::scan;
 use crate::study::{Stage, Study};
 use crate::vibration::EnsembleSettings;
 
@@ -81,6 +82,13 @@ impl Study {
     /// ([`Study::scan_points`]). Reads no file.
     pub fn estimate(&self, scan_points: usize, threads: usize) -> Vec<StageEstimate> {
         let mut stages = self.stage_estimates(threads);
+        if self.presses_scan(scan_points)
+            && let Some(stage) = stages.iter_mut().find(|stage| stage.stage == Stage::Friction)
+        {
+            let [finest, all] = scan::cells(scan_points);
+            stage.core_seconds += all as f64 * ITERATIONS * PERIODIC_SECONDS;
+            stage.memory_bytes = stage.memory_bytes.max(memory::pressed_bytes(finest));
+        }
         if self.surface.is_some() {
             let bytes = memory::surface_bytes(scan_points);
             stages.iter_mut().for_each(|stage| {
@@ -91,6 +99,12 @@ impl Study {
         }
         stages.iter_mut().for_each(|stage| stage.memory_bytes += memory::PROGRAM_BYTES);
         stages
+    }
+
+    /// Returns whether the friction stage presses the scan itself.
+    fn presses_scan(&self, scan_points: usize) -> bool {
+        let depends = self.friction.as_ref().is_some_and(FrictionStudy::depends_on_contact);
+        scan_points > 0 && depends && self.counterface.is_none()
     }
 
     /// Returns the rough cost of every stage after the surface, with its own memory.

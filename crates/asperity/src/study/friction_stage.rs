@@ -2,7 +2,7 @@
 
 mod cutoff;
 mod entries;
-mod scan;
+pub(super) mod scan;
 mod tables;
 mod uncertain_surface;
 mod uncertainty;
@@ -109,7 +109,7 @@ pub(super) fn run(
         strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
         realisations: study.realisations,
-        operating_point: whole.operating_point(),
+        operating_point: whole.point,
         levels: levels
             .iter()
             .enumerate()

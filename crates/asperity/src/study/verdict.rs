@@ -280,6 +280,10 @@ fn limit(source: &str, half_width: f64) -> String {
     let (cause, remedy) = match source {
         "machines" => ("the number of machines", "raise `evaluations` in [verdict]"),
         "strips" => ("the number of strips", "raise `realisations` in [friction]"),
+        "grid" => ("the pitch of the strips", "raise `points` in [friction]"),
+        "model" => {
+            ("the difference between random strips and scan", "take a larger scan, or remove more form (`level`)")
+        }
         _ => {
             ("the expansion of friction in the uncertain values", "state narrower distributions or ranges of remedies")
         }
@@ -299,6 +303,8 @@ mod tests {
         for (source, remedy) in [
             ("machines", "raise `evaluations` in [verdict]"),
             ("strips", "raise `realisations` in [friction]"),
+            ("grid", "raise `points` in [friction]"),
+            ("model", "take a larger scan"),
             ("expansion", "state narrower distributions"),
         ] {
             let warning = limit(source, 0.02);

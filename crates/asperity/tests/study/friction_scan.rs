@@ -1,6 +1,6 @@
 //! Friction of the scan itself beside the random strips, and the whole error of the friction coefficient.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{LN_2, PI, TAU};
 
 use asperity::map::{Grid, HeightMap};
 use asperity::study::Outcome;
@@ -43,7 +43,7 @@ fn found(outcome: &Outcome) -> (&OperatingPoint, &ScanFriction) {
     (&friction.operating_point, friction.scan.as_ref().unwrap())
 }
 
-/// Returns μ = τA/N, with τ = p̄ the area fraction in contact, of a periodic map on an eighth of its pitch by counting the cells in contact, with the correction at their edges.
+/// Returns μ = τA/N, with τ = p̄ the area fraction in contact, of a periodic map on an eighth of its pitch.
 fn refined(heights_m: &Array2<f64>) -> f64 {
     use asperity::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
     let grid = Grid::new(POINTS, POINTS, PIXEL_M, PIXEL_M).unwrap();
@@ -56,8 +56,15 @@ fn refined(heights_m: &Array2<f64>) -> f64 {
     let control = Control::MeanPressure { pascal: 1e7 };
     let problem = ContactProblem::new(&half_space, map.heights_m(), control, None).unwrap();
     let solution = Solver::default().solve(&problem).unwrap();
-    // Yastrebov's correction of counted cells; with twenty-five cells per shortest wave both are near the limit.
-    solution.corrected_contact_fraction()
+    // Yastrebov's correction, A − (π − 1 + ln 2)/24 · S Δx, with S the length of the edges between contact and gap.
+    let touches = solution.pressure_pa().mapv(|p| p > 0.0);
+    let (ny, nx) = touches.dim();
+    let count = touches.iter().filter(|touches| **touches).count() as f64;
+    let edges = touches.indexed_iter().fold(0.0, |sum, ((row, column), own)| {
+        let others = [touches[[row, (column + 1) % nx]], touches[[(row + 1) % ny, column]]];
+        sum + others.into_iter().filter(|other| other != own).count() as f64
+    });
+    (count - (PI - 1.0 + LN_2) / 24.0 * edges) / (nx * ny) as f64
 }
 
 #[test]

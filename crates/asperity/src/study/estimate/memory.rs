@@ -53,6 +53,11 @@ pub(super) fn surface_bytes(scan_points: usize) -> f64 {
     SCAN_BYTES * scan_points as f64 + TRIAL_BYTES * scan_points.min(TRIAL_POINTS) as f64
 }
 
+/// Returns the memory for pressing a scan on a number of cells.
+pub(super) fn pressed_bytes(cells: usize) -> f64 {
+    memory_bytes(cells, BoundaryKind::Periodic) + STRIP_BYTES * cells as f64
+}
+
 /// Returns the memory that later stages need for the scans.
 pub(super) fn kept_bytes(scan_points: usize) -> f64 {
     KEPT_SCAN_BYTES * scan_points as f64

@@ -20,10 +20,14 @@ use crate::surface::filter::{Edges, Respaced};
 use crate::surface::model::BandSlopes;
 use crate::surface::{FillOptions, Filling, RandomSurface};
 
-/// Largest number of cells. A larger scan is pressed in its middle, a smaller one with ever smaller pitch.
-const MOST_CELLS: usize = 1 << 20;
-/// Largest number of pitches, each half of the one before.
-const PITCHES: u32 = 3;
+/// Largest number of points of a scan; a larger one is pressed in its middle.
+const MOST_POINTS: usize = 1 << 20;
+/// Largest number of cells at a quarter of the pixel; half of it is always solved.
+const MOST_AT_QUARTER: usize = 1 << 20;
+/// Cut-offs at which a scan is pressed, at most.
+const MOST_CUT_OFFS: usize = 3;
+/// Strips whose slopes are compared with those of the scan.
+const STRIPS: usize = 4;
 /// Ratio of the shortest wave of the strips to that of the pixels below which there is no cut-off between them.
 const BETWEEN: f64 = 1.5;
 /// Pixels of the shortest wave that a difference over a pixel resolves.
@@ -45,7 +49,13 @@ pub(super) fn run(
     if !friction.depends_on_contact() {
         return Ok((None, output));
     }
-    let (cropped, missing) = (middle(&scan.map)?, scan.map.missing_points());
+    let cropped = middle(&scan.map)?;
+    let grid = cropped.grid();
+    if [grid.nx(), grid.ny()].iter().zip(WINDOWS).any(|(points, windows)| *points < 2 * windows) {
+        output.warnings.push("the scan itself was not pressed: it has too few points".into());
+        return Ok((None, output));
+    }
+    let missing = cropped.missing_points();
     let map = match filled(&cropped, seed, monitor) {
         Ok(map) => map,
         Err(reason) => {
@@ -53,12 +63,11 @@ pub(super) fn run(
             return Ok((None, output));
         }
     };
-    let grid = map.grid();
-    let pixel_m = 2.0 * grid.dx_m().max(grid.dy_m());
-    let shortest_m = surface.model.surface.shortest_wave_m.filter(|m| *m > pixel_m * (1.0 + 1e-9));
+    let nyquist_m = 2.0 * grid.dx_m().max(grid.dy_m());
+    let shortest_m = surface.model.surface.shortest_wave_m.filter(|m| *m > nyquist_m * (1.0 + 1e-9));
     let cut_offs: Vec<Option<f64>> = match shortest_m {
         Some(m) if surface.states_cut_off => vec![Some(m)],
-        Some(m) if m > BETWEEN * pixel_m => vec![Some(m), Some((m * pixel_m).sqrt()), None],
+        Some(m) if m > BETWEEN * nyquist_m => vec![Some(m), Some((m * nyquist_m).sqrt()), None],
         Some(m) => vec![Some(m), None],
         None => vec![None],
     };
@@ -75,14 +84,14 @@ pub(super) fn run(
             maps.push(finer);
         }
         match PressedScan::new(&maps, &problems, Control::MeanPressure { pascal }, &task)? {
-            Ok(pressed) => found.push((cut_off.unwrap_or(pixel_m), pressed)),
+            Ok(pressed) => found.push((cut_off.unwrap_or(nyquist_m), pressed)),
             Err(reason) => {
                 output.warnings.push(format!("the scan itself has no friction coefficient: {reason}"));
                 return Ok((None, output));
             }
         }
     }
-    let slope_ratio = slope_ratio(&scan.map, strips, shortest_m.unwrap_or(pixel_m), seed)?;
+    let slope_ratio = slope_ratio(&scan.map, strips, shortest_m.unwrap_or(nyquist_m), seed)?;
     let sides = if grid.points() < scan.map.grid().points() { "its middle, " } else { "" };
     output.assumptions.push(format!(
         "The scan itself ({sides}{}, closed periodically{}) was pressed at {} too.",
@@ -101,17 +110,17 @@ pub(super) fn run(
     });
     let result = ScanFriction {
         size_m: [grid.width_m(), grid.height_m()],
-        pitches_m: (0..problems.len()).map(|k| 0.5 * pixel_m / f64::from(1_u32 << k)).collect(),
+        pitches_m: (0..problems.len()).map(|k| 0.5 * nyquist_m / f64::from(1_u32 << k)).collect(),
         slope_ratio,
         cut_offs: cut_offs.collect(),
     };
     Ok((Some(result), output))
 }
 
-/// Returns the middle of a map, at most `MOST_CELLS` points of its proportions.
+/// Returns the middle of a map, at most `MOST_POINTS` points of its proportions.
 fn middle(map: &HeightMap) -> Result<HeightMap, StudyError> {
     let grid = map.grid();
-    let fraction = (MOST_CELLS as f64 / grid.points() as f64).sqrt();
+    let fraction = (MOST_POINTS as f64 / grid.points() as f64).sqrt();
     if fraction >= 1.0 {
         return Ok(map.clone());
     }
@@ -133,26 +142,38 @@ fn filled(map: &HeightMap, seed: u64, monitor: &dyn Monitor) -> Result<HeightMap
     Ok(filling.generate(&xi))
 }
 
+/// Returns the halvings of the pixel at which a scan of a number of points is solved.
+fn halvings(points: usize) -> std::ops::RangeInclusive<u32> {
+    0..=if points << 4 <= MOST_AT_QUARTER { 2 } else { 1 }
+}
+
+/// Returns the number of cells of the finest solution of a scan of a number of points, and of all solutions.
+pub(in crate::study) fn cells(points: usize) -> [usize; 2] {
+    let cells = |k: u32| points.min(MOST_POINTS) << (2 * k);
+    let halvings = halvings(points.min(MOST_POINTS));
+    [cells(*halvings.end()), MOST_CUT_OFFS * halvings.map(cells).sum::<usize>()]
+}
+
 /// Returns the contact problems of a scan of this grid, from its own pitch to smaller ones.
 fn problems(friction: &FrictionStudy, grid: Grid) -> Result<Vec<StripProblem>, StudyError> {
-    let size_m = [grid.width_m(), grid.height_m()];
-    let pitches = (0..PITCHES).take_while(|k| *k == 0 || grid.points() << (2 * k) <= MOST_CELLS);
+    let [along_x, along_y] = WINDOWS;
     let problem = |k: u32| {
         let study = FrictionStudy {
             points: [grid.nx() << k, grid.ny() << k],
-            size_m,
+            size_m: [grid.width_m(), grid.height_m()],
             boundary: BoundaryKind::Periodic,
             mean_compliance: None,
-            window_m: [size_m[0] / WINDOWS as f64, size_m[1] / 4.0],
+            // Whole pixels, so that no window is missing.
+            window_m: [(grid.nx() / along_x) as f64 * grid.dx_m(), (grid.ny() / along_y) as f64 * grid.dy_m()],
             window_shape: WindowShape::Rectangle,
             ..friction.clone()
         };
         strip_problem(&study).map(|(problem, _)| problem)
     };
-    pitches.map(problem).collect()
+    halvings(grid.points()).map(problem).collect()
 }
 
-/// Returns Sdq of a strip over Sdq of the scan, both without waves below `shortest_m` or those that a pitch does not resolve; `None` if
+/// Returns Sdq of a few strips over Sdq of the scan, both without waves below `shortest_m` or those that a pitch does not resolve; `None` if
 /// these waves are too long for the maps.
 fn slope_ratio(
     scan: &HeightMap,
@@ -163,6 +184,11 @@ fn slope_ratio(
     let grid = strips.grid();
     let cutoff_m = shortest_m.max(SLOPE_PIXELS * grid.dx_m().max(grid.dy_m()));
     let Some(slopes) = BandSlopes::new(&[scan], std::f64::consts::TAU / cutoff_m)? else { return Ok(None) };
-    let xi = standard_normal(&mut stream(seed, "friction/strip", 0), strips.xi_len());
-    Ok(slopes.ratio_of(&strips.generate(&xi))?)
+    let mut squares = 0.0;
+    for index in 0..STRIPS {
+        let xi = standard_normal(&mut stream(seed, "friction/strip", index as u64), strips.xi_len());
+        let Some(ratio) = slopes.ratio_of(&strips.generate(&xi))? else { return Ok(None) };
+        squares += ratio * ratio;
+    }
+    Ok(Some((squares / STRIPS as f64).sqrt()))
 }

@@ -6,7 +6,7 @@
 use crate::friction::{MeanErrors, SolvedLevel};
 use crate::stats::NORMAL_95;
 use crate::study::check::FrictionStudy;
-use crate::study::result::{CutoffResult, OperatingPoint, Pair, ScanFriction};
+use crate::study::result::{CutoffResult, OperatingPoint, Pair, ScanCutoff, ScanFriction};
 use crate::study::sentence;
 use crate::study::surface_stage::SurfaceStage;
 
@@ -23,7 +23,8 @@ const LARGEST_ORDER: f64 = 2.5;
 /// Errors of the mean friction coefficient of a level.
 pub(super) struct WholeError {
     pub(super) errors: MeanErrors,
-    point: OperatingPoint,
+    /// Operating point with its intervals.
+    pub(super) point: OperatingPoint,
     pub(super) warnings: Vec<String>,
     /// Sentence on the scan beside the strips, if it was pressed.
     pub(super) sentence: Option<String>,
@@ -61,7 +62,7 @@ impl WholeError {
             let is_significant = low > 0.0 || high < 0.0;
             if is_significant && bias.abs() > RESOLVED * mean {
                 resolved = false;
-                warnings.push(unresolved(friction, bias / mean));
+                warnings.push(unresolved(friction, bias / mean, order));
             }
         }
         let computational = sampling.map(|sampling| sampling.hypot(noise));
@@ -96,29 +97,9 @@ impl WholeError {
                     resolved = false;
                     warnings.push(unlike("rms slope", 1.0 / ratio - 1.0));
                 }
-                if (last.mean / first.mean - 1.0).abs() > RESOLVED {
-                    warnings.push(format!(
-                        "the scan resolves waves down to {}; with its shorter waves, down to twice the pixel, μ is {} times as large: only \
-                         smaller pixels tell which is right",
-                        sentence::si(first.cutoff_m, "m"),
-                        sentence::digits(last.mean / first.mean),
-                    ));
-                }
+                warnings.extend(shorter_waves(first, last));
             }
-            words = Some(format!(
-                "The scan itself, pressed at the same mean pressure, has the friction coefficient {}{}; the random strips have {}.",
-                sentence::digits(last.mean),
-                if last.cutoff_m < first.cutoff_m {
-                    format!(
-                        " ({} without waves below {})",
-                        sentence::digits(first.mean),
-                        sentence::si(first.cutoff_m, "m")
-                    )
-                } else {
-                    String::new()
-                },
-                sentence::digits(mean),
-            ));
+            words = Some(side_by_side(first, last, mean));
         }
         let least = floor.unwrap_or(0.0).min(mean);
         let widened = |[low, high]: Pair, half: f64| [low - half, high + half].map(|end| end.max(least));
@@ -135,16 +116,37 @@ impl WholeError {
         };
         Self { errors, point, warnings, sentence: words }
     }
-
-    /// Returns the operating point with its intervals.
-    pub(super) fn operating_point(&self) -> OperatingPoint {
-        self.point.clone()
-    }
 }
 
-/// Returns the warning that the pitch is too large, with an error of first order relative to the mean.
-fn unresolved(friction: &FrictionStudy, bias: f64) -> String {
-    let factor = (bias.abs() / RESOLVED).ceil();
+/// Returns a sentence on the friction of the scan, without and with the waves beyond those of the strips, beside that of the strips.
+fn side_by_side(first: &ScanCutoff, last: &ScanCutoff, mean: f64) -> String {
+    let [first_mean, last_mean, mean] = [first.mean, last.mean, mean].map(sentence::digits);
+    let without = if last.cutoff_m < first.cutoff_m {
+        format!(" ({first_mean} without waves below {})", sentence::si(first.cutoff_m, "m"))
+    } else {
+        String::new()
+    };
+    format!(
+        "The scan itself, pressed at the same mean pressure, has the friction coefficient {last_mean}{without}; the random strips have {mean}."
+    )
+}
+
+/// Returns a warning if the waves beyond those that the scan resolves change its friction.
+fn shorter_waves(first: &ScanCutoff, last: &ScanCutoff) -> Option<String> {
+    let ratio = last.mean / first.mean;
+    ((ratio - 1.0).abs() > RESOLVED).then(|| {
+        format!(
+            "the scan resolves waves down to {}; with its shorter waves, down to twice the pixel, μ is {} times as large: only smaller pixels \
+             tell which is right",
+            sentence::si(first.cutoff_m, "m"),
+            sentence::digits(ratio),
+        )
+    })
+}
+
+/// Returns the warning that the pitch is too large, with its error relative to the mean and the order of convergence.
+fn unresolved(friction: &FrictionStudy, bias: f64, order: f64) -> String {
+    let factor = (bias.abs() / RESOLVED).powf(1.0 / order).ceil();
     let [nx, ny] = friction.points.map(|points| (points as f64 * factor) as usize);
     format!(
         "the friction coefficient is not resolved: its pitch makes it about {} % too {}; about points = [{nx}, {ny}] in [friction] resolve it",

@@ -184,8 +184,16 @@ impl<'a> Machines<'a> {
 
     /// Returns the machine with all values at their centres.
     pub(super) fn nominal(&self) -> Result<Machine, String> {
-        let central =
-            |inputs: &UncertainInputs| inputs.inputs().iter().map(UncertainInput::central).collect::<Vec<f64>>();
+        // The printed friction is that of the waves of the strips.
+        let of_strips = self.window.mean_errors.cut_off.first().map(|(longest_m, _)| *longest_m);
+        let cut_off = self.places.iter().position(|place| Some(*place) == self.cut_off).zip(of_strips);
+        let central = |inputs: &UncertainInputs| {
+            let mut values: Vec<f64> = inputs.inputs().iter().map(UncertainInput::central).collect();
+            if let Some((index, longest_m)) = cut_off {
+                values[index] = longest_m;
+            }
+            values
+        };
         let values = central(&self.inputs);
         self.with_values(&values, self.dampers.as_ref().map(central).as_deref().unwrap_or(&values))
     }
