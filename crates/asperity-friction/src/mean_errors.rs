@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct MeanErrors {
     /// Relative standard error by the sampling of strips.
     pub strips: f64,
+    /// Factor by which the mean was extrapolated in the pitch of the strips ([`Strips`](crate::strip::Strips)).
+    pub pitch_factor: f64,
     /// Smallest and largest factor that the pitch of the strips leaves possible.
     pub grid: [f64; 2],
     /// Smallest and largest factor that the difference between random and scanned surface leaves possible.
@@ -21,7 +23,7 @@ pub struct MeanErrors {
 impl Default for MeanErrors {
     /// Returns the errors of an exact mean.
     fn default() -> Self {
-        Self { strips: 0.0, grid: [1.0; 2], model: [1.0; 2], cut_off: Vec::new(), resolved: true }
+        Self { strips: 0.0, pitch_factor: 1.0, grid: [1.0; 2], model: [1.0; 2], cut_off: Vec::new(), resolved: true }
     }
 }
 

@@ -50,9 +50,15 @@ impl StripProblem {
         self.half_space.boundary() != Boundary::Free
     }
 
+    /// Returns the least friction coefficient, that of windows in which all contact is at the hardness; `None` if friction does not depend
+    /// on the contact.
+    pub fn least_coefficient(&self) -> Option<f64> {
+        self.law.plastic_floor(self.hardness_pa.unwrap_or(f64::INFINITY))
+    }
+
     /// Returns a number of strips of a random surface on the grid of the problem.
     pub fn strips<'a>(&'a self, surface: &'a dyn RandomSurface, realisations: usize, seed: u64) -> Strips<'a> {
-        Strips { problem: self, surface, realisations, seed, stiff_level: None }
+        Strips { problem: self, surface, realisations, seed, stiff_level: None, pitch_factor: 1.0 }
     }
 }
 
@@ -69,6 +75,8 @@ pub struct Strips<'a> {
     pub seed: u64,
     /// Index of the level at which the contact stiffness is computed; each strip then costs up to half as much again.
     pub stiff_level: Option<usize>,
+    /// Factor of the contact area beyond N/H, the least area under a load N, from this pitch to vanishing pitch; 1 does not extrapolate.
+    pub pitch_factor: f64,
 }
 
 /// μ(s) of one strip, or of one track on it.
@@ -168,6 +176,23 @@ pub struct SolvedStrips {
 type StripBlock = Vec<Result<SolvedStrips, String>>;
 
 impl SolvedStrips {
+    /// Multiplies the contact area and the friction force of all windows beyond their least values by a factor
+    /// ([`Strips::pitch_factor`]).
+    pub fn extrapolate(&mut self, problem: &StripProblem, factor: f64) {
+        let Some(least) = problem.least_coefficient().filter(|_| factor != 1.0) else { return };
+        let of = |value: f64, least: f64| least + factor * (value - least);
+        let hardness_pa = problem.hardness_pa.unwrap_or(f64::INFINITY);
+        self.contact_fraction = of(self.contact_fraction, self.mean_pressure_pa / hardness_pa);
+        for record in self.records.iter_mut().chain(self.narrower.iter_mut().flatten()) {
+            record.friction.iter_mut().for_each(|friction| *friction = of(*friction, least));
+            for (index, load_n) in record.load_n.iter().enumerate() {
+                let (area_m2, force_n) = (&mut record.area_m2[index], &mut record.friction_force_n[index]);
+                *area_m2 = of(*area_m2, load_n / hardness_pa);
+                *force_n = of(*force_n, least * load_n);
+            }
+        }
+    }
+
     /// Returns the mean contact stiffness over the strips in Pa/m and its standard error; `None` if it was not computed or is unknown.
     /// The standard error is NaN for a single strip.
     pub fn stiffness_pa_per_m(&self) -> Option<(f64, f64)> {
@@ -302,7 +327,7 @@ impl Strips<'_> {
             tracks.iter().map(|track| Record::from_contacts(track, law.as_ref())).collect()
         });
         let (points, mean_pressure_pa) = (heights_m.len() as f64, solution.mean_pressure_pa());
-        SolvedStrips {
+        let mut solved = SolvedStrips {
             records: records.next().unwrap_or_default(),
             tracks: contacts[0].len(),
             narrower: records.collect(),
@@ -315,7 +340,9 @@ impl Strips<'_> {
             contact_cells: solution.contact_fraction() * points,
             plastic_cells: solution.plastic_fraction() * points,
             sample_pressure_pa: keep.then(|| solution.pressure_pa().clone()),
-        }
+        };
+        solved.extrapolate(self.problem, self.pitch_factor);
+        solved
     }
 
     /// Returns all strips at one level from the single ones, in their order.

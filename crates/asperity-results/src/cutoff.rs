@@ -47,7 +47,7 @@ pub struct CutoffPoint {
     pub plastic_fraction: f64,
 }
 
-/// Mean friction of the same surface on cells of half the pitch.
+/// Mean friction of the same surface on cells of half the pitch, not extrapolated.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HalvedPitch {
@@ -57,7 +57,7 @@ pub struct HalvedPitch {
     pub mean: f64,
     /// 95 % interval of `mean`.
     pub mean_interval: Option<Pair>,
-    /// Difference of `mean` from the study's own mean.
+    /// Difference of `mean` from the mean at the pitch of the strips, which is not extrapolated either.
     pub change: f64,
     /// Interval of the difference, which the common random numbers make narrow.
     pub change_interval: Pair,

@@ -100,8 +100,8 @@ pub struct OperatingPoint {
     /// rough counterface, and for laws that do not depend on the contact.
     #[serde(default)]
     pub mean_of_scan: Option<f64>,
-    /// Error of `mean` due to the pitch of the strips, from the change by half the pitch and the observed order of convergence, at least 1;
-    /// `null` if half the pitch has no solution.
+    /// Error of `mean` after its extrapolation in the pitch of the strips: the last term of the series; `null` if half the pitch has no
+    /// solution.
     #[serde(default)]
     pub grid_error: Option<f64>,
     /// 1 − (τ_max/H)/`mean`: the fraction of `mean` that depends on the surface; `null` without a hardness.

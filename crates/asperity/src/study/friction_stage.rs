@@ -2,6 +2,7 @@
 
 mod cutoff;
 mod entries;
+mod pitch;
 pub(super) mod scan;
 mod tables;
 mod uncertain_surface;
@@ -9,6 +10,8 @@ mod uncertainty;
 mod whole_error;
 mod words;
 
+use self::cutoff::SolvedCutoffs;
+use self::pitch::Pitch;
 use self::whole_error::WholeError;
 use crate::contact::Control;
 use crate::friction::strip::Strips;
@@ -80,26 +83,36 @@ pub(super) fn run(
     let controls: Vec<Control> =
         stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
     let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
-    let mut levels = Vec::new();
-    for (control, solved) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
-        let level = solved
-            .and_then(|solved| SolvedLevel::new(control, solved, &problem, seed))
-            .map_err(|error| StudyError::Friction { level: control.name(), error })?;
+    let failed = |control: LevelControl| move |error| StudyError::Friction { level: control.name(), error };
+    let mut solved = Vec::with_capacity(stated.len());
+    for (control, strips) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
+        solved.push((control, strips.map_err(failed(control))?));
+    }
+    let pressures: Vec<_> = solved.iter().map(|(control, strips)| (*control, strips.mean_pressure_pa)).collect();
+    let lead = operating.index_in(&pressures);
+    let pascal = pressures[lead].1;
+    let (cutoffs, of_cutoffs) = SolvedCutoffs::solve(study, surface, (solved.len(), pascal), seed, monitor)?;
+    let (scan, of_scan) = scan::run(study, surface, (generated.surface.as_ref(), pascal), seed, monitor)?;
+    let pitch = cutoffs.as_ref().and_then(|found| Pitch::new(&problem, &solved[lead].1, found, scan.as_ref()));
+    let strips = Strips { pitch_factor: pitch.as_ref().map_or(1.0, |pitch| pitch.factor), ..strips };
+    solved[lead].1.extrapolate(&problem, strips.pitch_factor);
+    let mut levels = Vec::with_capacity(solved.len());
+    for (control, strips) in solved {
+        let level = SolvedLevel::new(control, strips, &problem, seed).map_err(failed(control))?;
         output.warnings.extend(words::level_warnings(&level));
         levels.push(level);
     }
-    let pressures: Vec<_> = levels.iter().map(|level| (level.control, level.strips.mean_pressure_pa)).collect();
-    let lead = operating.index_in(&pressures);
     if study.body == RoughBody::Both {
         let found = TwoBodyFriction::solve(&strips, &levels[lead], controls[lead], monitor);
         levels[lead].two_bodies =
             found.map_err(|error| StudyError::Friction { level: levels[lead].control.name(), error })?;
     }
     let uncertain = uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
-    let (cutoff, of_cutoff) = cutoff::run(study, surface, (&levels, lead), seed, monitor)?;
-    let (scan, of_scan) = scan::run(study, surface, (generated.surface.as_ref(), &levels[lead]), seed, monitor)?;
+    let mean_at_pitch = pitch.as_ref().map_or(levels[lead].mean, |pitch| pitch.mean_at_pitch);
+    let (cutoff, of_cutoff) =
+        cutoffs.and_then(|found| found.result(study, surface, &levels[lead], mean_at_pitch)).unzip();
     let point = entries::operating_point(&levels[lead], nominal_area_m2);
-    let whole = WholeError::new(study, surface, &levels[lead], point, (cutoff.as_ref(), scan.as_ref()));
+    let whole = WholeError::new(study, surface, &levels[lead], point, (pitch.as_ref(), scan.as_ref()));
     levels[lead].mean_errors = whole.errors.clone();
     let window = &problem.window;
     let mut result = FrictionResult {
@@ -140,10 +153,11 @@ pub(super) fn run(
     }
     output.assumptions.extend(words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]));
     output.assumptions.extend(generated.correction.clone());
-    output.extend(of_cutoff);
+    output.extend(of_cutoffs);
+    output.extend(of_cutoff.unwrap_or_default());
     output.extend(of_scan);
     output.warnings.extend(whole.warnings);
-    output.assumptions.extend(whole.sentence);
+    output.assumptions.extend(whole.sentences);
     if let Some((found, own)) = uncertain {
         output.extend(own);
         result.uncertainty = Some(found);

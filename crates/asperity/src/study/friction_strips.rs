@@ -37,13 +37,14 @@ pub(super) fn solve_level(
     study: &FrictionStudy,
     model: &CompositeModel,
     level: LevelControl,
-    realisations: usize,
+    (realisations, pitch_factor): (usize, f64),
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<MomentReplicates>, StudyError> {
     let (problem, _) = strip_problem(study)?;
     let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
-    let strips = Strips { stiff_level: Some(0), ..problem.strips(generated.surface.as_ref(), realisations, seed) };
+    let strips =
+        Strips { stiff_level: Some(0), pitch_factor, ..problem.strips(generated.surface.as_ref(), realisations, seed) };
     let solved = strips.solve(&[level.contact(|probability| model.height_quantile_m(probability))], monitor)?;
     let step_m = problem.window.step_m();
     Ok(solved.into_iter().flatten().next().map(|level| MomentReplicates::from_mean_load(&level, step_m)))

@@ -79,8 +79,8 @@ pub(super) fn run(
     let mut responses = None;
     if let Some(surface) = surface.filter(|_| window.computed) {
         let central = study.central.clone();
-        let mut points =
-            ContactPoints { study: whole, surface, central: &central, scan: ScanErrors::default(), monitor };
+        let (scan, pitch_factor) = (ScanErrors::default(), window.mean_errors.pitch_factor);
+        let mut points = ContactPoints { study: whole, surface, central: &central, scan, pitch_factor, monitor };
         if study.scan_errors {
             points.scan = ScanErrors::new(&points, &mut output)?;
         }

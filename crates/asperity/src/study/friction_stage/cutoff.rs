@@ -7,7 +7,7 @@ use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
 use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
-use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, pair};
+use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, Pair, pair};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::model::XiOrder;
@@ -29,81 +29,111 @@ fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionS
     }
 }
 
-/// Solves the strips of every cutoff and of half the pitch at the mean pressure of the operating level; `None` for Coulomb's law.
-pub(super) fn run(
-    friction: &FrictionStudy,
-    surface: &SurfaceStage,
-    (levels, lead): (&[SolvedLevel], usize),
-    seed: u64,
-    monitor: &dyn Monitor,
-) -> Result<(Option<CutoffResult>, StageOutput), StudyError> {
-    let mut output = StageOutput::default();
-    let shortest_m = surface.model.shortest_wave_m();
-    let Some(plan) = friction.cutoff_plan(levels.len(), shortest_m) else { return Ok((None, output)) };
-    let lead = &levels[lead];
-    let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
-    let (own, halved) = (own?.0, halved?.0);
-    let generated = surface.model.strip(own.grid(), own.is_periodic(), XiOrder::Variance)?;
-    let closes = own.is_periodic() && surface.model.closes();
-    let strips = (generated.surface.as_ref(), closes);
-    let study = CutoffStudy::new(plan, [&own, &halved], strips, lead.strips.mean_pressure_pa, seed)
-        .map_err(|error| StudyError::Grid { section: "friction", error })?;
-    let pitch_m = study.pitch_m();
-    let mut failed = |place: String, reason: String| {
-        output.warnings.push(format!("the study of the cut-off has no answer {place}: {reason}"));
-    };
-    let task = study.task(monitor);
-    let unchanged = match study.solve(0, &task)? {
-        Ok(unchanged) => unchanged,
-        Err(reason) => {
-            failed("at the strips' own cut-off".into(), reason);
-            return Ok((None, output));
-        }
-    };
-    let anchor = OperatingMean::new(lead);
-    let plastic_floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
-    let possible = |mean: f64| plastic_floor.map_or(mean, |floor| mean.max(floor));
-    let point = |cutoff_m: f64, found: &CutoffBlock| {
-        let (mean, interval) = anchor.of(found, &unchanged);
-        CutoffPoint {
-            cutoff_m,
-            mean: possible(mean),
-            mean_interval: interval.map(|interval| pair(interval).map(possible)),
-            rms_slope: found.rms_slope,
-            plastic_fraction: found.plastic_fraction,
-        }
-    };
-    let (mut points, mut halved_pitch) = (vec![point(plan.cutoff_m, &unchanged)], None);
-    for index in 1..study.blocks() {
-        match (study.solve(index, &task)?, study.cutoff_m(index)) {
-            (Ok(found), Some(cutoff_m)) => points.push(point(cutoff_m, &found)),
-            (Ok(found), None) => {
-                let (mean, interval) = anchor.of(&found, &unchanged);
-                let (change, change_interval) = anchor.change(&found, &unchanged);
-                let (mean_interval, change_interval) = (interval.map(pair), pair(change_interval));
-                halved_pitch =
-                    Some(HalvedPitch { pitch_m: 0.5 * pitch_m, mean, mean_interval, change, change_interval });
+/// Solved strips of every cutoff and of half the pitch.
+pub(super) struct SolvedCutoffs {
+    plan: CutoffPlan,
+    pub(super) pitch_m: f64,
+    /// Blocks of the cutoffs, the strips' own first.
+    blocks: Vec<(f64, CutoffBlock)>,
+    halved: Option<CutoffBlock>,
+}
+
+impl SolvedCutoffs {
+    /// Solves the strips at a mean pressure, that of the operating level of `levels` ones; `None` for Coulomb's law.
+    pub(super) fn solve(
+        friction: &FrictionStudy,
+        surface: &SurfaceStage,
+        (levels, pascal): (usize, f64),
+        seed: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<(Option<Self>, StageOutput), StudyError> {
+        let mut output = StageOutput::default();
+        let shortest_m = surface.model.shortest_wave_m();
+        let Some(plan) = friction.cutoff_plan(levels, shortest_m) else { return Ok((None, output)) };
+        let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
+        let (own, halved) = (own?.0, halved?.0);
+        let generated = surface.model.strip(own.grid(), own.is_periodic(), XiOrder::Variance)?;
+        let closes = own.is_periodic() && surface.model.closes();
+        let strips = (generated.surface.as_ref(), closes);
+        let study = CutoffStudy::new(plan, [&own, &halved], strips, pascal, seed)
+            .map_err(|error| StudyError::Grid { section: "friction", error })?;
+        let task = study.task(monitor);
+        let mut solved = Self { plan, pitch_m: study.pitch_m(), blocks: Vec::new(), halved: None };
+        for index in 0..study.blocks() {
+            let (found, cutoff_m) = (study.solve(index, &task)?, study.cutoff_m(index));
+            match (found, cutoff_m) {
+                (Ok(found), Some(cutoff_m)) => solved.blocks.push((cutoff_m, found)),
+                (Ok(found), None) => solved.halved = Some(found),
+                (Err(reason), _) => {
+                    let place = match cutoff_m {
+                        _ if index == 0 => "at the strips' own cut-off".into(),
+                        Some(cutoff_m) => format!("at {}", sentence::si(cutoff_m, "m")),
+                        None => "at half the pitch".into(),
+                    };
+                    output.warnings.push(format!("the study of the cut-off has no answer {place}: {reason}"));
+                    if index == 0 {
+                        return Ok((None, output));
+                    }
+                }
             }
-            (Err(reason), Some(cutoff_m)) => failed(format!("at {}", sentence::si(cutoff_m, "m")), reason),
-            (Err(reason), None) => failed("at half the pitch".into(), reason),
         }
+        Ok((Some(solved), output))
     }
-    let mut result = CutoffResult {
-        mean_pressure_pa: lead.strips.mean_pressure_pa,
-        strips: STRIPS,
-        strip_length_m: plan.length_m,
-        pitch_m,
-        cutoff_m: plan.cutoff_m,
-        band_end_m: surface.band_end_m,
-        plastic_floor,
-        points,
-        halved_pitch,
-        known: String::new(),
-    };
-    result.known = known(&result, &anchor);
-    output.tables.push(("friction_cutoff", table(&result)));
-    output.assumptions.push(result.known.clone());
-    Ok((Some(result), output))
+
+    /// Returns the relative change of the mean by half the pitch and the half width of its 95 % interval.
+    pub(super) fn halved_change(&self) -> Option<Pair> {
+        let one = OperatingMean { mean: 1.0, half: None };
+        let (change, interval) = one.change(self.halved.as_ref()?, &self.blocks.first()?.1);
+        Some([change, 0.5 * (interval.high - interval.low)])
+    }
+
+    /// Returns the results at the operating level, of which the mean was `mean_at_pitch` before its extrapolation.
+    pub(super) fn result(
+        &self,
+        friction: &FrictionStudy,
+        surface: &SurfaceStage,
+        lead: &SolvedLevel,
+        mean_at_pitch: f64,
+    ) -> Option<(CutoffResult, StageOutput)> {
+        let unchanged = &self.blocks.first()?.1;
+        let anchor = OperatingMean::new(lead);
+        let plastic_floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
+        let possible = |mean: f64| plastic_floor.map_or(mean, |floor| mean.max(floor));
+        let points = self.blocks.iter().map(|(cutoff_m, found)| {
+            let (mean, interval) = anchor.of(found, unchanged);
+            CutoffPoint {
+                cutoff_m: *cutoff_m,
+                mean: possible(mean),
+                mean_interval: interval.map(|interval| pair(interval).map(possible)),
+                rms_slope: found.rms_slope,
+                plastic_fraction: found.plastic_fraction,
+            }
+        });
+        let halved_pitch = self.halved.as_ref().map(|found| {
+            let at_pitch = OperatingMean { mean: mean_at_pitch, ..anchor };
+            let ((mean, interval), (change, change_interval)) =
+                (at_pitch.of(found, unchanged), at_pitch.change(found, unchanged));
+            let (mean_interval, change_interval) = (interval.map(pair), pair(change_interval));
+            HalvedPitch { pitch_m: 0.5 * self.pitch_m, mean, mean_interval, change, change_interval }
+        });
+        let mut result = CutoffResult {
+            mean_pressure_pa: lead.strips.mean_pressure_pa,
+            strips: STRIPS,
+            strip_length_m: self.plan.length_m,
+            pitch_m: self.pitch_m,
+            cutoff_m: self.plan.cutoff_m,
+            band_end_m: surface.band_end_m,
+            plastic_floor,
+            points: points.collect(),
+            halved_pitch,
+            known: String::new(),
+        };
+        result.known = known(&result, &anchor);
+        let mut output = StageOutput::default();
+        output.tables.push(("friction_cutoff", table(&result)));
+        output.assumptions.push(result.known.clone());
+        Some((result, output))
+    }
 }
 
 fn table(result: &CutoffResult) -> Table {

@@ -5,7 +5,7 @@ use ndarray::s;
 
 use crate::contact::Control;
 use crate::friction::strip::StripProblem;
-use crate::friction::{PressedScan, SolvedLevel, WINDOWS};
+use crate::friction::{PressedScan, WINDOWS};
 use crate::map::{BoundaryKind, Grid, HeightMap};
 use crate::monitor::{Monitor, Quiet};
 use crate::random::{standard_normal, stream};
@@ -38,7 +38,7 @@ const SLOPE_PIXELS: f64 = 4.0;
 pub(super) fn run(
     friction: &FrictionStudy,
     surface: &SurfaceStage,
-    (strips, lead): (&dyn RandomSurface, &SolvedLevel),
+    (strips, pascal): (&dyn RandomSurface, f64),
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<(Option<ScanFriction>, StageOutput), StudyError> {
@@ -71,7 +71,6 @@ pub(super) fn run(
         Some(m) => vec![Some(m), None],
         None => vec![None],
     };
-    let pascal = lead.strips.mean_pressure_pa;
     let problems = problems(friction, grid)?;
     let task = Task::new(monitor, "friction: the scan itself", cut_offs.len() * problems.len());
     let mut found = Vec::with_capacity(cut_offs.len());

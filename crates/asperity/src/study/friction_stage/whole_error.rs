@@ -3,22 +3,19 @@
 //! Errors of the sampling of strips and of the scan are independent and add in quadrature. The error of the pitch and the difference
 //! between random and scanned surface are biases, which extend the interval to one side.
 
+use super::pitch::Pitch;
 use crate::friction::{MeanErrors, SolvedLevel};
 use crate::stats::NORMAL_95;
 use crate::study::check::FrictionStudy;
-use crate::study::result::{CutoffResult, OperatingPoint, Pair, ScanCutoff, ScanFriction};
+use crate::study::result::{OperatingPoint, Pair, ScanCutoff, ScanFriction};
 use crate::study::sentence;
 use crate::study::surface_stage::SurfaceStage;
 
-/// Largest error of the pitch over the mean of a resolved surface.
-const RESOLVED: f64 = 0.03;
 /// Largest relative difference of slopes and friction between strips and scan.
 const LIKE_THE_SCAN: f64 = 0.15;
-/// Change of μ by the shortest waves that is negligible.
+/// Change of μ by the shortest waves that is negligible, and the one from which on there is a warning.
 const NEGLIGIBLE: f64 = 0.005;
-/// Orders of convergence in the pitch that are credible; the least if none is observed.
-const LEAST_ORDER: f64 = 1.0;
-const LARGEST_ORDER: f64 = 2.5;
+const LARGE: f64 = 0.03;
 
 /// Errors of the mean friction coefficient of a level.
 pub(super) struct WholeError {
@@ -26,8 +23,8 @@ pub(super) struct WholeError {
     /// Operating point with its intervals.
     pub(super) point: OperatingPoint,
     pub(super) warnings: Vec<String>,
-    /// Sentence on the scan beside the strips, if it was pressed.
-    pub(super) sentence: Option<String>,
+    /// Sentences on the pitch, and on the scan beside the strips if it was pressed.
+    pub(super) sentences: Vec<String>,
 }
 
 impl WholeError {
@@ -37,7 +34,7 @@ impl WholeError {
         surface: &SurfaceStage,
         lead: &SolvedLevel,
         point: OperatingPoint,
-        (cutoff, scan): (Option<&CutoffResult>, Option<&ScanFriction>),
+        (pitch, scan): (Option<&Pitch>, Option<&ScanFriction>),
     ) -> Self {
         let mean = lead.mean;
         let floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
@@ -49,26 +46,19 @@ impl WholeError {
         let sampling = if lead.process.moments.std > 0.0 { sampling } else { Some(0.0) };
         let strips = sampling.map_or(0.0, |half| half / (NORMAL_95 * mean));
         let mut errors = MeanErrors { strips, ..MeanErrors::default() };
-        let (mut warnings, mut noise, mut grid_error, mut resolved) = (Vec::new(), 0.0, None, true);
-        if let Some(halved) = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()) {
-            let [low, high] = halved.change_interval;
-            let order = scan
-                .and_then(|scan| scan.cut_offs.first()?.order)
-                .map_or(LEAST_ORDER, |order| order.clamp(LEAST_ORDER, LARGEST_ORDER));
-            let bias = halved.change / (1.0 - (-order).exp2());
-            noise = half(halved.change_interval);
-            errors.grid = [factor(mean + bias.min(0.0)), factor(mean + bias.max(0.0))];
-            grid_error = Some(bias.abs());
-            let is_significant = low > 0.0 || high < 0.0;
-            if is_significant && bias.abs() > RESOLVED * mean {
-                resolved = false;
-                warnings.push(unresolved(friction, bias / mean, order));
+        let (mut warnings, mut noise) = (Vec::new(), 0.0);
+        let mut sentences: Vec<String> = pitch.and_then(Pitch::sentence).into_iter().collect();
+        if let Some(pitch) = pitch {
+            (errors.pitch_factor, errors.grid, noise) = (pitch.factor, pitch.range.map(factor), pitch.noise);
+            if let Some(points) = pitch.wanted_points() {
+                errors.resolved = false;
+                warnings.push(unresolved(friction, pitch.error() / mean, points));
             }
         }
         let computational = sampling.map(|sampling| sampling.hypot(noise));
         let biased = errors.grid.map(|factor| factor * mean);
         let [mut low, mut high] = biased;
-        let (mut scan_sampling, mut mean_of_scan, mut words) = (0.0, None, None);
+        let (mut scan_sampling, mut mean_of_scan) = (0.0, None);
         if let Some((first, last)) = scan.and_then(|scan| scan.cut_offs.first().zip(scan.cut_offs.last())) {
             mean_of_scan = Some(last.mean);
             // Shorter waves than the scan has are the model's alone.
@@ -88,33 +78,32 @@ impl WholeError {
                 scan_sampling = half(last.mean_interval);
                 let difference = first.mean / mean - 1.0;
                 if difference.abs() > LIKE_THE_SCAN && difference.abs() > half(first.mean_interval) / mean {
-                    resolved = false;
+                    errors.resolved = false;
                     warnings.push(unlike("friction coefficient", difference));
                 }
                 if let Some(ratio) = scan.and_then(|scan| scan.slope_ratio)
                     && (ratio - 1.0).abs() > LIKE_THE_SCAN
                 {
-                    resolved = false;
+                    errors.resolved = false;
                     warnings.push(unlike("rms slope", 1.0 / ratio - 1.0));
                 }
                 warnings.extend(shorter_waves(first, last));
             }
-            words = Some(side_by_side(first, last, mean));
+            sentences.push(side_by_side(first, last, mean));
         }
         let least = floor.unwrap_or(0.0).min(mean);
         let widened = |[low, high]: Pair, half: f64| [low - half, high + half].map(|end| end.max(least));
-        errors.resolved = resolved;
         let point = OperatingPoint {
             mean_sampling_interval: point.mean_interval,
             mean_computational_interval: computational.map(|half| widened(biased, half)),
             mean_interval: computational.map(|half| widened([low, high], half.hypot(scan_sampling))),
             mean_of_scan,
-            grid_error,
+            grid_error: pitch.map(Pitch::error),
             saturation: floor.map(|floor| (1.0 - floor / mean).max(0.0)),
-            resolved,
+            resolved: errors.resolved,
             ..point
         };
-        Self { errors, point, warnings, sentence: words }
+        Self { errors, point, warnings, sentences }
     }
 }
 
@@ -134,7 +123,7 @@ fn side_by_side(first: &ScanCutoff, last: &ScanCutoff, mean: f64) -> String {
 /// Returns a warning if the waves beyond those that the scan resolves change its friction.
 fn shorter_waves(first: &ScanCutoff, last: &ScanCutoff) -> Option<String> {
     let ratio = last.mean / first.mean;
-    ((ratio - 1.0).abs() > RESOLVED).then(|| {
+    ((ratio - 1.0).abs() > LARGE).then(|| {
         format!(
             "the scan resolves waves down to {}; with its shorter waves, down to twice the pixel, μ is {} times as large: only smaller pixels \
              tell which is right",
@@ -144,14 +133,12 @@ fn shorter_waves(first: &ScanCutoff, last: &ScanCutoff) -> Option<String> {
     })
 }
 
-/// Returns the warning that the pitch is too large, with its error relative to the mean and the order of convergence.
-fn unresolved(friction: &FrictionStudy, bias: f64, order: f64) -> String {
-    let factor = (bias.abs() / RESOLVED).powf(1.0 / order).ceil();
+/// Returns the warning that the pitch is too large, with its error relative to the mean and the wanted factor of the points.
+fn unresolved(friction: &FrictionStudy, error: f64, factor: f64) -> String {
     let [nx, ny] = friction.points.map(|points| (points as f64 * factor) as usize);
     format!(
-        "the friction coefficient is not resolved: its pitch makes it about {} % too {}; about points = [{nx}, {ny}] in [friction] resolve it",
-        sentence::digits(100.0 * bias.abs()),
-        if bias < 0.0 { "high" } else { "low" },
+        "the friction coefficient is not resolved: its pitch leaves an error of {} %; about points = [{nx}, {ny}] in [friction] resolve it",
+        sentence::digits(100.0 * error),
     )
 }
 

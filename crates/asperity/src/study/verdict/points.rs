@@ -24,6 +24,8 @@ pub(super) struct ContactPoints<'a> {
     pub(super) central: &'a Table,
     /// Errors of the statistics of the scans of both bodies.
     pub(super) scan: ScanErrors,
+    /// Extrapolation in the pitch ([`Strips`](crate::friction::strip::Strips)).
+    pub(super) pitch_factor: f64,
     pub(super) monitor: &'a dyn Monitor,
 }
 
@@ -83,9 +85,8 @@ impl ContactPoints<'_> {
             OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
             OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
         };
-        let realisations = strips_per_point(friction.realisations);
-        let monitor = &Quiet(self.monitor);
-        solve_level(friction, &model, level, realisations, own.seed(), monitor)
+        let strips = (strips_per_point(friction.realisations), self.pitch_factor);
+        solve_level(friction, &model, level, strips, own.seed(), &Quiet(self.monitor))
     }
 }
 
@@ -168,7 +169,8 @@ mod tests {
         let input = UncertainInput::new("surface.scan", Marginal::STANDARD_NORMAL, true).unwrap();
         let central: Table = toml::from_str(TEXT).unwrap();
         let scan = ScanErrors { inputs: vec![(place, input, unit)] };
-        let points = ContactPoints { study: &study, surface: &surface, central: &central, scan, monitor: &Silent };
+        let (study, surface, central) = (&study, &surface, &central);
+        let points = ContactPoints { study, surface, central, scan, pitch_factor: 1.0, monitor: &Silent };
         let mean = |table: &Table| points.solve(table).unwrap().unwrap().all.mean.ln();
         let at = |normal: f64| {
             let mut table = central.clone();

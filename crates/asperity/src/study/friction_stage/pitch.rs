@@ -1,0 +1,144 @@
+//! Extrapolation of the mean friction in the pitch of the strips.
+//!
+//! The mean is μ(h) = μ₀ + c hᵖ at the pitch h. The strips at h and at h/2 have the same surfaces, and the scan, which is pressed on
+//! three pitches, gives the order p. The limit μ₀ differs from μ(h/2) by the last term of the series, which is taken as its error.
+
+use super::cutoff::SolvedCutoffs;
+use crate::friction::strip::{Record, SolvedStrips, StripProblem};
+use crate::study::result::{Pair, ScanFriction};
+use crate::study::sentence;
+
+/// Largest error of the pitch over the mean of a resolved surface.
+const RESOLVED: f64 = 0.03;
+/// Order of convergence if none is observed, and the range of credible ones.
+const ORDER: f64 = 1.0;
+const CREDIBLE: std::ops::RangeInclusive<f64> = 0.7..=2.0;
+/// Distance from the least friction, over the mean, that rounding may leave.
+const ROUNDING: f64 = 1e-9;
+
+/// Mean friction at the pitch of the strips and at vanishing pitch.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pitch {
+    /// μ = ΣF/ΣN at the pitch of the strips.
+    pub(super) mean_at_pitch: f64,
+    /// Limit at vanishing pitch.
+    pub(super) mean: f64,
+    /// See [`Strips::pitch_factor`](crate::friction::strip::Strips::pitch_factor).
+    pub(super) factor: f64,
+    /// Least and largest limit that the order of convergence leaves possible.
+    pub(super) range: Pair,
+    /// Half of the 95 % interval of `mean` that is due to the few strips of half the pitch.
+    pub(super) noise: f64,
+    /// Order of convergence.
+    order: f64,
+    is_observed: bool,
+    pitch_m: f64,
+}
+
+impl Pitch {
+    /// Extrapolates the mean of strips; `None` if the strips of half the pitch have no solution. A change that the few strips do not show
+    /// to differ from zero is not extrapolated.
+    pub(super) fn new(
+        problem: &StripProblem,
+        strips: &SolvedStrips,
+        cutoffs: &SolvedCutoffs,
+        scan: Option<&ScanFriction>,
+    ) -> Option<Self> {
+        let mean_at_pitch = Record::at_mean_load(&strips.records).0;
+        let order = scan.and_then(|scan| scan.cut_offs.first()?.order);
+        Self::of_change(mean_at_pitch, cutoffs.halved_change()?, problem.least_coefficient(), order)
+            .map(|found| Self { pitch_m: cutoffs.pitch_m, ..found })
+    }
+
+    /// Extrapolates a mean from its relative change by half the pitch with the half width of the interval of the change.
+    fn of_change(mean_at_pitch: f64, [change, half]: Pair, least: Option<f64>, observed: Option<f64>) -> Option<Self> {
+        let least = least.unwrap_or(0.0).min(mean_at_pitch);
+        let order = observed.map_or(ORDER, |order| order.clamp(*CREDIBLE.start(), *CREDIBLE.end()));
+        let whole = 1.0 / (1.0 - (-order).exp2());
+        let at = |factor: f64| (mean_at_pitch * (1.0 + factor * change)).max(least);
+        let is_significant = change.abs() > half;
+        let (mean, ends) =
+            if is_significant { (at(whole), [1.0, 2.0 * whole - 1.0]) } else { (mean_at_pitch, [0.0, whole]) };
+        let [a, b] = ends.map(at);
+        let excess = mean_at_pitch - least;
+        Some(Self {
+            mean_at_pitch,
+            mean,
+            factor: if excess > ROUNDING * mean_at_pitch { (mean - least) / excess } else { 1.0 },
+            range: [a.min(b), a.max(b)],
+            noise: mean_at_pitch * half * if is_significant { whole } else { 1.0 },
+            order,
+            is_observed: observed.is_some(),
+            pitch_m: f64::NAN,
+        })
+        .filter(|found| found.mean > 0.0)
+    }
+
+    /// Returns the error of the mean.
+    pub(super) fn error(&self) -> f64 {
+        (self.range[1] - self.mean).max(self.mean - self.range[0])
+    }
+
+    /// Returns the factor of the points along each side that makes the error small; `None` if it is.
+    pub(super) fn wanted_points(&self) -> Option<f64> {
+        let ratio = self.error() / (RESOLVED * self.mean);
+        (self.is_extrapolated() && ratio > 1.0).then(|| ratio.powf(1.0 / self.order).ceil())
+    }
+
+    fn is_extrapolated(&self) -> bool {
+        self.mean != self.mean_at_pitch
+    }
+
+    /// Returns a sentence on the extrapolation; `None` if the mean is that of the pitch.
+    pub(super) fn sentence(&self) -> Option<String> {
+        let digits = sentence::digits;
+        self.is_extrapolated().then(|| {
+            format!(
+                "The friction coefficient at the operating point is extrapolated to vanishing pitch: it is {} at the pitch {} of the strips, \
+                 and of order {} in the pitch ({}).",
+                digits(self.mean_at_pitch),
+                sentence::si(self.pitch_m, "m"),
+                digits(self.order),
+                if self.is_observed { "observed on the scan" } else { "assumed" },
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_known_series_has_its_limit_within_the_range() {
+        for (order, observed) in
+            [(1.0, None), (1.5, Some(1.5)), (2.0, Some(2.0)), (1.4, None), (0.8, None), (2.0, None)]
+        {
+            let (limit, term) = (0.3, 0.05_f64);
+            let [coarse, fine] = [1.0, 0.5_f64].map(|h| limit + term * h.powf(order));
+            let found = Pitch::of_change(coarse, [fine / coarse - 1.0, 0.0], None, observed).unwrap();
+            if observed.is_some_and(|observed| observed == order) {
+                assert!(
+                    (found.mean - limit).abs() < 1e-12 && (found.error() - (fine - limit)).abs() < 1e-12,
+                    "{found:?}"
+                );
+            }
+            assert!((found.factor * coarse - found.mean).abs() < 1e-12);
+            assert!(found.range[0] <= limit + 1e-12 && limit <= found.range[1], "{order}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_plastic_floor_bounds_the_limit_and_noise_is_not_extrapolated() {
+        let found = Pitch::of_change(0.4, [-0.2, 0.01], Some(0.35), None).unwrap();
+        assert_eq!((found.mean, found.factor), (0.35, 0.0));
+        let found = Pitch::of_change(0.4, [-0.02, 0.03], None, None).unwrap();
+        assert_eq!((found.mean, found.factor, found.wanted_points()), (0.4, 1.0, None));
+        assert!((found.range[0] - 0.384).abs() < 1e-12 && found.range[1] == 0.4 && (found.noise - 0.012).abs() < 1e-12);
+        // All contact is at the hardness.
+        assert_eq!(Pitch::of_change(0.4, [0.0, 0.0], Some(0.4), None).unwrap().factor, 1.0);
+        // An error of 10 % of first order: four times the points.
+        let found = Pitch::of_change(0.4, [-0.1, 0.0], None, None).unwrap();
+        assert_eq!(found.wanted_points(), Some(5.0), "{found:?}");
+    }
+}
