@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct MeanErrors {
     /// Relative standard error by the sampling of strips.
     pub strips: f64,
+    /// Relative standard error by the limited scan, from the differences between its parts; 0 without a pressed scan.
+    pub scan: f64,
     /// Factor by which the mean was extrapolated in the pitch of the strips ([`Strips`](crate::strip::Strips)).
     pub pitch_factor: f64,
     /// Smallest and largest factor that the pitch of the strips leaves possible.
@@ -23,7 +25,15 @@ pub struct MeanErrors {
 impl Default for MeanErrors {
     /// Returns the errors of an exact mean.
     fn default() -> Self {
-        Self { strips: 0.0, pitch_factor: 1.0, grid: [1.0; 2], model: [1.0; 2], cut_off: Vec::new(), resolved: true }
+        Self {
+            strips: 0.0,
+            scan: 0.0,
+            pitch_factor: 1.0,
+            grid: [1.0; 2],
+            model: [1.0; 2],
+            cut_off: Vec::new(),
+            resolved: true,
+        }
     }
 }
 

@@ -76,14 +76,15 @@ pub(super) fn run(
     let Some(study) = &whole.verdict else { return Err(StudyError::NoStage("vibration")) };
     let (seed, mut output) = (whole.seed(), StageOutput::default());
     let mut study = Cow::Borrowed(study);
-    let mut responses = None;
+    let (mut responses, mut scan_error) = (None, 0.0);
     if let Some(surface) = surface.filter(|_| window.computed) {
         let central = study.central.clone();
-        let (scan, pitch_factor) = (ScanErrors::default(), window.mean_errors.pitch_factor);
-        let mut points = ContactPoints { study: whole, surface, central: &central, scan, pitch_factor, monitor };
+        let (scan, mean_errors) = (ScanErrors::default(), &window.mean_errors);
+        let mut points = ContactPoints { study: whole, surface, central: &central, scan, mean_errors, monitor };
         if study.scan_errors {
             points.scan = ScanErrors::new(&points, &mut output)?;
         }
+        scan_error = if study.scan_errors && points.scan.inputs.is_empty() { mean_errors.scan } else { 0.0 };
         let mut latent: Vec<_> = points.scan.inputs.iter().map(|(place, input, _)| (*place, input.clone())).collect();
         let cut_off = if study.scan_errors { machines::cut_off(window) } else { Ok(None) };
         for other in [machines::between_parts(window), cut_off] {
@@ -149,6 +150,7 @@ pub(super) fn run(
         machines: &machines,
         sampled: &sampled,
         responses: responses.as_ref(),
+        scan_error,
         seed,
         monitor,
         evaluations: sampled.machines.len(),
@@ -280,6 +282,7 @@ fn limit(source: &str, half_width: f64) -> String {
     let (cause, remedy) = match source {
         "machines" => ("the number of machines", "raise `evaluations` in [verdict]"),
         "strips" => ("the number of strips", "raise `realisations` in [friction]"),
+        "scan" => ("the size of the scan", "take a larger one"),
         "grid" => ("the pitch of the strips", "raise `points` in [friction]"),
         "model" => {
             ("the difference between random strips and scan", "take a larger scan, or remove more form (`level`)")
@@ -303,6 +306,7 @@ mod tests {
         for (source, remedy) in [
             ("machines", "raise `evaluations` in [verdict]"),
             ("strips", "raise `realisations` in [friction]"),
+            ("scan", "take a larger one"),
             ("grid", "raise `points` in [friction]"),
             ("model", "take a larger scan"),
             ("expansion", "state narrower distributions"),

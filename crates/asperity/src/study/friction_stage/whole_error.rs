@@ -76,6 +76,7 @@ impl WholeError {
                     (low, high) = (low.min(of.mean - grid), high.max(of.mean + grid));
                 }
                 scan_sampling = half(last.mean_interval);
+                errors.scan = scan_sampling / (NORMAL_95 * last.mean);
                 let difference = first.mean / mean - 1.0;
                 if difference.abs() > LIKE_THE_SCAN && difference.abs() > half(first.mean_interval) / mean {
                     errors.resolved = false;

@@ -5,7 +5,7 @@ use toml::{Table, Value};
 
 use super::scan::errors::{BodyErrors, Measured, ScanErrors, StatisticErrors};
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
-use crate::friction::{LevelControl, OperatingLevel};
+use crate::friction::{LevelControl, MeanErrors, OperatingLevel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::friction_strips::solve_level;
 use crate::study::surface_stage::SurfaceStage;
@@ -24,8 +24,8 @@ pub(super) struct ContactPoints<'a> {
     pub(super) central: &'a Table,
     /// Errors of the statistics of the scans of both bodies.
     pub(super) scan: ScanErrors,
-    /// Extrapolation in the pitch ([`Strips`](crate::friction::strip::Strips)).
-    pub(super) pitch_factor: f64,
+    /// Errors of the mean friction at the central values.
+    pub(super) mean_errors: &'a MeanErrors,
     pub(super) monitor: &'a dyn Monitor,
 }
 
@@ -85,7 +85,7 @@ impl ContactPoints<'_> {
             OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
             OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
         };
-        let strips = (strips_per_point(friction.realisations), self.pitch_factor);
+        let strips = (strips_per_point(friction.realisations), self.mean_errors.pitch_factor);
         solve_level(friction, &model, level, strips, own.seed(), &Quiet(self.monitor))
     }
 }
@@ -170,7 +170,8 @@ mod tests {
         let central: Table = toml::from_str(TEXT).unwrap();
         let scan = ScanErrors { inputs: vec![(place, input, unit)] };
         let (study, surface, central) = (&study, &surface, &central);
-        let points = ContactPoints { study, surface, central, scan, pitch_factor: 1.0, monitor: &Silent };
+        let mean_errors = &MeanErrors::default();
+        let points = ContactPoints { study, surface, central, scan, mean_errors, monitor: &Silent };
         let mean = |table: &Table| points.solve(table).unwrap().unwrap().all.mean.ln();
         let at = |normal: f64| {
             let mut table = central.clone();

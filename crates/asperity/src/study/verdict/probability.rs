@@ -42,6 +42,8 @@ pub(super) struct Estimator<'a> {
     pub(super) machines: &'a Machines<'a>,
     pub(super) sampled: &'a Sampled,
     pub(super) responses: Option<&'a FrictionResponses>,
+    /// Relative standard error of the mean friction by the limited scan, unless it is among the uncertain values.
+    pub(super) scan_error: f64,
     pub(super) seed: u64,
     pub(super) monitor: &'a dyn Monitor,
     /// Number of machines that were evaluated for small probabilities.
@@ -110,12 +112,13 @@ impl Estimator<'_> {
 
     /// Returns the names and relative standard errors of the mean friction that are independent of each other.
     fn independent_errors(&self) -> Vec<(&'static str, f64)> {
-        match self.responses {
+        let mut errors = match self.responses {
             Some(responses) => responses.errors(),
-            None => {
-                vec![("strips", self.machines.mean_errors().strips)].into_iter().filter(|(_, e)| *e > 0.0).collect()
-            }
-        }
+            None => vec![("strips", self.machines.mean_errors().strips)],
+        };
+        errors.push(("scan", self.scan_error));
+        errors.retain(|(_, error)| *error > 0.0);
+        errors
     }
 
     /// Returns the probability of an event with another friction of all machines; of its complement, if that is small. `small` states
@@ -250,6 +253,7 @@ mod tests {
                 machines: &machines,
                 sampled: &sampled,
                 responses: None,
+                scan_error: 0.0,
                 seed: 1,
                 monitor: &Silent,
                 evaluations: 0,
@@ -287,17 +291,18 @@ mod tests {
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
         let sampled = Sampled::until(&machines, &evaluate, 0.02, 4096, &Silent).unwrap();
-        let mut estimator = Estimator {
+        let estimator = |scan_error: f64| Estimator {
             machines: &machines,
             sampled: &sampled,
             responses: None,
+            scan_error,
             seed: 1,
             monitor: &Silent,
             evaluations: 0,
             warnings: Vec::new(),
         };
         let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
-        let Probability { value, interval, sources } = estimator.probability(&event).unwrap();
+        let Probability { value, interval, sources } = estimator(0.0).probability(&event).unwrap();
         // The limit is reached at μ = 0.2: P[μ f > 0.2].
         let at = |factor: f64| standard_normal_cdf((0.19 - 0.2 / factor) / 0.01);
         let [less, central, more] = [0.97, 1.0, 1.04].map(at);
@@ -310,6 +315,11 @@ mod tests {
             let own = sources.iter().find(|(source, _)| *source == name).unwrap().1;
             assert!((own - wanted).abs() < 0.01, "{name}: {own} instead of {wanted}");
         }
+        let wider = estimator(0.01).probability(&event).unwrap();
+        let [less, more] = [-0.01, 0.01].map(|error: f64| at((NORMAL_95 * error).exp()));
+        let own = wider.sources.iter().find(|(source, _)| *source == "scan").unwrap().1;
+        assert!((own - 0.5 * (more - less)).abs() < 0.01, "{own}");
+        assert!(wider.interval.high > interval.high + 0.5 * (more - central), "{:?} {interval:?}", wider.interval);
     }
 
     #[test]
@@ -353,6 +363,7 @@ mod tests {
                 machines: &machines,
                 sampled: &sampled,
                 responses: Some(&responses),
+                scan_error: 0.0,
                 seed: 1,
                 monitor: &Silent,
                 evaluations: 0,

@@ -41,7 +41,8 @@ impl ScanErrors {
         let mut found = Self::default();
         for body in [Body::Surface, Body::Counterface] {
             if let Some(scan) = body.scan(points.surface) {
-                found.add(body, scan, &|errors| points.ln_friction(body.alone(errors)), output)?;
+                let ln_friction = |errors| points.ln_friction(body.alone(errors));
+                found.add(body, scan, &ln_friction, points.mean_errors.scan, output)?;
             }
         }
         let file = points.study.file();
@@ -56,12 +57,14 @@ impl ScanErrors {
         Ok(found)
     }
 
-    /// Adds what the scans of one body leave uncertain. `ln_friction` returns ln μ with errors of its statistics.
+    /// Adds what the scans of one body leave uncertain. `ln_friction` returns ln μ with errors of its statistics, and `error_of_parts` is the
+    /// relative standard error of μ by the differences between the parts of the surface's scan.
     fn add(
         &mut self,
         body: Body,
         scan: &ScannedSurface,
         ln_friction: &dyn Fn(StatisticErrors) -> Result<f64, StudyError>,
+        error_of_parts: f64,
         output: &mut StageOutput,
     ) -> Result<(), StudyError> {
         let scans: Vec<&MapStatistics> = match &scan.part {
@@ -69,9 +72,13 @@ impl ScanErrors {
             None => vec![&scan.statistics],
         };
         let Some(joint) = scans.iter().map(|scan| scan.estimates.joint).collect::<Option<Vec<_>>>() else {
-            output.warnings.push(body.warning(
-                "the scan contains too few correlation lengths for the errors of its statistics, which the verdict takes as exact",
-            ));
+            let instead = match body {
+                Body::Surface if error_of_parts > 0.0 => "; the differences between its parts stand for them",
+                _ => ", which the verdict takes as exact",
+            };
+            let text =
+                format!("the scan contains too few correlation lengths for the errors of its statistics{instead}");
+            output.warnings.push(body.warning(&text));
             return Ok(());
         };
         let mean = mean_of(&joint);
@@ -176,7 +183,7 @@ mod tests {
     /// Returns the uncertain values of a body whose friction is inversely proportional to the slopes.
     fn elastic(body: Body, scan: &ScannedSurface) -> (ScanErrors, StageOutput) {
         let (mut found, mut output) = (ScanErrors::default(), StageOutput::default());
-        found.add(body, scan, &|[_, slope, _]| Ok(-slope), &mut output).unwrap();
+        found.add(body, scan, &|[_, slope, _]| Ok(-slope), 0.0, &mut output).unwrap();
         (found, output)
     }
 
