@@ -41,6 +41,11 @@ wild CHECKS="100000" RUNS="1000":
     cargo build --release
     scripts/wild-studies target/wild --checks {{CHECKS}} --runs {{RUNS}}
 
+# Random studies of known surfaces, some forty seconds each: fails if an interval does not contain the truth. Needs the recipe `python`.
+known STUDIES="3":
+    rm -f target/known-surfaces-check.jsonl
+    scripts/known-surfaces target/known-surfaces-check.jsonl --studies {{STUDIES}} --check --program target/debug/asperity
+
 # Installs cargo-mutants. Takes half a minute for a mutant of a link of the chain, and minutes for one of the verdict.
 # Mutation testing of the numerical core: COUNT changed expressions, each with the tests of its crate.
 mutants COUNT="400":
@@ -66,6 +71,7 @@ validate:
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
     scripts/count-coverage
+    scripts/known-surfaces target/known-surfaces.jsonl
 
 # Builds the wheel with PROFILE and installs it into the environment. Checks that stubs and results are current, and checks tests, examples,
 # types and style. The profile `dev` builds faster and computes more slowly.
@@ -80,8 +86,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/mutants scripts/count-coverage
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/mutants scripts/count-coverage
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:

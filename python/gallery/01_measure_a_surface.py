@@ -125,5 +125,5 @@ print(
 
 # %% [markdown]
 # Read on: [measured and random surfaces](../../docs/surfaces.md), [coverage of the
-# intervals](../../docs/validation/intervals.md), and the next page, [surfaces like this
+# intervals](../../docs/validation/statistics.md), and the next page, [surfaces like this
 # one](../../docs/gallery/02_twins.md).

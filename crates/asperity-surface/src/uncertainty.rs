@@ -8,7 +8,7 @@
 //! depends on the statistic, or corrected for the skewness of the pivot. Intervals of correlation lengths invert a
 //! test; Sk, Spk and Svk are bootstrapped.
 //!
-//! The coverage of the intervals was measured: `docs/validation/intervals.md`.
+//! The coverage of the intervals was measured: `docs/validation/statistics.md`.
 
 mod cells;
 mod estimate;

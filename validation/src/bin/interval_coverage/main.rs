@@ -6,7 +6,7 @@
 //! of the names of the cases to run. For each statistic, the program prints the true value, the mean of the estimates, their standard
 //! deviation, the mean standard error over it, the mean number of blocks, the fraction of maps with an interval, the fraction of these
 //! intervals that contain the true value, and the fractions above and below it; then the coverage of the correlation at some lags along x.
-//! The last table is the table of `docs/validation/intervals.md`.
+//! The last table is the table of `docs/validation/statistics.md`.
 
 #![expect(clippy::print_stdout, reason = "prints tables")]
 
