@@ -65,16 +65,19 @@ impl WholeError {
             let is_of_the_scan = surface.is_of_the_scan
                 && surface.model.surface.shortest_wave_m.is_none_or(|m| m >= last.cutoff_m * (1.0 - 1e-9));
             if is_of_the_scan {
-                errors.model = [factor(first.mean.min(mean)), factor(first.mean.max(mean))];
                 let shortest = scan.iter().flat_map(|scan| &scan.cut_offs);
                 errors.cut_off = shortest.map(|of| (of.cutoff_m, factor(mean * of.mean / first.mean))).collect();
                 if errors.cut_off_range().iter().all(|factor| (factor - 1.0).abs() < NEGLIGIBLE) {
                     errors.cut_off.clear();
                 }
-                for of in [first, last] {
+                let around = |[low, high]: Pair, of: &ScanCutoff| {
                     let grid = of.grid_error.unwrap_or(0.0);
-                    (low, high) = (low.min(of.mean - grid), high.max(of.mean + grid));
-                }
+                    [low.min(of.mean - grid), high.max(of.mean + grid)]
+                };
+                // Waves that hardly matter are no unknown value. Their effect belongs to the difference from the scan.
+                let compared = if errors.cut_off.is_empty() { last } else { first };
+                errors.model = around(around([mean; 2], first), compared).map(factor);
+                [low, high] = around(around([low, high], first), last);
                 scan_sampling = half(last.mean_interval);
                 errors.scan = scan_sampling / (NORMAL_95 * last.mean);
                 let difference = first.mean / mean - 1.0;
