@@ -405,10 +405,10 @@ class CutoffPoint(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class HalvedPitch(Record):
-    """Mean friction of the same surface on cells of half the pitch."""
+    """Mean friction of the same surface on cells of half the pitch, not extrapolated."""
 
     change: float
-    """Difference of `mean` from the study's own mean."""
+    """Difference of `mean` from the mean at the pitch of the strips, which is not extrapolated either."""
     change_interval: list[float]
     """Interval of the difference, which the common random numbers make narrow."""
     mean: float
@@ -830,8 +830,8 @@ class OperatingPoint(Record):
     contact_stiffness_pa_per_m_se: float | None
     """Standard error of `contact_stiffness_pa_per_m` over the strips."""
     grid_error: float | None
-    """Error of `mean` due to the pitch of the strips, from the change by half the pitch and the observed order of
-    convergence, at least 1; `null` if half the pitch has no solution.
+    """Error of `mean` after its extrapolation in the pitch of the strips: the last term of the series; `null` if
+    half the pitch has no solution.
     """
     level: str
     """The level in words."""

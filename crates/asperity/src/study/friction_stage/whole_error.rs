@@ -70,14 +70,14 @@ impl WholeError {
                 if errors.cut_off_range().iter().all(|factor| (factor - 1.0).abs() < NEGLIGIBLE) {
                     errors.cut_off.clear();
                 }
-                let around = |[low, high]: Pair, of: &ScanCutoff| {
-                    let grid = of.grid_error.unwrap_or(0.0);
-                    [low.min(of.mean - grid), high.max(of.mean + grid)]
-                };
                 // Waves that hardly matter are no unknown value. Their effect belongs to the difference from the scan.
                 let compared = if errors.cut_off.is_empty() { last } else { first };
-                errors.model = around(around([mean; 2], first), compared).map(factor);
-                [low, high] = around(around([low, high], first), last);
+                let ends = |of: fn(f64, f64) -> f64| factor(of(mean, of(first.mean, compared.mean)));
+                errors.model = [ends(f64::min), ends(f64::max)];
+                for of in [first, last] {
+                    let grid = of.grid_error.unwrap_or(0.0);
+                    (low, high) = (low.min(of.mean - grid), high.max(of.mean + grid));
+                }
                 scan_sampling = half(last.mean_interval);
                 errors.scan = scan_sampling / (NORMAL_95 * last.mean);
                 let difference = first.mean / mean - 1.0;
