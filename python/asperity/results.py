@@ -44,6 +44,26 @@ class AreaUpscalingResult(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Assumed(Record):
+    """Effect of a number that the study does not state: asperity assumes a default, which counts as exact."""
+
+    expected_vibration_share_at: list[float]
+    """`expected_vibration_share` with the value at the low and the high end of its range."""
+    input: str
+    """Name of the value, `section.key`."""
+    probability_at: list[float]
+    """`probability` with the value at the low and the high end of its range."""
+    probability_interval_at: list[list[float]]
+    """Their 95 % intervals: the error of the computation."""
+    range: list[float]
+    """Range of the value: 0.9 to 1 for `vibration.kinetic_share`, and 2.1 to 8.4, half to twice the default, for
+    `vibration.stribeck`.
+    """
+    value: float
+    """The default."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class CorrelationCurveResult(Record):
     """A curve fitted to the estimated correlation by least squares."""
 
@@ -1961,6 +1981,10 @@ class VerdictResult(Record):
     """Probability against the number of windows that share the load; `null` if friction neither fluctuates nor
     differs between parts, or is averaged over an unknown area.
     """
+    assumed: list[Assumed]
+    """Probability with each number that the study does not state at the ends of its range; empty in results of
+    earlier versions.
+    """
     assumptions: list[str]
     """Assumptions of the verdict, in sentences."""
     drivers: list[Driver]
@@ -2041,6 +2065,7 @@ class VerdictResult(Record):
 
     _nested: ClassVar[Mapping[str, type[Record]]] = {
         "area_as_one": AreaAsOne,
+        "assumed": Assumed,
         "drivers": Driver,
         "error_sources": ErrorSource,
         "event_drivers": Driver,

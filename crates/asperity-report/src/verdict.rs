@@ -1,6 +1,6 @@
 //! The verdict in words.
 
-use asperity_results::{ModelResult, VerdictResult};
+use asperity_results::{Assumed, ModelResult, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::named;
@@ -206,6 +206,43 @@ pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
         .kick_m_per_s
         .map_or_else(String::new, |kick| format!(", unless a kick of {} starts it", Dimension::Velocity.show(kick)));
     Some(format!("steady sliding stays quiet{kick}"))
+}
+
+/// Returns each number that the study does not state, with the verdict at both ends of its range:
+/// `kinetic_share 1 (0.9: 87 %, 1: 57 %)`. Empty without a verdict.
+pub fn not_stated(verdict: &VerdictResult) -> Vec<String> {
+    let of_one = |assumed: &Assumed| {
+        let key = assumed.input.rsplit('.').next().unwrap_or_default();
+        let number = |value: f64| Dimension::None.show(value);
+        let [low, high] =
+            [0, 1].map(|end| format!("{}: {}", number(assumed.range[end]), answer_at(verdict, assumed, end)));
+        let unit = if verdict.friction_fluctuates { " of the time" } else { "" };
+        format!("{key} {} ({low}, {high}{unit})", number(assumed.value))
+    };
+    verdict.assumed.iter().filter(|_| !verdict.friction_unresolved).map(of_one).collect()
+}
+
+/// Returns the answer of the headline at one end of the range of a number that the study does not state.
+fn answer_at(verdict: &VerdictResult, assumed: &Assumed, end: usize) -> String {
+    let (probability, interval) = (assumed.probability_at[end], assumed.probability_interval_at[end]);
+    match interval {
+        _ if verdict.friction_fluctuates => sampled_percent(assumed.expected_vibration_share_at[end], interval),
+        _ if !is_exact(verdict) => sampled_percent(probability, interval),
+        [low, high] if low < high => "may vibrate".into(),
+        _ if probability < 0.5 => "does not vibrate".into(),
+        _ => "vibrates".into(),
+    }
+}
+
+/// Formats a fraction of sampled machines as a percentage. If none or all of them vibrate, it is the bound of the interval.
+pub(crate) fn sampled_percent(fraction: f64, [low, high]: [f64; 2]) -> String {
+    match fraction {
+        0.0 if high >= RARE => format!("less than {}", percent(high)),
+        1.0 if low <= 1.0 - RARE => format!("more than {}", percent(low)),
+        0.0 => percent(high),
+        1.0 => percent(low),
+        fraction => percent(fraction),
+    }
 }
 
 /// Returns the noun for the most frequent kind of vibration.

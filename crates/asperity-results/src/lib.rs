@@ -57,8 +57,8 @@ pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
 pub use verdict::{
-    Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile, NominalMachine, Quantiles,
-    Reach, Remedy, RestsOn, VerdictResult, VibratingMachines,
+    Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile, NominalMachine,
+    Quantiles, Reach, Remedy, RestsOn, VerdictResult, VibratingMachines,
 };
 pub use verdict_tables::{AreaAsOne, ProbabilityMap, ProbabilityMapAxis};
 pub use vibration::{

@@ -85,6 +85,9 @@ pub struct VerdictResult {
     /// Inputs of the verdict with their origin; empty in results of earlier versions.
     #[serde(default)]
     pub rests_on: Vec<RestsOn>,
+    /// Probability with each number that the study does not state at the ends of its range; empty in results of earlier versions.
+    #[serde(default)]
+    pub assumed: Vec<Assumed>,
 }
 
 /// Cause of a part of the interval of the probability.
@@ -243,6 +246,24 @@ pub struct Guess {
     pub probability_at_q05: f64,
     /// Probability of vibration with the value at its 95 % quantile.
     pub probability_at_q95: f64,
+}
+
+/// Effect of a number that the study does not state: asperity assumes a default, which counts as exact.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Assumed {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// The default.
+    pub value: f64,
+    /// Range of the value: 0.9 to 1 for `vibration.kinetic_share`, and 2.1 to 8.4, half to twice the default, for `vibration.stribeck`.
+    pub range: Pair,
+    /// `probability` with the value at the low and the high end of its range.
+    pub probability_at: Pair,
+    /// Their 95 % intervals: the error of the computation.
+    pub probability_interval_at: [Pair; 2],
+    /// `expected_vibration_share` with the value at the low and the high end of its range.
+    pub expected_vibration_share_at: Pair,
 }
 
 /// Change of the central value of one input.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{CampaignResults, Computed};
-use asperity_report::{verdict_sentence, vibration_answer};
+use asperity_report::{not_stated, verdict_sentence, vibration_answer};
 use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
@@ -47,6 +47,7 @@ fn of_run(results: &Results, folder: &Path) -> Answer {
     let mut show = |key: &str, value: Value| answer = std::mem::take(&mut answer).with(key, value);
     if let Some(verdict) = &results.verdict {
         show("verdict", verdict_sentence(verdict).into());
+        not_stated(verdict).into_iter().for_each(|value| show("not_stated", value.into()));
     }
     if let Some(scan) = results.surface.as_ref().map(|surface| &surface.measured) {
         let number = |name: &str| match scan {

@@ -276,6 +276,12 @@ fn a_run_prints_the_sentence_of_its_verdict() {
     let found = run_in(folder.path(), "verdict study.toml --json").json(0);
     let shown = run_in(folder.path(), "run study.toml --out run");
     assert!(shown.code == 0 && shown.stdout.contains(found["sentence"].as_str().unwrap()), "{shown:?}");
+    // The study leaves out one number with a range.
+    assert_eq!(found["assumed"].as_array().unwrap().len(), 1);
+    assert_eq!((&found["assumed"][0]["range"], &found["assumed"][0]["value"]), (&vec![0.9, 1.0].into(), &1.0.into()));
+    assert_eq!(found["assumed"][0]["probability_at"][1], found["probability"]);
+    let lines: Vec<&str> = shown.stdout.lines().filter(|line| line.contains("kinetic_share 1 (0.9: ")).collect();
+    assert!(lines.len() == 1 && lines[0].trim_start().starts_with("not stated"), "{shown:?}");
 }
 
 #[test]
@@ -606,7 +612,8 @@ fn a_check_states_the_machines_and_contact_solutions_of_the_verdict() {
     let stated = estimate(format!("{MACHINE}{law}"));
     assert_eq!((&stated["stage"], &stated["contact_solutions"]), (&"verdict".into(), &0.into()));
     // 4,096 machines have a half width of at most .0153 at any probability, and each has a limit cycle in the table of samples.
-    assert_eq!((&stated["machines"], &stated["trajectories"]), (&8192.into(), &0.into()));
+    // 256 have the low end of `kinetic_share`.
+    assert_eq!((&stated["machines"], &stated["trajectories"]), (&8448.into(), &0.into()));
     // 10 points of one value, with 4 strips each.
     let computed = estimate(contact("1e9 GPa", "21 ± 2 MPa", "4.2"));
     assert_eq!(computed["contact_solutions"], 40);

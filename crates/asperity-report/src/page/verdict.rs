@@ -6,7 +6,7 @@ mod remedies;
 mod rests_on;
 pub(crate) mod text;
 
-use asperity_results::{Driver, ModelResult, Quantiles, VerdictResult};
+use asperity_results::{Assumed, Driver, ModelResult, Quantiles, VerdictResult};
 
 use crate::Run;
 use crate::cells::{percent as table_percent, shown};
@@ -16,8 +16,8 @@ use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
 use crate::run::RESULTS;
 use crate::verdict::{
-    Headline, MEAN_FRICTION, RARE, is_exact, leading_range, percent, steady_sliding, unknown_values,
-    vibration as vibration_event,
+    Headline, MEAN_FRICTION, RARE, is_exact, leading_range, not_stated, percent, sampled_percent, steady_sliding,
+    unknown_values, vibration as vibration_event,
 };
 use crate::words::{between, named, unbroken};
 
@@ -70,6 +70,7 @@ fn numbers(verdict: &VerdictResult) -> Html {
         let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == ModelResult::StickSlip);
         sentences.extend(sliding.map(|sliding| text(format!("From steady sliding {}.", percent(sliding)))));
     }
+    sentences.extend(not_stated(verdict).into_iter().map(|value| text(format!("Not stated: {value}."))));
     if verdict.leaves_out_fluctuation {
         sentences.push(text(MEAN_FRICTION.into()));
     }
@@ -177,8 +178,30 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             guesses.collect(),
             RESULTS,
         ),
+        DataTable::new(
+            &format!(
+                "Probability of {} with a number that the study does not state at the ends of its range",
+                vibration_event(verdict)
+            ),
+            &["Value", "Default", "At the low end", "At the high end"],
+            verdict.assumed.iter().map(assumed).collect(),
+            RESULTS,
+        ),
         rests_on::table(&verdict.rests_on),
     ]
+}
+
+/// Returns a number that the study does not state, with the probability at both ends of its range.
+fn assumed(assumed: &Assumed) -> Vec<String> {
+    let number = |value: f64| Dimension::None.show(value);
+    let at = |end: usize| {
+        let interval = assumed.probability_interval_at[end];
+        let found =
+            format!("{}: {}", number(assumed.range[end]), sampled_percent(assumed.probability_at[end], interval));
+        let [low, high] = interval.map(percent);
+        if low == high { found } else { format!("{found} ({low} to {high})") }
+    };
+    vec![named(&assumed.input), number(assumed.value), at(0), at(1)]
 }
 
 /// Returns the formula of the margin.

@@ -1,6 +1,6 @@
 //! The verdict in words and on the page.
 
-use asperity_report::{Run, render, verdict_sentence, verdict_text};
+use asperity_report::{Run, not_stated, render, verdict_sentence, verdict_text};
 use asperity_results::{InputKind, InputValue, Remedy, RestsOn, Table, VerdictResult};
 
 use crate::documents::{elements, resources, text, without_scripts};
@@ -157,6 +157,35 @@ fn under_fluctuating_friction_the_fraction_of_the_time_leads() {
 }
 
 #[test]
+fn a_number_that_is_not_stated_stands_with_both_ends_of_its_range_below_the_verdict() {
+    let mut verdict = known();
+    // All 256 machines vibrate at the high end.
+    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)"]);
+    let lines = verdict_text(&verdict);
+    let mut lines = lines.lines();
+    assert_eq!(lines.next(), Some(verdict_sentence(&verdict).as_str()));
+    assert_eq!(lines.next(), Some("Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."));
+    let words = plain(&page(verdict.clone()));
+    assert!(words.contains("Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."), "{words}");
+    let table = "Stribeck coefficient4.22.1: 21 % (20 % to 22 %)8.4: more than 99.4 % (99.4 % to 100 %)";
+    assert!(words.replace('\n', "").contains(table), "{words}");
+    let entry = &mut verdict.assumed[0];
+    (entry.probability_at, entry.probability_interval_at) = ([0.0, 0.0], [[0.0, 0.013], [0.0, 1e-6]]);
+    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: less than 1.3 %, 8.4: less than 0.1 %)"]);
+    // The fraction of the time leads under fluctuating friction.
+    verdict.friction_fluctuates = true;
+    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: 8 %, 8.4: 97 % of the time)"]);
+    (verdict.friction_fluctuates, verdict.evaluations) = (false, 1);
+    let entry = &mut verdict.assumed[0];
+    (entry.probability_at, entry.probability_interval_at) = ([0.0, 1.0], [[0.0; 2], [1.0; 2]]);
+    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: vibrates)"]);
+    verdict.assumed[0].probability_interval_at[1] = [0.0, 1.0];
+    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: may vibrate)"]);
+    verdict.friction_unresolved = true;
+    assert!(not_stated(&verdict).is_empty());
+}
+
+#[test]
 fn a_remedy_names_the_damping_that_it_keeps_and_the_range_without_a_value() {
     let mut verdict = known();
     let remedy = &mut verdict.remedies[0];
@@ -194,7 +223,7 @@ fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
     let text = verdict_text(&verdict);
     assert!(text.starts_with(&verdict_sentence(&verdict)), "{text}");
     for wanted in [
-        "12 % from steady sliding.\nIf it vibrates: 312 Hz (298–325), with amplitudes",
+        "12 % from steady sliding.\nNot stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).\nIf it vibrates: 312 Hz (298–325), with amplitudes",
         "\nRaise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.\n",
         "\nMeasure the Stribeck coefficient next",
         "\nQuantiles of the margin ζ − ζ_v\n  Quantile  Margin\n",
@@ -239,7 +268,8 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
     for wanted in [
         "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
          Stribeck coefficient; 64 % on average.",
-        "Computed to ±3 percentage points. From steady sliding 12 %. If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
+        "Computed to ±3 percentage points. From steady sliding 12 %. Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %). If it \
+         vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
         "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
         "not in the range",
@@ -372,6 +402,7 @@ fn names_and_values_of_inputs_are_escaped() {
     verdict.drivers[0].input = EVIL.into();
     verdict.remedies[0].input = EVIL.into();
     verdict.guesses[0].input = EVIL.into();
+    verdict.assumed[0].input = EVIL.into();
     for kind in [InputKind::Measured, InputKind::Stated, InputKind::Uncertain, InputKind::Unknown, InputKind::Default] {
         let value = InputValue::Name(EVIL.into());
         verdict.rests_on.push(RestsOn { input: EVIL.into(), value, unit: EVIL.into(), kind });

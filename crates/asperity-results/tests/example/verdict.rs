@@ -1,7 +1,7 @@
 //! An invented verdict.
 
 use asperity_results::{
-    AreaAsOne, Driver, ErrorSource, Guess, InputKind, InputValue, KindResult, LearntFriction, MarginQuantile,
+    AreaAsOne, Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, KindResult, LearntFriction, MarginQuantile,
     ModelResult, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn, VerdictResult,
     VibratingMachines,
 };
@@ -127,5 +127,13 @@ pub(crate) fn verdict() -> VerdictResult {
                 kind: InputKind::Default,
             },
         ],
+        assumed: vec![Assumed {
+            input: "vibration.stribeck".into(),
+            value: 4.2,
+            range: [2.1, 8.4],
+            probability_at: [0.21, 1.0],
+            probability_interval_at: [[0.2, 0.22], [0.994, 1.0]],
+            expected_vibration_share_at: [0.08, 0.97],
+        }],
     }
 }

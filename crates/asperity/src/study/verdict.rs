@@ -2,7 +2,9 @@
 
 mod answers;
 pub(super) mod area;
+pub(super) mod assumed;
 pub(super) mod axis;
+mod changed;
 #[cfg(test)]
 mod closed_forms;
 pub(super) mod decided;
@@ -19,7 +21,7 @@ mod probability;
 pub(super) mod remedies;
 pub(super) mod replicates;
 mod responses;
-mod rests_on;
+pub(super) mod rests_on;
 pub(super) mod sampled;
 pub(super) mod scan;
 mod sharing;
@@ -27,6 +29,7 @@ pub(super) mod vibrating;
 
 use std::borrow::Cow;
 
+use self::assumed::Ends;
 use self::drivers::MarginModel;
 use self::dynamics::Dynamics;
 use self::fluctuating::{HALF, Wanted};
@@ -183,6 +186,18 @@ pub(super) fn run(
     let vibrates = evaluate(&nominal, 0).map_err(StudyError::Verdict)?.vibrates;
     let (remedies, warnings) = remedies::remedies(&machines, study, &decide, fluctuates, seed, monitor)?;
     output.warnings.extend(warnings);
+    let rests_on = rests_on::rests_on(whole, study, window, fluctuates);
+    let ends = Ends {
+        study,
+        machines: &machines,
+        sampled: &sampled,
+        probability: &found,
+        share: &share,
+        evaluate: &evaluate,
+        monitor,
+    };
+    let (assumed, warnings) = ends.assumed(&rests_on)?;
+    output.warnings.extend(warnings);
     let mut result = VerdictResult {
         model,
         vibration_threshold: threshold,
@@ -207,7 +222,8 @@ pub(super) fn run(
         margin_quantiles: margin_quantiles.to_vec(),
         remedies,
         friction_unresolved: !window.mean_errors.resolved,
-        rests_on: rests_on::rests_on(whole, study, window, fluctuates),
+        rests_on,
+        assumed,
         ..VerdictResult::default()
     };
     output.tables.push((VERDICT_SAMPLES, samples_table(&machines, &sampled, monitor)?));

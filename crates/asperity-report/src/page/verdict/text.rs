@@ -9,12 +9,13 @@ use crate::page::verdict::{
     computed_to, drivers, half_of_the_time, margin_of, over_unknowns, remedies, tables, vibration,
 };
 use crate::run::RESULTS;
-use crate::verdict::{RARE, is_exact, percent as probability, verdict_sentence};
+use crate::verdict::{RARE, is_exact, not_stated, percent as probability, verdict_sentence};
 
 /// Returns the verdict as text: sentences on the probability, the vibration and the error of the computation, then tables of what
 /// decides the verdict, what would change it and what it rests on.
 pub fn verdict_text(verdict: &VerdictResult) -> String {
     let mut sentences = vec![verdict_sentence(verdict)];
+    sentences.extend(not_stated(verdict).into_iter().map(|value| format!("Not stated: {value}.")));
     if verdict.probability_interval[1] < RARE && !is_exact(verdict) {
         sentences.push(computed_to(verdict));
     }

@@ -9,7 +9,9 @@ use crate::study::result::ModelResult;
 use crate::study::verdict::LATER;
 use crate::study::verdict::replicates::REPLICATES;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
-use crate::study::verdict::{area, axis, decided, expansion, map, margins, points, remedies, sampled, vibrating};
+use crate::study::verdict::{
+    area, assumed, axis, decided, expansion, map, margins, points, remedies, rests_on, sampled, vibrating,
+};
 use crate::study::{Stage, Study};
 
 /// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
@@ -54,12 +56,17 @@ impl Study {
         let [of_remedies, decided] =
             of_remedies.fold([0, 0], |[a, b], [machines, decided]| [a + machines, b + decided]);
         let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
+        // Coupled modes do not depend on these values.
+        let ends = if vibration.coupled.is_some() { 0 } else { rests_on::assumed_ends(&file.unstated) };
+        let of_ends = ends * samples.min(assumed::MACHINES);
         if fluctuates {
-            // The samples follow the fluctuation, and so do their longer paths, the windows that share the load and remedies.
-            let followed = samples + LATER * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING);
+            // The samples follow the fluctuation, and so do their longer paths, the windows that share the load, the ends of the ranges of
+            // values that are not stated, and remedies.
+            let followed =
+                samples + LATER * samples.min(sampled::LATER) + area::ROWS * samples.min(area::FLUCTUATING) + of_ends;
             paths = TRAJECTORIES * followed + TRAJECTORIES_NEAR_LIMIT * decided;
         } else {
-            machines += parts * area::ROWS * samples.min(area::CONSTANT);
+            machines += parts * area::ROWS * samples.min(area::CONSTANT) + of_ends;
         }
         let values = axis::contact_places(study).len() + scans;
         let contact = friction.filter(|_| values > 0);

@@ -7,22 +7,15 @@
 //! variance along a path: by 1/n. All windows of a part have the statistics of its surface in common, so differences between scans do not
 //! depend on n.
 //!
-//! The rows have fewer machines than the verdict, and the verdict's answers for these machines are known. With the indicator B of a row, the
-//! indicator K of the verdict and its probability P, a control variate gives the probability of the row:
-//!
-//! mean[B] + β (P − mean[K]),  β = cov(B, K)/var(K)
-//!
+//! The rows have fewer machines than the verdict, whose answers are their control variate (`changed`).
 //! The row that is the verdict itself has its probability.
-
-use asperity_base::blocks::Task;
 
 use super::machines::{Machine, Machines};
 use super::probability::Probability;
-use super::replicates::Mean;
 use super::sampled::{Evaluate, Sampled};
 use super::sharing::Sharing;
+use super::{changed, number};
 use crate::monitor::{Cancelled, Monitor};
-use crate::stats::{Interval, Moments};
 use crate::study::Table;
 use crate::study::result::AreaAsOne;
 
@@ -56,19 +49,14 @@ pub(super) fn area_as_one(
         return Ok(None);
     }
     let numbers_of_machines = if fluctuates { [FIRST, FLUCTUATING] } else { [CONSTANT; 2] };
-    let numbers_of_machines = numbers_of_machines.map(|number| number.min(sampled.machines.len()));
     let rows = numbers(all).into_iter().map(|windows| {
         let sharing = if windows < all { Sharing::Windows(windows) } else { Sharing::Area };
         let (probability, interval) = if sharing.is_the_studys(nominal.study.upscaling) {
             (verdict.value, verdict.interval)
         } else {
             let shared = machines.with_sharing(sharing);
-            let answers = |index: usize| {
-                let known = sampled.machines[index].as_ref().ok()?.vibrates;
-                let machine = shared.at(&machines.variables_of(index)).ok()?;
-                Some([evaluate(&machine, index).ok()?.vibrates, known])
-            };
-            controlled(&paired(numbers_of_machines, &answers, monitor)?, verdict, machines.variables() == 0)
+            let pairs = changed::pairs(&shared, sampled, numbers_of_machines, evaluate, monitor)?;
+            changed::controlled(&pairs, |machine| number(machine.vibrates), verdict, machines.variables() == 0)
         };
         Ok(AreaAsOne {
             windows,
@@ -88,46 +76,6 @@ fn numbers(all: f64) -> Vec<f64> {
     numbers.dedup();
     numbers.push(all);
     numbers
-}
-
-/// Machine with its number, and whether it vibrates in the row and in the verdict.
-type Pair = (usize, [bool; 2]);
-
-/// Returns the answers of the machines that have one. Sampling ends after the `first` machines if all have the same answer in the row.
-fn paired(
-    [first, most]: [usize; 2],
-    answers: &(dyn Fn(usize) -> Option<[bool; 2]> + Sync),
-    monitor: &dyn Monitor,
-) -> Result<Vec<Pair>, Cancelled> {
-    let mut pairs: Vec<Pair> = Vec::new();
-    for (from, to) in [(0, first), (first, most)] {
-        let task = Task::new(monitor, "verdict: area as one", to - from);
-        let found = task.map(to - from, |place| Ok::<_, Cancelled>(answers(from + place)))?;
-        pairs.extend(found.into_iter().enumerate().filter_map(|(place, pair)| Some((from + place, pair?))));
-        if pairs.windows(2).all(|two| two[0].1[0] == two[1].1[0]) {
-            break;
-        }
-    }
-    Ok(pairs)
-}
-
-/// Returns the probability of a row with its interval, given the probability of the verdict.
-fn controlled(pairs: &[Pair], verdict: &Probability, is_exact: bool) -> (f64, Interval) {
-    let number = |is_true: bool| f64::from(u8::from(is_true));
-    let [row, known] = [0, 1].map(|of: usize| pairs.iter().map(|(_, pair)| number(pair[of])).collect::<Vec<_>>());
-    let [row, known] = [Moments::new(&row).mean, Moments::new(&known).mean];
-    // Both covariances of numbers that are 0 or 1.
-    let both = pairs.iter().filter(|(_, [row, known])| *row && *known).count() as f64 / pairs.len() as f64;
-    let variance = known * (1.0 - known);
-    let slope = if variance > 0.0 { (both - row * known) / variance } else { 0.0 };
-    let rest = Mean::new(pairs.iter().map(|(index, [row, known])| (*index, number(*row) - slope * number(*known))));
-    let value = (rest.value + slope * verdict.value).clamp(0.0, 1.0);
-    if is_exact {
-        // The answer for exact values has no error.
-        return (value, Interval { low: value, high: value });
-    }
-    let whole = 0.5 * slope.abs() * (verdict.interval.high - verdict.interval.low);
-    (value, Mean { value, half_width: rest.half_width.hypot(whole) }.interval())
 }
 
 /// Returns the table of the probabilities.
@@ -229,45 +177,5 @@ mod tests {
     fn verdict_of(sampled: &Sampled) -> Probability {
         let found = sampled.probability();
         Probability { value: found.value, interval: found.interval(), sources: Vec::new() }
-    }
-
-    #[test]
-    fn a_row_that_follows_the_verdict_has_its_probability_and_its_error() {
-        // Half of the 64 machines of a row vibrate; the verdict, with .4, is known better.
-        let interval = Interval { low: 0.39, high: 0.41 };
-        let verdict = Probability { value: 0.4, interval, sources: Vec::new() };
-        let pairs =
-            |answers: fn(usize) -> [bool; 2]| (0..64).map(|index| (index, answers(index))).collect::<Vec<Pair>>();
-        let equal = pairs(|index| [(index / 8).is_multiple_of(2); 2]);
-        let (value, found) = controlled(&equal, &verdict, false);
-        assert!((value - 0.4).abs() < 1e-12 && found.low < 0.39 && found.low > 0.34, "{value} {found:?}");
-        // Rows without a relation to the verdict keep their own fraction: a quarter, and none.
-        let free = pairs(|index| [(index / 16).is_multiple_of(4), (index / 8).is_multiple_of(2)]);
-        assert!((controlled(&free, &verdict, false).0 - 0.25).abs() < 1e-12);
-        let none = pairs(|index| [false, (index / 8).is_multiple_of(2)]);
-        assert_eq!(controlled(&none, &verdict, true), (0.0, Interval { low: 0.0, high: 0.0 }));
-    }
-
-    /// Returns how many machines vibrate, and how many have an answer.
-    fn counted(numbers: [usize; 2], answers: &(dyn Fn(usize) -> Option<[bool; 2]> + Sync)) -> (usize, usize) {
-        let pairs = paired(numbers, answers, &Silent).unwrap();
-        (pairs.iter().filter(|(_, [vibrates, _])| *vibrates).count(), pairs.len())
-    }
-
-    #[test]
-    fn sampling_ends_early_where_all_machines_have_the_same_answer() {
-        use std::sync::atomic::{AtomicUsize, Ordering};
-        // The answers of the machines from number 4 on differ from the first; number 2 has none.
-        for (first, rest, wanted) in [(true, false, (3, 3)), (false, true, (0, 3)), (true, true, (3, 3))] {
-            let asked = AtomicUsize::new(0);
-            let vibrates = |index: usize| {
-                asked.fetch_add(1, Ordering::Relaxed);
-                (index != 2).then_some([if index < 4 { first } else { rest }, index == 0])
-            };
-            assert_eq!(counted([4, 10], &vibrates), wanted);
-            assert_eq!(asked.into_inner(), 4);
-        }
-        let mixed = |index: usize| (index != 2).then_some([index.is_multiple_of(2), false]);
-        assert_eq!(counted([4, 10], &mixed), (4, 9));
     }
 }

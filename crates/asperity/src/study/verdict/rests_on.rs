@@ -5,7 +5,7 @@ use toml::{Table, Value};
 use crate::contact::Elastic;
 use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
-use crate::study::result::{InputKind, InputValue, RestsOn};
+use crate::study::result::{InputKind, InputValue, Pair, RestsOn};
 use crate::study::uncertain::Place;
 use crate::study::{Study, StudyFile};
 use crate::vibration::mode_coupling::CoupledParameters;
@@ -60,21 +60,55 @@ const FALLING: [&str; 8] = [
 /// The velocity of the belt, which a study states in one of two forms.
 const BELT: [(&str, &str); 2] = [("vibration", "belt_velocity"), ("vibration", "dimensionless_belt_velocity")];
 
-/// Keys among the inputs that a study file may leave out, with their default values.
-fn defaults() -> [(&'static str, &'static str, Value); 9] {
+/// Key among the inputs that a study file may leave out.
+struct DefaultKey {
+    section: &'static str,
+    key: &'static str,
+    /// Value that stands for a key that is left out.
+    value: Value,
+    /// Range at whose ends the verdict states the probability, if it does.
+    range: Option<Pair>,
+}
+
+impl DefaultKey {
+    fn name(&self) -> String {
+        format!("{}.{}", self.section, self.key)
+    }
+}
+
+/// Returns the keys that a study file may leave out.
+fn defaults() -> [DefaultKey; 9] {
     let coupled = CoupledParameters::default();
     let pair = |pair: [f64; 2]| Value::Array(pair.map(Value::Float).into());
+    let exact = |section, key, value| DefaultKey { section, key, value, range: None };
+    let assumed =
+        |key, value, range| DefaultKey { section: "vibration", key, value: Value::Float(value), range: Some(range) };
     [
-        ("vibration", "spring_angles", pair(coupled.angles_deg)),
-        ("vibration", "springs", pair(coupled.springs)),
-        ("vibration", "contact_spring", Value::Float(coupled.contact_stiffness)),
-        ("material", "poisson_ratio", Value::Float(Elastic::POISSON_RATIO)),
-        ("friction", "law", "bowden_tabor".into()),
-        ("vibration", "velocity_law", "stribeck".into()),
-        ("vibration", "stribeck", Value::Float(4.2)),
-        ("vibration", "kinetic_share", Value::Float(1.0)),
-        ("vibration", "upscaling", "area".into()),
+        exact("vibration", "spring_angles", pair(coupled.angles_deg)),
+        exact("vibration", "springs", pair(coupled.springs)),
+        exact("vibration", "contact_spring", Value::Float(coupled.contact_stiffness)),
+        exact("material", "poisson_ratio", Value::Float(Elastic::POISSON_RATIO)),
+        exact("friction", "law", "bowden_tabor".into()),
+        exact("vibration", "velocity_law", "stribeck".into()),
+        assumed("stribeck", 4.2, [2.1, 8.4]),
+        assumed("kinetic_share", 1.0, [0.9, 1.0]),
+        exact("vibration", "upscaling", "area".into()),
     ]
+}
+
+/// Returns the range of a number that the study does not state; `None` for any other input.
+pub(super) fn assumed_range(input: &RestsOn) -> Option<Pair> {
+    let default = defaults().into_iter().find(|default| default.name() == input.input);
+    default.filter(|_| input.kind == InputKind::Default)?.range
+}
+
+/// Returns the number of ends of ranges, other than the default itself, of the values that a study file leaves out.
+pub(in crate::study) fn assumed_ends(unstated: &[String]) -> usize {
+    let of = |default: DefaultKey| {
+        let ends = default.range.into_iter().flatten();
+        ends.filter(|end| unstated.contains(&default.name()) && Some(*end) != default.value.as_float()).count()
+    };
+    defaults().into_iter().map(of).sum()
 }
 
 impl StudyFile {
@@ -82,24 +116,23 @@ impl StudyFile {
     /// `defaults` and that still have the default value.
     pub(in crate::study) fn with_defaults_of(mut self, written: &Table) -> Result<Self, String> {
         let known = defaults();
-        let name = |(section, key, _): &(&str, &str, Value)| format!("{section}.{key}");
-        if let Some(other) = self.unstated.iter().find(|listed| !known.iter().any(|default| name(default) == **listed))
+        if let Some(other) = self.unstated.iter().find(|listed| !known.iter().any(|default| default.name() == **listed))
         {
-            let known = known.iter().map(name).collect::<Vec<_>>().join(", ");
+            let known = known.iter().map(DefaultKey::name).collect::<Vec<_>>().join(", ");
             return Err(format!("unstated: `{other}` has no default that is listed here (known: {known})"));
         }
-        let is_default = |default: &&(&str, &str, Value)| {
-            let (section, key, value) = *default;
+        let is_default = |default: &&DefaultKey| {
+            let DefaultKey { section, key, value, .. } = *default;
             let Some(section) = written.get(*section) else { return false };
             match section.get(key) {
                 None if key.contains("spring") => section.get("model").and_then(Value::as_str) == Some("mode_coupling"),
                 None => {
                     *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
                 }
-                Some(stated) => stated == value && self.unstated.contains(&name(default)),
+                Some(stated) => stated == value && self.unstated.contains(&default.name()),
             }
         };
-        self.unstated = known.iter().filter(is_default).map(name).collect();
+        self.unstated = known.iter().filter(is_default).map(DefaultKey::name).collect();
         Ok(self)
     }
 }
@@ -230,7 +263,7 @@ pub(super) mod tests {
     fn a_key_that_is_left_out_has_the_listed_default() {
         let coupled = STUDY.replace("[vibration]", "[vibration]\nmodel = \"mode_coupling\"");
         let studies = [STUDY, &coupled].map(|text| Study::parse(text, "study.toml").unwrap());
-        for (section, key, value) in defaults() {
+        for DefaultKey { section, key, value, .. } in defaults() {
             let is_spring = key.contains("spring");
             let file = studies[usize::from(is_spring)].file();
             assert_eq!(file.to_table().unwrap()[section][key], value, "{section}.{key}");
@@ -261,6 +294,19 @@ pub(super) mod tests {
         assert_eq!(defaults(&changed), left);
         let wrong = Study::parse(&format!("unstated = [\"vibration.mass\"]\n{STUDY}"), "study.toml").unwrap_err();
         assert!(wrong.line == 1 && wrong.message.contains("`vibration.mass`"), "{wrong}");
+    }
+
+    #[test]
+    fn ranges_contain_their_default_and_end_at_other_values() {
+        for default in defaults().iter().filter(|default| default.range.is_some()) {
+            let ([low, high], value) = (default.range.unwrap(), default.value.as_float().unwrap());
+            assert!(low < high && low <= value && value <= high, "{}", default.name());
+        }
+        // Two ends of the Stribeck coefficient, and the low end of kinetic over static friction.
+        for (stated, ends) in [("", 3), ("stribeck = 5\n", 1), ("kinetic_share = 0.95\n", 2)] {
+            let text = STUDY.replace("[vibration]\n", &format!("[vibration]\n{stated}"));
+            assert_eq!(assumed_ends(&Study::parse(&text, "study.toml").unwrap().file().unstated), ends, "{stated}");
+        }
     }
 
     #[test]
