@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct MeanErrors {
     /// Relative standard error by the sampling of strips.
     pub strips: f64,
+    /// Relative standard error of the extrapolation in the pitch, by the sampling of the few strips of half the pitch.
+    pub halved_strips: f64,
     /// Relative standard error by the limited scan, from the differences between its parts; 0 without a pressed scan.
     pub scan: f64,
     /// Factor by which the mean was extrapolated in the pitch of the strips ([`Strips`](crate::strip::Strips)).
@@ -27,6 +29,7 @@ impl Default for MeanErrors {
     fn default() -> Self {
         Self {
             strips: 0.0,
+            halved_strips: 0.0,
             scan: 0.0,
             pitch_factor: 1.0,
             grid: [1.0; 2],

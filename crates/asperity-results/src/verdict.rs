@@ -94,7 +94,7 @@ pub struct VerdictResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorSource {
-    /// Name of the cause: `machines`, `strips` or `expansion`.
+    /// Name of the cause: `machines`, `strips`, `expansion`, `scan`, `grid` or `model`.
     pub source: String,
     /// Half width of the interval if this were its only cause.
     pub half_width: f64,

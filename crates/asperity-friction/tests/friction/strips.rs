@@ -13,7 +13,7 @@ use asperity_base::stats::Moments;
 use asperity_contact::{Boundary, ContactProblem, Control, HalfSpace, Solution, Solver};
 use asperity_friction::law::{BowdenTabor, WindowLaw};
 use asperity_friction::statistics::FrictionStatistics;
-use asperity_friction::strip::{Record, StripProblem};
+use asperity_friction::strip::{Record, SolvedStrips, StripProblem, Strips};
 use asperity_friction::window::{Window, WindowError};
 use asperity_friction::window_study::WindowStudy;
 use asperity_friction::{FrictionError, WindowContact, window_contacts};
@@ -196,6 +196,33 @@ fn fully_plastic_friction_is_constant_at_shear_strength_over_hardness() {
     let process = FrictionStatistics::new(&records, window.step_m(), true, 1).unwrap();
     assert!((process.moments.mean - 0.2).abs() < 1e-13 && process.moments.std == 0.0);
     assert!(process.correlation.is_err() && process.marginal().is_none() && process.moments.skewness.is_nan());
+}
+
+#[test]
+fn extrapolation_multiplies_area_and_friction_beyond_their_least_values() {
+    let grid = grid(512, 16);
+    let (surface, half_space) = (field(grid, 12e-6), half_space(grid, true));
+    let (law, window) = (BowdenTabor { shear_strength_pa: 385e6 }, Window::new(60e-6, grid).unwrap());
+    let problem = problem(half_space, &law, 2e9, &window);
+    let strips = problem.strips(&surface, 2, 9);
+    let level = |pitch_factor: f64| {
+        let strips = Strips { pitch_factor, ..strips };
+        strips.solve(&[Control::Percentile { percent: 5.0 }], &Silent).unwrap().remove(0).unwrap()
+    };
+    let (own, half) = (level(1.0), level(0.5));
+    let excess = |level: &SolvedStrips| level.contact_fraction - level.mean_pressure_pa / 2e9;
+    assert!(excess(&own) > 0.0 && (excess(&half) / excess(&own) - 0.5).abs() < 1e-9);
+    for (own, half) in own.records.iter().zip(&half.records) {
+        for (index, load_n) in own.load_n.iter().enumerate() {
+            let least_m2 = load_n / 2e9;
+            let wanted_m2 = 0.5 * (own.area_m2[index] + least_m2);
+            assert!((half.area_m2[index] - wanted_m2).abs() <= 1e-12 * wanted_m2);
+            // F = τ A stays the law of the extrapolated window, and F/N its quotient.
+            let force_n = half.friction_force_n[index];
+            assert!((force_n - 385e6 * half.area_m2[index]).abs() <= 1e-9 * force_n.abs());
+            assert!(*load_n == 0.0 || (half.friction[index] * load_n - force_n).abs() <= 1e-9 * force_n);
+        }
+    }
 }
 
 #[test]

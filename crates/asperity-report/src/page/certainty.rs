@@ -70,7 +70,7 @@ fn of_friction(friction: &FrictionResult) -> Vec<Row> {
         ),
         row("its standard deviation between windows", shown(Dimension::None, point.std, point.std_interval), strips),
     ]);
-    rows.extend(friction.cutoff.as_ref().and_then(of_pitch));
+    rows.extend(friction.cutoff.as_ref().and_then(|cutoff| of_pitch(cutoff, point.grid_error)));
     let mean = friction.uncertainty.as_ref().and_then(|found| {
         let level = friction.levels.iter().position(|level| level.leading).unwrap_or(0);
         found.levels.get(level)?.at_mean_load.iter().find(|response| response.name == "mean")
@@ -82,14 +82,14 @@ fn of_friction(friction: &FrictionResult) -> Vec<Row> {
     rows
 }
 
-fn of_pitch(cutoff: &CutoffResult) -> Option<Row> {
+fn of_pitch(cutoff: &CutoffResult, grid_error: Option<f64>) -> Option<Row> {
     let halved = cutoff.halved_pitch.as_ref()?;
-    let pitch = Dimension::Length.show(halved.pitch_m);
     let why = format!(
-        "the strips have points every {}; this is the change with {pitch}",
-        Dimension::Length.show(cutoff.pitch_m)
+        "what its extrapolation from points every {} and {} leaves open",
+        Dimension::Length.show(cutoff.pitch_m),
+        Dimension::Length.show(halved.pitch_m)
     );
-    Some(row("change of μ by finer points", significant(halved.change, 2), why))
+    Some(row("error of μ by the pitch", significant(grid_error?, 2), why))
 }
 
 fn of_vibration(vibration: &VibrationResult) -> Vec<Row> {

@@ -75,6 +75,11 @@ impl FrictionStudy {
         self.law.plastic_floor(1.0).is_some()
     }
 
+    /// Returns the friction coefficient of complete plastic contact; `None` without a hardness or if friction does not depend on the contact.
+    pub(in crate::study) fn plastic_floor(&self) -> Option<f64> {
+        self.material.hardness_pa.and_then(|pascal| self.law.plastic_floor(pascal))
+    }
+
     /// Returns the plan of the study of the cut-off with a number of levels, on a surface without waves shorter than
     /// `shortest_m`; `None` for Coulomb's law, which does not depend on the contact.
     pub(in crate::study) fn cutoff_plan(&self, levels: usize, shortest_m: f64) -> Option<CutoffPlan> {

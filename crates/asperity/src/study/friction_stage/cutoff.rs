@@ -97,7 +97,7 @@ impl SolvedCutoffs {
     ) -> Option<(CutoffResult, StageOutput)> {
         let unchanged = &self.blocks.first()?.1;
         let anchor = OperatingMean::new(lead);
-        let plastic_floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
+        let plastic_floor = friction.plastic_floor();
         let possible = |mean: f64| plastic_floor.map_or(mean, |floor| mean.max(floor));
         let points = self.blocks.iter().map(|(cutoff_m, found)| {
             let (mean, interval) = anchor.of(found, unchanged);

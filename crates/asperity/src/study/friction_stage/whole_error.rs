@@ -37,7 +37,7 @@ impl WholeError {
         (pitch, scan): (Option<&Pitch>, Option<&ScanFriction>),
     ) -> Self {
         let mean = lead.mean;
-        let floor = friction.material.hardness_pa.and_then(|pascal| friction.law.plastic_floor(pascal));
+        let floor = friction.plastic_floor();
         // No error leads below the plastic floor.
         let least = floor.map_or(0.0, |floor| (floor / mean).min(1.0));
         let factor = |value: f64| (value / mean).max(least);
@@ -50,6 +50,7 @@ impl WholeError {
         let mut sentences: Vec<String> = pitch.and_then(Pitch::sentence).into_iter().collect();
         if let Some(pitch) = pitch {
             (errors.pitch_factor, errors.grid, noise) = (pitch.factor, pitch.range.map(factor), pitch.noise);
+            errors.halved_strips = noise / (NORMAL_95 * mean);
             if let Some(points) = pitch.wanted_points() {
                 errors.resolved = false;
                 warnings.push(unresolved(friction, pitch.error() / mean, points));

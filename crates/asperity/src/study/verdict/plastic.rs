@@ -10,7 +10,7 @@ const EXCESS: f64 = 0.05;
 /// Returns a sentence on contact that is plastic almost everywhere; `None` for other contact, and for friction laws that depend on more
 /// than the area of contact.
 pub(super) fn plastic_sentence(friction: &FrictionStudy, window: &WindowFriction) -> Option<String> {
-    let floor = friction.law.plastic_floor(friction.material.hardness_pa?).filter(|_| !friction.law.ploughs())?;
+    let floor = friction.plastic_floor().filter(|_| !friction.law.ploughs())?;
     let excess = 1.0 - floor / window.mean;
     (excess <= EXCESS).then(|| {
         format!(

@@ -112,11 +112,11 @@ impl Estimator<'_> {
 
     /// Returns the names and relative standard errors of the mean friction that are independent of each other.
     fn independent_errors(&self) -> Vec<(&'static str, f64)> {
-        let mut errors = match self.responses {
-            Some(responses) => responses.errors(),
-            None => vec![("strips", self.machines.mean_errors().strips)],
-        };
-        errors.push(("scan", self.scan_error));
+        let own = self.machines.mean_errors();
+        let [strips, expansion] =
+            self.responses.map_or([own.strips, 0.0], |found| [found.strips_error, found.expansion_error]);
+        let strips = strips.hypot(own.halved_strips);
+        let mut errors = vec![("strips", strips), ("expansion", expansion), ("scan", self.scan_error)];
         errors.retain(|(_, error)| *error > 0.0);
         errors
     }
@@ -286,7 +286,8 @@ mod tests {
                     normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2\n\
                     static_friction = \"0.19 ± 0.01\"\nfriction_std = 0\n";
         let study = Study::parse(text, "study.toml").unwrap();
-        let errors = MeanErrors { grid: [1.0, 1.04], model: [0.97, 1.0], ..MeanErrors::default() };
+        let errors =
+            MeanErrors { halved_strips: 0.002, grid: [1.0, 1.04], model: [0.97, 1.0], ..MeanErrors::default() };
         let window = WindowFriction { mean_errors: errors, ..stated_window(&study) };
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
@@ -316,10 +317,12 @@ mod tests {
             assert!((own - wanted).abs() < 0.01, "{name}: {own} instead of {wanted}");
         }
         let wider = estimator(0.01).probability(&event).unwrap();
-        let [less, more] = [-0.01, 0.01].map(|error: f64| at((NORMAL_95 * error).exp()));
-        let own = wider.sources.iter().find(|(source, _)| *source == "scan").unwrap().1;
-        assert!((own - 0.5 * (more - less)).abs() < 0.01, "{own}");
-        assert!(wider.interval.high > interval.high + 0.5 * (more - central), "{:?} {interval:?}", wider.interval);
+        for (name, error) in [("strips", 0.002), ("scan", 0.01)] {
+            let [less, more] = [-error, error].map(|error: f64| at((NORMAL_95 * error).exp()));
+            let own = wider.sources.iter().find(|(source, _)| *source == name).unwrap().1;
+            assert!((own - 0.5 * (more - less)).abs() < 0.01, "{name}: {own}");
+        }
+        assert!(wider.interval.high > interval.high + 0.02, "{:?} {interval:?}", wider.interval);
     }
 
     #[test]
