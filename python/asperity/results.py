@@ -628,7 +628,7 @@ class ErrorSource(Record):
     half_width: float
     """Half width of the interval if this were its only cause."""
     source: str
-    """Name of the cause: `machines`, `strips` or `expansion`."""
+    """Name of the cause: `machines`, `strips`, `expansion`, `scan`, `grid` or `model`."""
 
 
 @dataclass(frozen=True, kw_only=True)
