@@ -32,7 +32,7 @@ use std::borrow::Cow;
 use self::assumed::Ends;
 use self::drivers::MarginModel;
 use self::dynamics::Dynamics;
-use self::fluctuating::{HALF, Wanted};
+use self::fluctuating::{HALF, NEGLIGIBLE_STD, Wanted};
 use self::machines::{Machine, Machines};
 use self::points::ContactPoints;
 use self::probability::{Estimator, Event, Probability};
@@ -53,8 +53,6 @@ use crate::study::{Study, StudyError, sentence};
 const MARGIN_PROBABILITIES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 /// Probabilities for which the event has drivers.
 const EVENT_RANGE: std::ops::Range<f64> = 0.05..0.95;
-/// Standard deviation of friction over its mean below which friction counts as constant.
-const NEGLIGIBLE_STD: f64 = 1e-6;
 /// Factor of the duration after which the probability is computed again.
 pub(super) const LATER: usize = 4;
 /// Fraction of unexplained variance above which there is a warning.
@@ -107,8 +105,11 @@ pub(super) fn run(
     let model = nominal.dynamics.model();
     let duration_s = study.duration_s.unwrap_or(nominal.study.duration * nominal.study.scales.time_s());
     let is_coupled = model == ModelResult::ModeCoupling;
-    let friction_fluctuates = window.std > NEGLIGIBLE_STD * window.mean;
+    let is_negligible = |window: &WindowFriction, std: f64| std < NEGLIGIBLE_STD * window.mean;
+    let upscaled_std = nominal.window.upscaled_std(nominal.study.upscaling);
+    let friction_fluctuates = !is_negligible(&nominal.window, upscaled_std);
     let fluctuates = friction_fluctuates && !is_coupled;
+    let one_window_fluctuates = !is_negligible(window, window.std) && !is_coupled;
     if is_coupled {
         output.assumptions.push(
             "The verdict on mode coupling counts a machine as vibrating if its steady sliding is unstable at the mean friction coefficient, \
@@ -122,9 +123,6 @@ pub(super) fn run(
     let threshold = study.threshold;
     let evaluate_until = |machine: &Machine, index: usize, wanted: Wanted<'_>| {
         let evaluated = Evaluated::constant_friction(machine)?;
-        if !fluctuates {
-            return Ok(evaluated);
-        }
         let found = fluctuating::fraction(machine, wanted, seed.wrapping_add(index as u64), monitor)?;
         Ok(found.map_or(evaluated, |fraction| evaluated.with_fraction(fraction, threshold)))
     };
@@ -243,8 +241,9 @@ pub(super) fn run(
             ));
         }
     }
-    if fluctuates || window.between_parts_std > NEGLIGIBLE_STD * window.mean {
-        result.area_as_one = area::area_as_one(&machines, &nominal, &sampled, &found, &decide, fluctuates, monitor)?;
+    if one_window_fluctuates || !is_negligible(window, window.between_parts_std) {
+        result.area_as_one =
+            area::area_as_one(&machines, &nominal, &sampled, &found, &decide, one_window_fluctuates, monitor)?;
         output.tables.extend(result.area_as_one.as_deref().map(area::table));
     }
     if let Some(map) = map::map(&machines, study, friction_fluctuates, seed, monitor)? {

@@ -33,7 +33,7 @@ const TABLE: &str = "verdict_area";
 
 /// Computes the probabilities for numbers of windows from 1 to all of the nominal area; `None` if the area of one window is unknown or
 /// the nominal area has fewer than two of them. All numbers of windows share machines and realisations of friction. `verdict` is the
-/// probability of the study itself, and `fluctuates` states whether friction has any fluctuation.
+/// probability of the study itself, and `fluctuates` states whether the friction of one window does.
 pub(super) fn area_as_one(
     machines: &Machines<'_>,
     nominal: &Machine,

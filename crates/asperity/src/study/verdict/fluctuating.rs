@@ -2,9 +2,7 @@
 
 use crate::friction::process::FrictionProcess;
 use crate::monitor::{Monitor, Quiet};
-use crate::vibration::{
-    CONSTANT_STD, Count, Ensemble, EnsembleSettings, Passages, VibrationError, clipped_to_positive,
-};
+use crate::vibration::{Count, Ensemble, EnsembleSettings, Passages, VibrationError, clipped_to_positive};
 
 use super::dynamics::Dynamics;
 use super::machines::Machine;
@@ -17,6 +15,10 @@ const TRAJECTORIES: [usize; 4] = [8, 32, 128, 256];
 /// wrong side by chance, so that their effect on a probability is of second order in the standard error.
 const STANDARD_ERRORS: f64 = 2.0;
 
+/// Standard deviation of friction over its mean below which friction counts as constant. It moves the limit of the damping ratio by less
+/// than any error of the mean does.
+pub(super) const NEGLIGIBLE_STD: f64 = 1e-4;
+
 /// Time and levels of a fraction φ.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted<'a> {
@@ -26,7 +28,7 @@ pub(super) struct Wanted<'a> {
 }
 
 /// Returns the fraction φ of the second half of the duration in which a machine vibrates whose motion begins in stick, the mean over
-/// realisations of friction; `None` if its friction does not fluctuate, and for coupled modes.
+/// realisations of friction; `None` if its friction counts as constant, and for coupled modes.
 ///
 /// The standard error of few trajectories understates the error of φ if most of them never vibrate, or always. The side of φ therefore also
 /// has to follow from the intervals of the rates of exit and entry.
@@ -39,7 +41,7 @@ pub(super) fn fraction(
     let (study, window) = (&machine.study, &machine.window);
     let Dynamics::StickSlip(oscillator) = &machine.dynamics else { return Ok(None) };
     let model = window.process_model(study.upscaling, study.generator, study.scales.length_m());
-    if model.std < CONSTANT_STD {
+    if model.std < NEGLIGIBLE_STD * window.mean {
         return Ok(None);
     }
     let process = FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)).map_err(|e| e.to_string())?;
@@ -126,6 +128,17 @@ mod tests {
         nominal_area = \"400 mm^2\"\nbelt_velocity = \"20 mm/s\"\ndamping_ratio = \"0.085 ± 0.012\"\nstribeck = \"0.8 s/m\"\n\
         static_friction = \"0.3 ± 0.02\"\nfriction_std = 0.006\nfriction_correlation_length = \"100 um\"\n\
         friction_marginal = \"normal\"\nupscaling = \"paper\"\n[verdict]\nduration = \"2 s\"\n";
+
+    #[test]
+    fn friction_whose_standard_deviation_is_negligible_counts_as_constant() {
+        for (std, fluctuates) in [("0.00001", false), ("0.0001", true)] {
+            let study = Study::parse(&FLUCTUATING.replace("0.006", std), "study.toml").unwrap();
+            let window = stated_window(&study);
+            let machine = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 14).nominal().unwrap();
+            let found = fraction(&machine, Wanted { duration_s: 0.1, levels: &[HALF] }, 1, &Silent).unwrap();
+            assert_eq!(found.is_some(), fluctuates, "{std}");
+        }
+    }
 
     /// Returns machines with φ, of which the side of `levels` is decided.
     fn sampled(machines: usize, levels: &[f64]) -> Sampled {
