@@ -113,6 +113,17 @@ impl SolvedLevel {
         variance_reduction(rectangle_m, window.width_m(), nominal_area_m2, &correlation)
     }
 
+    /// Multiplies the ends of the intervals of the standard deviation and of the coefficient of variation by factors, which the pitch leaves
+    /// possible.
+    pub fn widen_fluctuation(&mut self, [low, high]: [f64; 2]) {
+        for statistics in [&mut self.statistics, &mut self.process] {
+            let of = &mut statistics.estimates;
+            for estimate in [&mut of.std, &mut of.coefficient_of_variation].into_iter().flatten() {
+                estimate.interval = Interval { low: low * estimate.interval.low, high: high * estimate.interval.high };
+            }
+        }
+    }
+
     /// Returns the friction process at the mean load. Constant friction has neither a distribution nor a correlation.
     ///
     /// # Errors

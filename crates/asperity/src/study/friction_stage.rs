@@ -107,6 +107,9 @@ pub(super) fn run(
         levels[lead].two_bodies =
             found.map_err(|error| StudyError::Friction { level: levels[lead].control.name(), error })?;
     }
+    if let Some(pitch) = &pitch {
+        levels[lead].widen_fluctuation(pitch.fluctuation());
+    }
     let uncertain = uncertainty::run(study, &problem, surface, &levels, seed, monitor)?;
     let mean_at_pitch = pitch.as_ref().map_or(levels[lead].mean, |pitch| pitch.mean_at_pitch);
     let (cutoff, of_cutoff) =

@@ -172,7 +172,7 @@ pub(super) fn run(
         (found.clone(), found.clone(), Some(sliding))
     };
     let Probability { value: probability, interval, sources } = &found;
-    let evaluations = estimator.evaluations;
+    let (evaluations, friction_error) = (estimator.evaluations, estimator.friction_error());
     output.warnings.append(&mut estimator.warnings);
     if let Some((source, _)) = sources.first().filter(|_| 0.5 * (interval.high - interval.low) > study.half_width) {
         output.warnings.push(limit(source, study.half_width));
@@ -182,7 +182,8 @@ pub(super) fn run(
     let margin_quantiles = MARGIN_PROBABILITIES
         .map(|probability| MarginQuantile { probability, damping_margin: quantile_sorted(&margins, probability) });
     let vibrates = evaluate(&nominal, 0).map_err(StudyError::Verdict)?.vibrates;
-    let (remedies, warnings) = remedies::remedies(&machines, study, &decide, fluctuates, seed, monitor)?;
+    let (remedies, warnings) =
+        remedies::remedies(&machines, study, (&decide, fluctuates), friction_error, seed, monitor)?;
     output.warnings.extend(warnings);
     let rests_on = rests_on::rests_on(whole, study, window, fluctuates);
     let ends = Ends {

@@ -1,7 +1,8 @@
 //! Extrapolation of the mean friction in the pitch of the strips.
 //!
 //! The mean is μ(h) = μ₀ + c hᵖ at the pitch h. The strips at h and at h/2 have the same surfaces, and the scan, which is pressed on
-//! three pitches, gives the order p. The limit μ₀ differs from μ(h/2) by the last term of the series, which is taken as its error.
+//! three pitches, gives the order p. The limit μ₀ differs from μ(h/2) by the last term of the series, which is taken as its error. Of what
+//! μ(h/2) exceeds the plastic floor, at most half is taken for an error of the pitch.
 
 use super::cutoff::SolvedCutoffs;
 use crate::friction::strip::{Record, SolvedStrips, StripProblem};
@@ -33,6 +34,8 @@ pub(super) struct Pitch {
     order: f64,
     is_observed: bool,
     pitch_m: f64,
+    /// Plastic floor of the mean, 0 without one.
+    least: f64,
 }
 
 impl Pitch {
@@ -57,8 +60,11 @@ impl Pitch {
         let whole = 1.0 / (1.0 - (-order).exp2());
         let at = |factor: f64| (mean_at_pitch * (1.0 + factor * change)).max(least);
         let is_significant = change.abs() > half;
-        let (mean, ends) =
-            if is_significant { (at(whole), [1.0, 2.0 * whole - 1.0]) } else { (mean_at_pitch, [0.0, whole]) };
+        let (mean, ends) = if is_significant {
+            (at(whole).max(0.5 * (least + at(1.0))), [1.0, 2.0 * whole - 1.0])
+        } else {
+            (mean_at_pitch, [0.0, whole])
+        };
         let [a, b] = ends.map(at);
         let excess = mean_at_pitch - least;
         Some(Self {
@@ -70,6 +76,7 @@ impl Pitch {
             order,
             is_observed: observed.is_some(),
             pitch_m: f64::NAN,
+            least,
         })
         .filter(|found| found.mean > 0.0)
     }
@@ -77,6 +84,12 @@ impl Pitch {
     /// Returns the error of the mean.
     pub(super) fn error(&self) -> f64 {
         (self.range[1] - self.mean).max(self.mean - self.range[0])
+    }
+
+    /// Returns the least and the largest factor of the fluctuation that `range` leaves possible: like the mean, it is what exceeds the floor.
+    pub(super) fn fluctuation(&self) -> Pair {
+        let excess = self.mean - self.least;
+        if excess > 0.0 { self.range.map(|end| (end - self.least) / excess) } else { [1.0; 2] }
     }
 
     /// Returns the factor of the points along each side that makes the error small; `None` if it is.
@@ -135,6 +148,11 @@ mod tests {
         let found = Pitch::of_change(0.4, [-0.02, 0.03], None, None).unwrap();
         assert_eq!((found.mean, found.factor, found.wanted_points()), (0.4, 1.0, None));
         assert!((found.range[0] - 0.384).abs() < 1e-12 && found.range[1] == 0.4 && (found.noise - 0.012).abs() < 1e-12);
+        // The series leads to 0.33, half of the excess at half the pitch to 0.35.
+        let found = Pitch::of_change(0.4, [-0.05, 0.01], Some(0.32), Some(0.7)).unwrap();
+        assert!((found.mean - 0.35).abs() < 1e-12 && found.range == [0.32, 0.38], "{found:?}");
+        let [low, high] = found.fluctuation();
+        assert!(low == 0.0 && (high - 2.0).abs() < 1e-12, "{found:?}");
         // All contact is at the hardness.
         assert_eq!(Pitch::of_change(0.4, [0.0, 0.0], Some(0.4), None).unwrap().factor, 1.0);
         // An error of 10 % of first order: four times the points.

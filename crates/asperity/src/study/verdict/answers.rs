@@ -41,6 +41,11 @@ impl Answers {
         if excess == 0.0 || excess.is_nan() { probability - self.probability } else { excess }
     }
 
+    /// Returns the fraction of the machines that vibrate.
+    pub(super) fn probability(&self) -> f64 {
+        self.probability
+    }
+
     /// Returns the fraction of machines without an answer.
     pub(super) fn unanswered(&self) -> f64 {
         fraction_unanswered(&self.sorted)

@@ -219,7 +219,7 @@ fn compare_remedies(noisy: bool, machines: u64) {
             evaluated.vibrates = evaluated.margins.from_stick < drawn.noise * normal;
             Ok(evaluated)
         };
-        let (remedies, _) = remedies(&machines, verdict, &evaluate, noisy, index, &Silent).unwrap();
+        let (remedies, _) = remedies(&machines, verdict, (&evaluate, noisy), 0.0, index, &Silent).unwrap();
         let reach = &remedies[0].reach[0];
         // Ensembles decide some 450 machines. They count as much as 340 or more independent ones, the fewer the more friction fluctuates.
         let error = error(target, if noisy { 340 } else { 4096 });

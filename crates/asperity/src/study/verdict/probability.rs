@@ -137,6 +137,11 @@ impl Estimator<'_> {
         })
     }
 
+    /// Returns the relative standard error of the mean friction.
+    pub(super) fn friction_error(&self) -> f64 {
+        self.independent_errors().into_iter().fold(0.0, |all, (_, error)| all.hypot(error))
+    }
+
     /// Returns whether no value changes the margin, up to rounding.
     fn is_constant(&self, event: &Event) -> bool {
         let margins = self.sampled.valid().map(|machine| (event.margin)(&machine.margins));

@@ -13,7 +13,7 @@ use super::sampled::{Evaluate, Evaluated};
 use crate::distribution::standard_normal_cdf;
 use crate::monitor::{Cancelled, Monitor};
 use crate::random;
-use crate::stats::Interval;
+use crate::stats::{Interval, NORMAL_95};
 use crate::study::StudyError;
 use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::result::{Reach, Remedy};
@@ -35,12 +35,13 @@ const FAR: f64 = 3.0;
 /// Stream of the machines that are decided.
 const DECIDED: &str = "study/verdict/remedies/decided";
 
-/// Returns the remedies of a study, and warnings. `evaluate` counts the fluctuation of friction.
+/// Returns the remedies of a study, and warnings. `evaluate` counts the fluctuation of friction, and `friction_error` is the relative
+/// standard error of the mean friction.
 pub(super) fn remedies(
     machines: &Machines<'_>,
     study: &VerdictStudy,
-    evaluate: &Evaluate<'_>,
-    fluctuates: bool,
+    (evaluate, fluctuates): (&Evaluate<'_>, bool),
+    friction_error: f64,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Remedy>, Vec<String>), StudyError> {
@@ -58,7 +59,8 @@ pub(super) fn remedies(
     let remedies = study.remedies.iter().map(|remedy| {
         let limits = limits.as_ref().filter(|_| is_damping(remedy.place, machines.model()));
         let evaluate = fluctuates.then_some(evaluate);
-        Changed { machines, remedy, points: &points, limits, evaluate, draws: &draws, monitor }.remedy(
+        let draws = &draws;
+        Changed { machines, remedy, points: &points, limits, evaluate, draws, friction_error, monitor }.remedy(
             study,
             &task,
             &mut warnings,
@@ -79,6 +81,8 @@ struct Changed<'a> {
     evaluate: Option<&'a Evaluate<'a>>,
     /// Draws that select the machines for ensembles.
     draws: &'a [f64],
+    /// Relative standard error of the mean friction of all machines.
+    friction_error: f64,
     monitor: &'a dyn Monitor,
 }
 
@@ -96,6 +100,9 @@ impl Changed<'_> {
             let found = task.step(search)??;
             let distance = |found: &(f64, Interval)| (found.0 - now).abs();
             let nearest = found.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let nearest = nearest
+                .map(|(value, own)| Ok::<_, Cancelled>((value, self.with_friction_errors(value, own, probability)?)))
+                .transpose()?;
             reach.push(Reach {
                 probability,
                 value: nearest.map(|(value, _)| value),
@@ -272,6 +279,43 @@ impl Changed<'_> {
         Ok((value, answers.interval(value, slope, probability)))
     }
 
+    /// Returns the interval of a value with the errors of the friction that all machines share: those of the mean, independent of its own,
+    /// and, to one side, those of the pitch and of the model.
+    fn with_friction_errors(&self, value: f64, own: Interval, probability: f64) -> Result<Interval, Cancelled> {
+        let RemedyStudy { place, low, high, hold } = *self.remedy;
+        let biases = self.machines.mean_errors().computational().map(|(_, factors)| factors);
+        let is_exact = self.friction_error == 0.0 && biases.iter().all(|factors| *factors == [1.0; 2]);
+        // A value that suffices without a change is no root.
+        if is_exact || own.low == own.high {
+            return Ok(own);
+        }
+        let points = &self.points[..self.points.len().div_ceil(REPLICATES)];
+        let margins = |value: f64, factor: f64| {
+            let machines = self.machines.with_friction_factor(factor);
+            let margins = margins(&moved(&machines, &[Change { place, value, hold }]), points, self.monitor)?;
+            Ok::<_, Cancelled>(Answers::with_constant_friction(margins))
+        };
+        let now = margins(value, 1.0)?;
+        // Where friction fluctuates, as many machines are beyond the limit of its margin.
+        let quantile = if self.evaluate.is_some() { now.probability() } else { probability };
+        let wide = if value == 0.0 { high - low } else { value.abs().min(high - low) };
+        let step = if value < 0.5 * (low + high) { NEAR } else { -NEAR } * wide;
+        let slope = (margins(value + step, 1.0)?.excess(quantile) - now.excess(quantile)) / step;
+        let change = |factor: f64| match factor {
+            1.0 => Ok(0.0),
+            factor => Ok::<_, Cancelled>((now.excess(quantile) - margins(value, factor)?.excess(quantile)) / slope),
+        };
+        let spread = NORMAL_95 * self.friction_error;
+        let of_mean = 0.5 * (change(spread.exp())? - change((-spread).exp())?).abs();
+        let (mut below, mut above) = ((value - own.low).hypot(of_mean), (own.high - value).hypot(of_mean));
+        for [least, most] in biases {
+            let [a, b] = [change(least)?, change(most)?];
+            (below, above) = (below - a.min(b).min(0.0), above + a.max(b).max(0.0));
+        }
+        let end = |value: f64, unknown: f64| if value.is_nan() { unknown } else { value };
+        Ok(Interval { low: end(value - below, low), high: end(value + above, high) })
+    }
+
     /// Returns the tolerance of a value between two values.
     fn tolerance(&self, a: f64, b: f64) -> f64 {
         let value = if a * b.signum() > 0.0 && b != 0.0 { a.abs().min(b.abs()) } else { a.abs().max(b.abs()) };
@@ -378,7 +422,8 @@ mod tests {
             let mut verdict = verdict.clone();
             // A machine of another weakening needs another evaluation, which takes longer.
             verdict.remedies.truncate(if seed == 1 { 2 } else { 1 });
-            let (found, _) = remedies(&machines, &verdict, &evaluate, true, seed, &crate::monitor::Silent).unwrap();
+            let (found, _) =
+                remedies(&machines, &verdict, (&evaluate, true), 0.0, seed, &crate::monitor::Silent).unwrap();
             for (remedy, slope) in found.iter().zip([1.0_f64, -2.0]) {
                 for (target, score) in [1.644_853_6, 2.326_347_9].into_iter().enumerate() {
                     let reach = &remedy.reach[target];
@@ -415,7 +460,8 @@ mod tests {
             let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
             let machines = Machines::new(verdict, &window, None, seed);
             let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let (found, _) = remedies(&machines, verdict, &evaluate, false, seed, &crate::monitor::Silent).unwrap();
+            let (found, _) =
+                remedies(&machines, verdict, (&evaluate, false), 0.0, seed, &crate::monitor::Silent).unwrap();
             assert_eq!(found[0].reach[0].value, Some(0.055), "seed {seed}");
         }
     }
@@ -435,7 +481,8 @@ mod tests {
         let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
         let machines = Machines::new(verdict, &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        let (found, warnings) = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
+        let (found, warnings) =
+            remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap();
         // At 1 % the centre of b is 2.9 standard deviations above 0.
         assert!(warnings.len() == 1 && warnings[0].contains("0.1879 % of it lies beyond"), "{warnings:?}");
         assert_eq!([0, 1, 2].map(|remedy: usize| found[remedy].reach.len()), [2; 3]);
@@ -476,7 +523,7 @@ mod tests {
         let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
         let machines = Machines::new(verdict, &window, None, 1);
         let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap()
+        remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap()
     }
 
     #[test]
@@ -509,7 +556,7 @@ mod tests {
             let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
             let machines = Machines::new(verdict, &window, None, 1);
             let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap().1
+            remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap().1
         };
         // For ζ = .06 the centre of b is near .12 − 1.645·.05 = .038 at P = 5 %, and Φ(−.76) of b negative. ζ = .18 needs no change.
         let found = warnings("0.06");
@@ -550,6 +597,36 @@ mod tests {
     }
 
     #[test]
+    fn the_interval_of_a_value_contains_the_errors_of_the_friction() {
+        let text = study_text(&["damping_ratio\", range = [0.02, 0.5]"])
+            .replace("\"linear\"\nlinear_weakening = \"0.2 ± 0.02\"", "\"stribeck\"\nstribeck = 2.0")
+            .replace("[verdict]", "[verdict]\ntargets = [0.05]");
+        let study = Study::parse(&text, "study.toml").unwrap();
+        let verdict = study.verdict.as_ref().unwrap();
+        let reach = |factor: f64, grid: [f64; 2], error: f64| {
+            let mut window = stated_window(&study);
+            window.mean_errors.grid = grid;
+            let machines = Machines::new(verdict, &window, None, 1).with_friction_factor(factor);
+            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
+            let found = remedies(&machines, verdict, (&evaluate, false), error, 1, &crate::monitor::Silent);
+            let reach = &found.unwrap().0[0].reach[0];
+            let (value, [low, high]) = (reach.value.unwrap(), reach.value_interval.unwrap());
+            (value, value - low, high - value)
+        };
+        let exact = |factor: f64| reach(factor, [1.0; 2], 0.0);
+        let (value, below, above) = exact(1.0);
+        // A bias extends the interval to its side, an independent error adds in quadrature.
+        let biased = reach(1.0, [0.95, 1.0], 0.0);
+        assert_eq!((biased.0, biased.2), (value, above));
+        let wanted = value - exact(0.95).0;
+        assert!(wanted > 5.0 * below && (biased.1 - below - wanted).abs() < 0.1 * wanted, "{biased:?}, {wanted}");
+        let spread = 0.5 * (exact(0.0196_f64.exp()).0 - exact((-0.0196_f64).exp()).0);
+        let found = reach(1.0, [1.0; 2], 0.01);
+        assert!((found.1 - below.hypot(spread)).abs() < 0.1 * spread, "{found:?}, {spread}");
+        assert!((found.2 - above.hypot(spread)).abs() < 0.1 * spread, "{found:?}, {spread}");
+    }
+
+    #[test]
     fn a_wide_bracket_is_narrowed_to_a_decade() {
         // P is a half at ζ = b/2, b of .2: M = ζ − .1 for the machine with all values at their centres.
         let text = study_text(&["damping_ratio\", range = [0.0, 1e300]"]);
@@ -561,8 +638,16 @@ mod tests {
         let limits = Limits::new(&Ok(machines.clone()), &points, monitor).unwrap();
         let limits = Some(&limits);
         let remedy = &verdict.remedies[0];
-        let changed =
-            Changed { machines: &machines, remedy, points: &points, limits, evaluate: None, draws: &[], monitor };
+        let changed = Changed {
+            machines: &machines,
+            remedy,
+            points: &points,
+            limits,
+            evaluate: None,
+            draws: &[],
+            friction_error: 0.0,
+            monitor,
+        };
         for (ends, within) in [([1e-9, 1e300], [0.01, 1.0]), ([0.05, 0.2], [0.05, 0.2]), ([0.0, 1e300], [0.0, 1e300])] {
             let [a, b] = changed.narrowed(ends.map(|end| [end, end - 0.1]), 0.5).unwrap();
             assert!(within[0] <= a[0] && a[0] < 0.1 && 0.1 < b[0] && b[0] <= within[1], "{a:?} {b:?}");
@@ -589,7 +674,7 @@ mod tests {
             let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
             let machines = Machines::new(verdict, &window, None, 1);
             let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let (found, _) = remedies(&machines, verdict, &evaluate, false, 1, &crate::monitor::Silent).unwrap();
+            let (found, _) = remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap();
             let reach = &found[0].reach[0];
             let (value, error) = (reach.value.unwrap(), 0.000_99 / slope);
             assert!((value - wanted).abs() < 3.0 * error, "{now}: {reach:?} instead of {wanted}");
