@@ -32,8 +32,9 @@ pub struct VerdictResult {
     pub probability_half_interval: Pair,
     /// Fraction of the time above which a machine with fluctuating friction counts as vibrating.
     pub vibration_threshold: f64,
-    /// Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part of the time. If not,
-    /// `probability`, `expected_vibration_share` and `probability_half` are equal.
+    /// Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part of the time. One whose
+    /// standard deviation is below 1e-4 of the mean does not count. Then `probability`, `expected_vibration_share` and `probability_half`
+    /// are equal.
     pub friction_fluctuates: bool,
     /// Probability that a machine vibrates which slides steadily at first and is not kicked; `null` if friction fluctuates, because the
     /// fluctuation starts vibration.

@@ -159,8 +159,10 @@ fn the_pressure_of_two_bodies_of_half_the_variance_is_that_of_one() {
 #[test]
 fn the_friction_of_two_bodies_of_half_the_variance_has_the_moments_of_one_and_no_path() {
     let folder = TempDir::new().unwrap();
-    let (_, one) = run(folder.path(), "one", &[SURFACE, MATERIAL, FRICTION].concat());
-    let (_, two) = run(folder.path(), "two", &[&halved(), MATERIAL, FRICTION].concat());
+    // The intervals contain the error of the pitch, which is small on these points.
+    let friction = FRICTION.replace("[100, 8]", "[200, 16]").replace("realisations = 6", "realisations = 12");
+    let (_, one) = run(folder.path(), "one", &[SURFACE, MATERIAL, &friction].concat());
+    let (_, two) = run(folder.path(), "two", &[&halved(), MATERIAL, &friction].concat());
     assert_eq!(two["friction"]["body"], "both");
     let both = |key: &str| [&one, &two].map(|results| number(&results["friction"]["operating_point"], key));
     let errors = |key: &str| {
