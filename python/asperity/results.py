@@ -2009,7 +2009,8 @@ class VerdictResult(Record):
     """Friction as a function of the uncertain values; `null` if it does not depend on them."""
     friction_fluctuates: bool
     """Whether the verdict counts a fluctuation of friction along the path, so that a machine may vibrate for a part
-    of the time. If not, `probability`, `expected_vibration_share` and `probability_half` are equal.
+    of the time. One whose standard deviation is below 1e-4 of the mean does not count. Then `probability`,
+    `expected_vibration_share` and `probability_half` are equal.
     """
     friction_unresolved: bool
     """Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability
