@@ -35,6 +35,19 @@ impl ScanOptions {
     pub(crate) fn without_channel(&self) -> Self {
         Self { channel: None, ..self.clone() }
     }
+
+    /// Returns the keys of `[surface]` with the same meaning, and their values.
+    pub(crate) fn study_keys(&self) -> Vec<(&'static str, toml::Value)> {
+        let channel = self.channel.as_ref().map(|channel| match channel {
+            Channel::Name(name) => name.clone(),
+            Channel::Number(number) => number.to_string(),
+        });
+        let pixel_size = self.pixel_size.map(OneOrTwo::both).map(|(x, y)| vec![x.to_string(), y.to_string()]);
+        let unit = self.height_unit.as_ref().map(|unit| unit.name().to_owned());
+        let values = [channel.map(toml::Value::from), pixel_size.map(toml::Value::from), unit.map(toml::Value::from)];
+        let named = ["channel", "pixel_size", "height_unit"].into_iter().zip(values);
+        named.filter_map(|(key, value)| Some((key, value?))).collect()
+    }
 }
 
 /// Reads a scan and prints its warnings.

@@ -26,6 +26,7 @@ mod report;
 pub mod result;
 mod run;
 mod run_machine;
+mod scan_sizes;
 mod scan_tables;
 mod schema;
 mod series;
@@ -75,6 +76,7 @@ pub use result::{
     Table, TableError, TwinModel,
 };
 pub use run_machine::RunMachine;
+pub use scan_sizes::ScanSizes;
 pub use schema::study_schema;
 pub use specimen::{Sampler, Specimen, draw_map};
 pub use stage::Stage;

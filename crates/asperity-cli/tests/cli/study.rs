@@ -573,6 +573,42 @@ fn a_wrong_specification_or_target_writes_nothing() {
 }
 
 #[test]
+fn init_writes_the_study_of_a_scan() {
+    let folder = TempDir::new().unwrap();
+    assert_eq!(run_in(folder.path(), "init example").code, 0);
+    let found = run_in(folder.path(), "init mine --scan example/brake_disc.x3p --level quadratic");
+    assert_eq!(found.code, 0, "{found:?}");
+    let text = fs::read_to_string(folder.path().join("mine/study.toml")).unwrap();
+    for part in [
+        "# Study of brake_disc.x3p. The scan resolves waves down to 8 µm",
+        "level = \"quadratic\"                      # form to remove",
+        // Four points to the shortest wave.
+        "points = [2976, 48]\nwindow = \"595.2 um\"\n",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let [scan, copy] =
+        ["example", "mine"].map(|name| fs::read(folder.path().join(name).join("brake_disc.x3p")).unwrap());
+    assert!(scan == copy);
+    assert_eq!(run_in(folder.path(), "check mine/study.toml").code, 0);
+
+    // The scan stays where it is if it is in the folder, and options of the file are keys of the study.
+    fs::create_dir(folder.path().join("other")).unwrap();
+    assert_eq!(run_in(folder.path(), "surface convert mine/brake_disc.x3p other/scan.npy").code, 0);
+    run_in(folder.path(), "init other --scan other/scan.npy").refuses(3, &["scan.npy", "--pixel-size"]);
+    let found = run_in(folder.path(), "init other --scan other/scan.npy --pixel-size 2um,2um --height-unit m");
+    assert_eq!(found.code, 0, "{found:?}");
+    let text = fs::read_to_string(folder.path().join("other/study.toml")).unwrap();
+    assert!(text.contains("\npixel_size = [\"2 um\", \"2 um\"]\nheight_unit = \"m\"\nlevel = "), "{text}");
+    assert_eq!(run_in(folder.path(), "check other/study.toml").code, 0);
+
+    run_in(folder.path(), "init third --scan absent.x3p").refuses(3, &["absent.x3p"]);
+    run_in(folder.path(), "init third --pixel-size 1um").refuses(2, &["--scan"]);
+    run_in(folder.path(), "init third --example paper --scan mine/brake_disc.x3p").refuses(2, &["--example"]);
+    assert!(!folder.path().join("third").exists());
+}
+
+#[test]
 fn init_writes_the_files_of_the_folder_studies() {
     let folder = TempDir::new().unwrap();
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");

@@ -53,6 +53,11 @@ pub enum StudyError {
     /// The random surface cannot be modelled or made.
     #[error(transparent)]
     Surface(#[from] SurfaceModelError),
+    /// The scan is too small for its correlation length.
+    #[error(
+        "the correlation of the heights does not fall to 1/e within half of the scan; take a larger scan, or remove more form (`level`)"
+    )]
+    NoCorrelationLength,
     /// A stated distribution is invalid.
     #[error("{0}")]
     Distribution(#[from] DistributionError),
@@ -222,6 +227,7 @@ impl StudyError {
             | Self::Map { .. }
             | Self::Heights(_)
             | Self::NoInterval { .. }
+            | Self::NoCorrelationLength
             | Self::Changed(_)
             | Self::Blocks(StoreError::Input { .. })
             | Self::FrictionProcess { .. } => FailureKind::Input,
