@@ -278,12 +278,18 @@ pub(super) fn between_parts(window: &WindowFriction) -> Result<Option<(Place, Un
     place.map(|place| Ok((place, UncertainInput::new(BETWEEN_PARTS, Marginal::STANDARD_NORMAL, false)?))).transpose()
 }
 
+/// Part of the probability at each end of the shortest waves, so that their 5 % and 95 % quantiles, between which unknown values range, are
+/// the ends: the waves of most surfaces continue to the pixel and beyond.
+const AT_AN_END: f64 = 0.05;
+
 /// Returns the shortest wave of the surface, unknown between those that the strips have and twice the pixel of the scan; `None` if it does
-/// not matter.
+/// not matter. Friction beyond an end is that at the end.
 pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, UncertainInput)>, InputError> {
     let waves = &window.mean_errors.cut_off;
     let Some(((longest_m, _), (shortest_m, _))) = waves.first().zip(waves.last()) else { return Ok(None) };
-    let place = Place::latent(CUT_OFF).zip(Marginal::beta(1.0, 1.0, *shortest_m, *longest_m).ok());
+    let beyond_m = AT_AN_END / (1.0 - 2.0 * AT_AN_END) * (longest_m - shortest_m);
+    let ends_m = [(shortest_m - beyond_m).max(0.1 * shortest_m), longest_m + beyond_m];
+    let place = Place::latent(CUT_OFF).zip(Marginal::beta(1.0, 1.0, ends_m[0], ends_m[1]).ok());
     place.map(|(place, marginal)| Ok((place, UncertainInput::new(CUT_OFF, marginal, true)?))).transpose()
 }
 
