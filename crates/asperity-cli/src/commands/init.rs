@@ -111,6 +111,7 @@ impl Init {
             monitor.warn(&warning);
         }
         let sizes = monitor.killable(|| study.scan_sizes(folder))?.map_err(failure)?;
+        monitor.note(&sizes.to_string());
         text = with_sizes(&text, &name, &sizes);
         let mut pieces = vec![(STUDY.into(), text.into_bytes().into())];
         let is_there = fs::canonicalize(folder).ok() == fs::canonicalize(&self.dir).ok();

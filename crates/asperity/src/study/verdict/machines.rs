@@ -278,18 +278,18 @@ pub(super) fn between_parts(window: &WindowFriction) -> Result<Option<(Place, Un
     place.map(|place| Ok((place, UncertainInput::new(BETWEEN_PARTS, Marginal::STANDARD_NORMAL, false)?))).transpose()
 }
 
-/// Part of the probability at each end of the shortest waves, so that their 5 % and 95 % quantiles, between which unknown values range, are
-/// the ends: the waves of most surfaces continue to the pixel and beyond.
-const AT_AN_END: f64 = 0.05;
+/// Number of shortest waves with equal ratios. Their empirical distribution has half of the inverse at each end, so that its 5 % and 95 %
+/// quantiles, between which unknown values range, are the ends: the waves of most surfaces continue to the pixel and beyond.
+const WAVES: u32 = 10;
 
 /// Returns the shortest wave of the surface, unknown between those that the strips have and twice the pixel of the scan; `None` if it does
-/// not matter. Friction beyond an end is that at the end.
+/// not matter.
 pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, UncertainInput)>, InputError> {
     let waves = &window.mean_errors.cut_off;
     let Some(((longest_m, _), (shortest_m, _))) = waves.first().zip(waves.last()) else { return Ok(None) };
-    let beyond_m = AT_AN_END / (1.0 - 2.0 * AT_AN_END) * (longest_m - shortest_m);
-    let ends_m = [(shortest_m - beyond_m).max(0.1 * shortest_m), longest_m + beyond_m];
-    let place = Place::latent(CUT_OFF).zip(Marginal::beta(1.0, 1.0, ends_m[0], ends_m[1]).ok());
+    let part = |index: u32| f64::from(index) / f64::from(WAVES - 1);
+    let waves_m = (0..WAVES).map(|index| shortest_m * (longest_m / shortest_m).powf(part(index))).collect();
+    let place = Place::latent(CUT_OFF).zip(Marginal::empirical(waves_m).ok());
     place.map(|(place, marginal)| Ok((place, UncertainInput::new(CUT_OFF, marginal, true)?))).transpose()
 }
 
@@ -339,6 +339,22 @@ pub(super) mod tests {
         WindowFriction::from_statement(stated.clone(), area_m2, vibration.dimensionless_stribeck())
     }
     use crate::study::Study;
+
+    #[test]
+    fn the_shortest_waves_range_from_one_end_of_the_band_to_the_other() {
+        for longest_m in [8e-6, 200e-6] {
+            let mut window = stated_window(&Study::parse(LINEAR, "study.toml").unwrap());
+            window.mean_errors.cut_off = vec![(longest_m, 1.0), (2e-6, 0.8)];
+            let (_, input) = cut_off(&window).unwrap().unwrap();
+            let inputs = UncertainInputs::new(vec![input], &[]).unwrap();
+            let factor = |z: f64| window.mean_errors.at_cut_off(inputs.values(&[z])[0]).unwrap();
+            // Quantiles at 5 %, 95 % and beyond.
+            for (z, wanted) in [(-1.645, 0.8), (1.645, 1.0), (-3.0, 0.8), (3.0, 1.0)] {
+                assert!((factor(z) - wanted).abs() < 0.03, "{longest_m} {z}: {}", factor(z));
+            }
+            assert!(factor(0.0) > 0.8 && factor(0.0) < 1.0);
+        }
+    }
 
     #[test]
     fn a_factor_of_friction_multiplies_the_mean_coefficient() {
