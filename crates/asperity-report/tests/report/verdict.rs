@@ -244,6 +244,13 @@ fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
     met.probability = 0.03;
     assert!(!verdict_text(&met).contains("Nothing needs to change"), "{}", verdict_text(&met));
     met.probability = 0.003;
+    (met.probability_range, met.probability_interval) = (None, [0.001, 0.06]);
+    let text = verdict_text(&met);
+    assert!(
+        text.contains("On average nothing needs to change: vibration is at most 1 % probable, but it may be 6 %."),
+        "{text}"
+    );
+    met.probability_interval = [0.001, 0.005];
     assert!(verdict_text(&met).contains("Nothing needs to change: vibration is at most 1 % probable."));
     let mut rare = VerdictResult { probability_range: None, ..verdict };
     (rare.probability, rare.probability_interval) = (2e-5, [1e-5, 4e-5]);

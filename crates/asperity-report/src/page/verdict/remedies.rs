@@ -38,7 +38,16 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let Some(first) = verdict.remedies.first() else { return Html::default() };
     let Some(place) = first.reach.iter().position(|reach| reach.probability < verdict.probability) else {
         let least = first.reach.iter().map(|reach| reach.probability).fold(1.0, f64::min);
-        let text = format!("Nothing needs to change: {} is at most {} probable.", vibration(verdict), target(least));
+        let (what, least_text) = (vibration(verdict), target(least));
+        let most = verdict.probability_range.map_or(0.0, |[_, high]| high).max(verdict.probability_interval[1]);
+        let text = if most > least {
+            format!(
+                "On average nothing needs to change: {what} is at most {least_text} probable, but it may be {}.",
+                percent(most)
+            )
+        } else {
+            format!("Nothing needs to change: {what} is at most {least_text} probable.")
+        };
         return html!("{}", text);
     };
     let wanted = first.reach[place].probability;
