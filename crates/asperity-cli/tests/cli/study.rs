@@ -582,7 +582,10 @@ fn init_writes_the_study_of_a_scan() {
     for part in [
         "# Study of brake_disc.x3p. The scan resolves waves down to 8 µm",
         "level = \"quadratic\"                      # form to remove",
+        "# your scan, or several of one part",
+        "\nsize = [\"130 um\", \"83 um\"]\n",
         // Four points to the shortest wave.
+        "strip = [\"5.952 mm\", \"96 um\"]\n",
         "points = [2976, 48]\nwindow = \"595.2 um\"\n",
     ] {
         assert!(text.contains(part), "{part} in {text}");

@@ -285,10 +285,11 @@ impl Changed<'_> {
         let RemedyStudy { place, low, high, hold } = *self.remedy;
         let biases = self.machines.mean_errors().computational().map(|(_, factors)| factors);
         let is_exact = self.friction_error == 0.0 && biases.iter().all(|factors| *factors == [1.0; 2]);
-        // A value that suffices without a change is no root.
-        if is_exact || own.low == own.high {
+        if is_exact {
             return Ok(own);
         }
+        // The present value may suffice with a reserve. Another friction first uses it up.
+        let suffices = own.low == own.high;
         let points = &self.points[..self.points.len().div_ceil(REPLICATES)];
         let margins = |value: f64, factor: f64| {
             let machines = self.machines.with_friction_factor(factor);
@@ -297,20 +298,28 @@ impl Changed<'_> {
         };
         let now = margins(value, 1.0)?;
         // Where friction fluctuates, as many machines are beyond the limit of its margin.
-        let quantile = if self.evaluate.is_some() { now.probability() } else { probability };
+        let quantile = if self.evaluate.is_some() && !suffices { now.probability() } else { probability };
         let wide = if value == 0.0 { high - low } else { value.abs().min(high - low) };
         let step = if value < 0.5 * (low + high) { NEAR } else { -NEAR } * wide;
         let slope = (margins(value + step, 1.0)?.excess(quantile) - now.excess(quantile)) / step;
+        let reserve = if suffices { now.excess(quantile).max(0.0) } else { 0.0 };
         let change = |factor: f64| match factor {
             1.0 => Ok(0.0),
-            factor => Ok::<_, Cancelled>((now.excess(quantile) - margins(value, factor)?.excess(quantile)) / slope),
+            factor => {
+                let lost = now.excess(quantile) - margins(value, factor)?.excess(quantile);
+                Ok::<_, Cancelled>(if suffices { (lost - reserve).max(0.0) } else { lost } / slope)
+            }
+        };
+        let sides = |[least, most]: [f64; 2]| {
+            let [a, b] = [change(least)?, change(most)?];
+            Ok::<_, Cancelled>([-a.min(b).min(0.0), a.max(b).max(0.0)])
         };
         let spread = NORMAL_95 * self.friction_error;
-        let of_mean = 0.5 * (change(spread.exp())? - change((-spread).exp())?).abs();
-        let (mut below, mut above) = ((value - own.low).hypot(of_mean), (own.high - value).hypot(of_mean));
-        for [least, most] in biases {
-            let [a, b] = [change(least)?, change(most)?];
-            (below, above) = (below - a.min(b).min(0.0), above + a.max(b).max(0.0));
+        let of_mean = sides([-spread, spread].map(f64::exp))?;
+        let (mut below, mut above) = ((value - own.low).hypot(of_mean[0]), (own.high - value).hypot(of_mean[1]));
+        for factors in biases {
+            let of_bias = sides(factors)?;
+            (below, above) = (below + of_bias[0], above + of_bias[1]);
         }
         let end = |value: f64, unknown: f64| if value.is_nan() { unknown } else { value };
         Ok(Interval { low: end(value - below, low), high: end(value + above, high) })
@@ -601,9 +610,9 @@ mod tests {
         let text = study_text(&["damping_ratio\", range = [0.02, 0.5]"])
             .replace("\"linear\"\nlinear_weakening = \"0.2 ± 0.02\"", "\"stribeck\"\nstribeck = 2.0")
             .replace("[verdict]", "[verdict]\ntargets = [0.05]");
-        let study = Study::parse(&text, "study.toml").unwrap();
-        let verdict = study.verdict.as_ref().unwrap();
-        let reach = |factor: f64, grid: [f64; 2], error: f64| {
+        let at_damping = |now: f64, factor: f64, grid: [f64; 2], error: f64| {
+            let study = Study::parse(&text.replace("0.1 ± 0.01", &format!("{now} ± 0.01")), "study.toml").unwrap();
+            let verdict = study.verdict.as_ref().unwrap();
             let mut window = stated_window(&study);
             window.mean_errors.grid = grid;
             let machines = Machines::new(verdict, &window, None, 1).with_friction_factor(factor);
@@ -613,6 +622,7 @@ mod tests {
             let (value, [low, high]) = (reach.value.unwrap(), reach.value_interval.unwrap());
             (value, value - low, high - value)
         };
+        let reach = |factor: f64, grid: [f64; 2], error: f64| at_damping(0.1, factor, grid, error);
         let exact = |factor: f64| reach(factor, [1.0; 2], 0.0);
         let (value, below, above) = exact(1.0);
         // A bias extends the interval to its side, an independent error adds in quadrature.
@@ -624,6 +634,12 @@ mod tests {
         let found = reach(1.0, [1.0; 2], 0.01);
         assert!((found.1 - below.hypot(spread)).abs() < 0.1 * spread, "{found:?}, {spread}");
         assert!((found.2 - above.hypot(spread)).abs() < 0.1 * spread, "{found:?}, {spread}");
+        // A present value that suffices has a reserve, and a smaller friction needs no more damping.
+        let now = value + 0.1 * wanted;
+        assert_eq!(at_damping(now, 1.0, [0.95, 1.0], 0.0), (now, 0.0, 0.0));
+        let found = at_damping(now, 1.0, [1.0, 1.05], 0.0);
+        let wanted = exact(1.05).0 - now;
+        assert!(found.1 == 0.0 && (found.2 - wanted).abs() < 0.15 * wanted, "{found:?}, {wanted}");
     }
 
     #[test]
