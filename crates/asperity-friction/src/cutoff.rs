@@ -2,11 +2,10 @@
 //!
 //! In elastic contact μ is inversely proportional to the root-mean-square slope of the surface, which its shortest waves determine.
 //! Strips of the random surface are solved again at the mean pressure of the operating level, without the waves below cutoffs in
-//! octaves, and with half the pitch. All use the same random numbers, so the ratio of their friction to that of the unchanged
+//! octaves, and on halves of the pitch. All use the same random numbers, so the ratio of their friction to that of the unchanged
 //! strips has a smaller variance than either. The mean of the operating level is multiplied by this ratio.
 
 use asperity_base::blocks::Task;
-use asperity_base::map::MapError;
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{Interval, student_quantile};
 use asperity_contact::{Boundary, Control, rms_gradient};
@@ -30,6 +29,10 @@ const WORK: f64 = 0.3;
 const SHORTEST: f64 = 1.0 / 16.0;
 const LEAST_WIDTHS: f64 = 4.0;
 const LEAST_POINTS: usize = 64;
+/// Most halvings of the pitch, the number of strips of the levels that cost as much if the levels have fewer, and the most cells of a strip.
+const HALVINGS: u32 = 3;
+const AFFORDABLE: usize = 60;
+const CELLS: usize = 1 << 21;
 /// Relative change of μ below which a change is negligible.
 const NEGLIGIBLE: f64 = 0.01;
 
@@ -44,6 +47,8 @@ pub struct CutoffPlan {
     pub cutoff_m: f64,
     /// Octaves above the cutoff of the unchanged strips.
     pub octaves: u32,
+    /// Halvings of the pitch that are affordable, at least one.
+    pub halvings: u32,
 }
 
 impl CutoffPlan {
@@ -55,7 +60,14 @@ impl CutoffPlan {
         let cutoff_m = shortest_m.max(2.0 * dx_m.max(dy_m));
         let fits = |octave: &u32| cutoff_m * f64::from(1_u32 << octave) <= longest_m;
         let octaves = (1..=OCTAVES).take_while(fits).count() as u32;
-        let plan = |nx: usize| Self { points: [nx, ny], length_m: nx as f64 * dx_m, cutoff_m, octaves };
+        let plan = |nx: usize| {
+            let work = |halvings: u32| STRIPS as f64 * nx as f64 / whole as f64 * HALVED_WORK.powi(halvings as i32);
+            let affords = |halvings: &u32| {
+                work(*halvings) <= solves.max(AFFORDABLE) as f64 && (nx * ny) << (2 * halvings) <= CELLS
+            };
+            let halvings = 1 + (2..=HALVINGS).take_while(affords).count() as u32;
+            Self { points: [nx, ny], length_m: nx as f64 * dx_m, cutoff_m, octaves, halvings }
+        };
         let halves = |nx: usize| {
             let shorter = (nx / 2) as f64;
             nx.is_multiple_of(2)
@@ -69,7 +81,7 @@ impl CutoffPlan {
         plan(nx)
     }
 
-    /// Returns the work in solutions of strips of `nx` points along x.
+    /// Returns the work in solutions of strips of `nx` points along x, with one halving of the pitch.
     pub fn work(&self, nx: usize) -> f64 {
         let fraction = self.points[0] as f64 / nx as f64;
         STRIPS as f64 * fraction * (f64::from(1 + self.octaves) + HALVED_WORK)
@@ -80,9 +92,7 @@ impl CutoffPlan {
 pub struct CutoffStudy<'a> {
     plan: CutoffPlan,
     problem: &'a StripProblem,
-    halved: &'a StripProblem,
     surface: &'a dyn RandomSurface,
-    finer: Respaced<'a>,
     edges: Edges,
     control: Control,
     seed: u64,
@@ -100,21 +110,17 @@ pub struct CutoffBlock {
 }
 
 impl<'a> CutoffStudy<'a> {
-    /// Prepares the strips of a plan at a mean pressure in pascal. `problem` has the pitch of the levels and `halved` half of it;
-    /// `closes` states whether the maps of `surface`, on the grid of `problem`, are periodic.
-    ///
-    /// # Errors
-    /// The grid of half the pitch is invalid.
+    /// Prepares the strips of a plan at a mean pressure in pascal. `problem` has the pitch of the levels; `closes` states whether the maps
+    /// of `surface`, on its grid, are periodic.
     pub fn new(
         plan: CutoffPlan,
-        [problem, halved]: [&'a StripProblem; 2],
+        problem: &'a StripProblem,
         (surface, closes): (&'a dyn RandomSurface, bool),
         pascal: f64,
         seed: u64,
-    ) -> Result<Self, MapError> {
+    ) -> Self {
         let edges = if closes { Edges::Periodic } else { Edges::Mirrored };
-        let (finer, control) = (Respaced::with_half_the_pitch(surface, edges)?, Control::MeanPressure { pascal });
-        Ok(Self { plan, problem, halved, surface, finer, edges, control, seed })
+        Self { plan, problem, surface, edges, control: Control::MeanPressure { pascal }, seed }
     }
 
     /// Returns the larger pitch of the unchanged strips in metre.
@@ -123,31 +129,58 @@ impl<'a> CutoffStudy<'a> {
         grid.dx_m().max(grid.dy_m())
     }
 
-    /// Returns the number of blocks: the unchanged strips, one block per octave, and the strips of half the pitch.
-    pub fn blocks(&self) -> usize {
-        self.plan.octaves as usize + 2
+    /// Returns the number of cutoffs, of which the first leaves the strips unchanged.
+    pub fn cutoffs(&self) -> usize {
+        self.plan.octaves as usize + 1
     }
 
-    /// Returns the cutoff of block number `index`, which doubles from block to block, in metre; `None` for half the pitch.
-    pub fn cutoff_m(&self, index: usize) -> Option<f64> {
-        (index + 1 < self.blocks()).then(|| self.plan.cutoff_m * f64::from(1_u32 << index))
+    /// Returns cutoff number `index`, which doubles from one to the next, in metre.
+    pub fn cutoff_m(&self, index: usize) -> f64 {
+        self.plan.cutoff_m * f64::from(1_u32 << index)
     }
 
-    /// Returns the task of all blocks.
-    pub fn task<'t>(&self, monitor: &'t dyn Monitor) -> Task<'t> {
-        Task::new(monitor, "friction cut-off", self.blocks() * STRIPS)
+    /// Returns the task of the strips of a number of cutoffs and pitches.
+    pub fn task<'t>(&self, blocks: usize, monitor: &'t dyn Monitor) -> Task<'t> {
+        Task::new(monitor, "friction cut-off", blocks * STRIPS)
     }
 
-    /// Solves block number `index`; returns the reason if a strip has no solution or carries no load.
+    /// Solves the strips of cutoff number `index`; returns the reason if a strip has no solution or carries no load.
     ///
     /// # Errors
     /// The monitor cancelled.
     pub fn solve(&self, index: usize, task: &Task<'_>) -> Result<Result<CutoffBlock, String>, Cancelled> {
         let own = self.surface;
-        match self.cutoff_m(index) {
-            Some(_) if index == 0 => self.solve_strips(self.problem, own, task),
-            Some(cutoff_m) => self.solve_strips(self.problem, &Respaced::smoothed(own, self.edges, cutoff_m), task),
-            None => self.solve_strips(self.halved, &self.finer, task),
+        if index == 0 {
+            return self.solve_strips(self.problem, own, task);
+        }
+        self.solve_strips(self.problem, &Respaced::smoothed(own, self.edges, self.cutoff_m(index)), task)
+    }
+
+    /// Solves the unchanged strips on `problem`, whose pitch is that of the levels halved a number of times; returns the reason if a strip
+    /// has no solution.
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub fn solve_halved(
+        &self,
+        problem: &StripProblem,
+        halvings: u32,
+        task: &Task<'_>,
+    ) -> Result<Result<CutoffBlock, String>, Cancelled> {
+        self.solve_finer(problem, self.surface, halvings, task)
+    }
+
+    fn solve_finer(
+        &self,
+        problem: &StripProblem,
+        surface: &dyn RandomSurface,
+        halvings: u32,
+        task: &Task<'_>,
+    ) -> Result<Result<CutoffBlock, String>, Cancelled> {
+        let Some(rest) = halvings.checked_sub(1) else { return self.solve_strips(problem, surface, task) };
+        match Respaced::with_half_the_pitch(surface, self.edges) {
+            Ok(finer) => self.solve_finer(problem, &finer, rest, task),
+            Err(error) => Ok(Err(error.to_string())),
         }
     }
 
@@ -207,6 +240,12 @@ impl OperatingMean {
         let [ratio, ratio_half] = ratio(&changed.means, &unchanged.means);
         let (change, half) = (self.mean * ratio - self.mean, self.mean * ratio_half);
         (change, Interval { low: change - half, high: change + half })
+    }
+
+    /// Returns the relative change of the mean from unchanged to changed strips and the half width of its 95 % interval.
+    pub fn relative_change(changed: &CutoffBlock, unchanged: &CutoffBlock) -> [f64; 2] {
+        let [ratio, half] = ratio(&changed.means, &unchanged.means);
+        [ratio - 1.0, half]
     }
 
     /// Returns the smallest change that is not negligible.
@@ -271,12 +310,17 @@ mod tests {
             let fraction = plan.work(points[0]) / (levels * 20) as f64;
             assert!(fraction <= WORK && fraction > 0.1, "{fraction}");
         }
-        let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, cutoff_m: 2.0 * 6e-3 / 4096.0, octaves: 4 };
+        let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, cutoff_m: 2.0 * 6e-3 / 4096.0, octaves: 4, halvings: 2 };
         assert_eq!(CutoffPlan::new([4096, 64], size_m, 6 * 20, 1e-7), wanted);
         // Longer waves leave fewer octaves up to the width.
         let long = CutoffPlan::new([4096, 64], size_m, 6 * 20, 1e-5);
         assert_eq!((long.cutoff_m, long.octaves), (1e-5, 2));
         // One level of few strips: the shortest strips, at least four widths and 64 points.
-        assert_eq!(CutoffPlan::new([4096, 64], size_m, 2, 0.0).points, [256, 64]);
+        let short = CutoffPlan::new([4096, 64], size_m, 2, 0.0);
+        assert_eq!((short.points, short.halvings), ([256, 64], 3));
+        // Many short strips: as many cells as are allowed.
+        assert_eq!(CutoffPlan::new([512, 64], size_m, 5000, 0.0).halvings, 3);
+        assert_eq!(CutoffPlan::new([2048, 64], size_m, 5000, 0.0).halvings, 2);
+        assert_eq!(CutoffPlan::new([512, 64], size_m, 60, 0.0).halvings, 2);
     }
 }

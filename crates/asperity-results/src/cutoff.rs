@@ -25,8 +25,9 @@ pub struct CutoffResult {
     pub plastic_floor: Option<f64>,
     /// One entry per cut-off, from the study's own upwards, in octaves.
     pub points: Vec<CutoffPoint>,
-    /// The same surface at the study's own cut-off, solved with half the pitch; `null` if there is no solution.
-    pub halved_pitch: Option<HalvedPitch>,
+    /// The same surface at the study's own cut-off, solved on half the pitch and, while the error of the pitch matters and the work is
+    /// affordable, on half of that.
+    pub finer_pitches: Vec<FinerPitch>,
     /// Dependence of the friction coefficient on the shortest waves, in a sentence.
     pub known: String,
 }
@@ -47,10 +48,10 @@ pub struct CutoffPoint {
     pub plastic_fraction: f64,
 }
 
-/// Mean friction of the same surface on cells of half the pitch, not extrapolated.
+/// Mean friction of the same surface on smaller cells, not extrapolated.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct HalvedPitch {
+pub struct FinerPitch {
     /// Pitch of the cells.
     pub pitch_m: f64,
     /// μ = ΣF/ΣN.

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 pub use campaign::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, VariedKey};
 pub use companions::{Companions, PooledResult, SpreadResult};
 pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticComparison, TwinModel};
-pub use cutoff::{CutoffPoint, CutoffResult, HalvedPitch, ScanCutoff, ScanFriction};
+pub use cutoff::{CutoffPoint, CutoffResult, FinerPitch, ScanCutoff, ScanFriction};
 pub use field::Field;
 pub use friction::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,

@@ -83,11 +83,11 @@ fn of_friction(friction: &FrictionResult) -> Vec<Row> {
 }
 
 fn of_pitch(cutoff: &CutoffResult, grid_error: Option<f64>) -> Option<Row> {
-    let halved = cutoff.halved_pitch.as_ref()?;
+    let finest = cutoff.finer_pitches.last()?;
     let why = format!(
-        "what its extrapolation from points every {} and {} leaves open",
+        "what its extrapolation from points every {} to {} leaves open",
         Dimension::Length.show(cutoff.pitch_m),
-        Dimension::Length.show(halved.pitch_m)
+        Dimension::Length.show(finest.pitch_m)
     );
     Some(row("error of μ by the pitch", significant(grid_error?, 2), why))
 }

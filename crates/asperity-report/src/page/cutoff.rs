@@ -30,7 +30,7 @@ pub(super) fn of_scan(scan: &ScanFriction) -> DataTable {
     DataTable::new(&caption, &headers, scan.cut_offs.iter().map(row).collect(), RESULTS)
 }
 
-/// Returns one row per cut-off and one for half the pitch; `None` without a cut-off.
+/// Returns one row per cut-off and one per smaller pitch; `None` without a cut-off.
 pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {
     let length = |metre: f64| Dimension::Length.show(metre);
     let row = |cutoff_m: String, mean: f64, interval, [slope, plastic]: [String; 2]| {
@@ -40,9 +40,9 @@ pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {
         let others = [plain(point.rms_slope, 3), percent(point.plastic_fraction, 3)];
         row(length(point.cutoff_m), point.mean, point.mean_interval, others)
     });
-    let halved = cutoff.halved_pitch.iter().map(|halved| {
-        let name = format!("{}, pitch of {}", length(cutoff.cutoff_m), length(halved.pitch_m));
-        row(name, halved.mean, halved.mean_interval, [DASH; 2].map(str::to_owned))
+    let finer = cutoff.finer_pitches.iter().map(|finer| {
+        let name = format!("{}, pitch of {}", length(cutoff.cutoff_m), length(finer.pitch_m));
+        row(name, finer.mean, finer.mean_interval, [DASH; 2].map(str::to_owned))
     });
     if cutoff.points.is_empty() {
         return None;
@@ -54,5 +54,5 @@ pub(super) fn table(cutoff: &CutoffResult) -> Option<DataTable> {
         length(cutoff.pitch_m)
     );
     let headers = ["Cut-off", "Mean μ", "Rms slope", "Contact at the hardness"];
-    Some(DataTable::new(&caption, &headers, points.chain(halved).collect(), "tables/friction_cutoff.csv"))
+    Some(DataTable::new(&caption, &headers, points.chain(finer).collect(), "tables/friction_cutoff.csv"))
 }

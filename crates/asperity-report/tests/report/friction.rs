@@ -85,7 +85,7 @@ fn friction_over_the_cutoff_has_its_floor_and_the_ends_of_the_band() {
     for wanted in [
         "Cut-off wavelength (µm)",
         "mean μ, 95 %",
-        "half the pitch",
+        "smallest pitch",
         "the scan itself",
         "plastic floor τ/H",
         "cut-off of the study’s strips",
@@ -107,7 +107,7 @@ fn friction_over_the_cutoff_has_its_floor_and_the_ends_of_the_band() {
     // An elastic study without a scan has neither a floor nor a band.
     friction(&mut run).scan = None;
     let cutoff = friction(&mut run).cutoff.as_mut().unwrap();
-    (cutoff.plastic_floor, cutoff.band_end_m, cutoff.halved_pitch) = (None, None, None);
+    (cutoff.plastic_floor, cutoff.band_end_m, cutoff.finer_pitches) = (None, None, Vec::new());
     let drawn = words(&run, "friction_cutoff");
     assert!(!drawn.iter().any(|word| word.contains("floor") || word.contains("scan") || word.contains("half")));
 }

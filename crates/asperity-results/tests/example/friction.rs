@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use asperity_results::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint,
-    CutoffResult, FailedPoint, FrictionResult, GoodnessResult, HalvedPitch, LevelResult, OperatingPoint,
+    CutoffResult, FailedPoint, FrictionResult, GoodnessResult, FinerPitch, LevelResult, OperatingPoint,
     PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
     RoughBodyResult, ScanCutoff, ScanFriction, StationarityResult, TailResult, UncertainLevel, UncertainParameter,
     UncertainResponse, UncertaintyResult, UpscalingResult,
@@ -193,13 +193,13 @@ pub(super) fn friction() -> FrictionResult {
             band_end_m: Some(4e-6),
             plastic_floor: Some(0.17),
             points: (0..CUTOFFS_M.len()).map(point).collect(),
-            halved_pitch: Some(HalvedPitch {
+            finer_pitches: vec![FinerPitch {
                 pitch_m: 7.25e-7,
                 mean: 0.1834,
                 mean_interval: Some([0.179, 0.187]),
                 change: -0.0066,
                 change_interval: [-0.008, -0.005],
-            }),
+            }],
             known: "The friction coefficient is known only as far as the shortest waves are.".into(),
         }),
         uncertainty: None,

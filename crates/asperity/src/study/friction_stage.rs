@@ -91,9 +91,12 @@ pub(super) fn run(
     let pressures: Vec<_> = solved.iter().map(|(control, strips)| (*control, strips.mean_pressure_pa)).collect();
     let lead = operating.index_in(&pressures);
     let pascal = pressures[lead].1;
-    let (cutoffs, of_cutoffs) = SolvedCutoffs::solve(study, surface, (solved.len(), pascal), seed, monitor)?;
     let (scan, of_scan) = scan::run(study, surface, (generated.surface.as_ref(), pascal), seed, monitor)?;
-    let pitch = cutoffs.as_ref().and_then(|found| Pitch::new(&problem, &solved[lead].1, found, scan.as_ref()));
+    let pitch_of = |found: &SolvedCutoffs| Pitch::new(&problem, &solved[lead].1, found, scan.as_ref());
+    let is_resolved = |found: &SolvedCutoffs| pitch_of(found).is_none_or(|pitch| pitch.is_negligible(&solved[lead].1));
+    let (cutoffs, of_cutoffs) =
+        SolvedCutoffs::solve(study, surface, (solved.len(), pascal), is_resolved, seed, monitor)?;
+    let pitch = cutoffs.as_ref().and_then(pitch_of);
     let strips = Strips { pitch_factor: pitch.as_ref().map_or(1.0, |pitch| pitch.factor), ..strips };
     solved[lead].1.extrapolate(&problem, strips.pitch_factor);
     let mut levels = Vec::with_capacity(solved.len());

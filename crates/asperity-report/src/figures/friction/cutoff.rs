@@ -32,14 +32,14 @@ fn chart(table: &Table, cutoff: Option<&CutoffResult>, scan: Option<&ScanFrictio
     let own = cutoff.map(|cutoff| cutoff.cutoff_m);
     let band_end = cutoff.and_then(|cutoff| cutoff.band_end_m);
     let floor = cutoff.and_then(|cutoff| cutoff.plastic_floor);
-    let halved = cutoff.and_then(|cutoff| cutoff.halved_pitch.as_ref()).map(|halved| halved.mean);
+    let finest_mean = cutoff.and_then(|cutoff| cutoff.finer_pitches.last()).map(|finest| finest.mean);
     let limits = columns(table, ["mean_low", "mean_high"]);
     let of_scan = |value: fn(&ScanCutoff) -> f64| -> Vec<f64> {
         scan.map_or_else(Vec::new, |scan| scan.cut_offs.iter().map(value).collect())
     };
     let (scan_x, scan_mean) = (of_scan(|of| of.cutoff_m), of_scan(|of| of.mean));
     let (first, last) = range(positive(x).chain(positive(&scan_x)).chain(own.as_slice()).chain(band_end.as_slice()))?;
-    let shown = mean.iter().chain(&scan_mean).chain(floor.as_slice()).chain(halved.as_slice());
+    let shown = mean.iter().chain(&scan_mean).chain(floor.as_slice()).chain(finest_mean.as_slice());
     let (low, high) = range(shown.chain(limits.into_iter().flatten().flatten()))?;
     let x_axis = Axis::logarithmic("Cut-off wavelength", Dimension::Length.unit(last), (first / 1.25, last * 1.25));
     let mut chart = Chart::new(x_axis, Axis::padded("Friction coefficient μ", Unit::none(), (low, high), 0.08));
@@ -50,8 +50,8 @@ fn chart(table: &Table, cutoff: Option<&CutoffResult>, scan: Option<&ScanFrictio
     if !scan_x.is_empty() {
         chart.points("the scan itself", &scan_x, &scan_mean, Pen::new(BLACK, 1.2, Dash::Dotted));
     }
-    if let (Some(x), Some(y)) = (own, halved) {
-        chart.add("half the pitch", Mark::Symbol { x, y, shape: Shape::OpenDiamond, colour: BLUE });
+    if let (Some(x), Some(y)) = (own, finest_mean) {
+        chart.add("smallest pitch", Mark::Symbol { x, y, shape: Shape::OpenDiamond, colour: BLUE });
     }
     if let Some(floor) = floor {
         chart.horizontal("plastic floor τ/H", floor, Pen::new(BLACK, 1.3, Dash::Dashed));

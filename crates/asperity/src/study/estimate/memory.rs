@@ -112,9 +112,9 @@ impl Study {
             let cells = nx.saturating_mul(ny);
             threads as f64 * (memory_bytes(cells, study.boundary) + strip_bytes * cells as f64)
         };
-        // The strips of the cut-off analysis have their own generator, and are also solved at half the pitch.
+        // The strips of the cut-off analysis have their own generator, and are also solved on halves of the pitch.
         let cutoff = plan.map_or(0.0, |plan| {
-            let halved = plan.points.map(|points| points.saturating_mul(2));
+            let halved = plan.points.map(|points| points.saturating_mul(1 << plan.halvings));
             generator(plan.points, [plan.length_m, study.size_m[1]]) + solvers(threads.min(STRIPS), halved, 0.0)
         });
         let strips = generator(study.points, study.size_m) + solvers(threads, study.points, STRIP_BYTES);

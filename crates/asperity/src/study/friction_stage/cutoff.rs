@@ -7,7 +7,7 @@ use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
 use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
-use crate::study::result::{CutoffPoint, CutoffResult, HalvedPitch, Pair, pair};
+use crate::study::result::{CutoffPoint, CutoffResult, FinerPitch, Pair, pair};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::model::XiOrder;
@@ -15,12 +15,11 @@ use crate::surface::model::XiOrder;
 /// Fraction of contact cells at the hardness from which on yielding explains why shorter waves change nothing.
 const MOSTLY_PLASTIC: f64 = 0.5;
 
-/// Returns the settings of the strips of a plan, or of those of half the pitch.
-fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionStudy {
-    let factor = if halved { 2 } else { 1 };
+/// Returns the settings of the strips of a plan after some halvings of their pitch.
+fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halvings: u32) -> FrictionStudy {
     let width_m = study.size_m[1];
     FrictionStudy {
-        points: plan.points.map(|points| factor * points),
+        points: plan.points.map(|points| points << halvings),
         size_m: [plan.length_m, width_m],
         // The mean over a strip does not depend on the window, which has to fit in ten times.
         window_m: [study.window_m[0].min(0.1 * plan.length_m), width_m],
@@ -29,62 +28,80 @@ fn study_of(plan: &CutoffPlan, study: &FrictionStudy, halved: bool) -> FrictionS
     }
 }
 
-/// Solved strips of every cutoff and of half the pitch.
+/// Solved strips of every cutoff and of halves of the pitch.
 pub(super) struct SolvedCutoffs {
     plan: CutoffPlan,
     pub(super) pitch_m: f64,
     /// Blocks of the cutoffs, the strips' own first.
     blocks: Vec<(f64, CutoffBlock)>,
-    halved: Option<CutoffBlock>,
+    /// The strips' own cutoff on halves of the pitch.
+    finer: Vec<CutoffBlock>,
 }
 
 impl SolvedCutoffs {
-    /// Solves the strips at a mean pressure, that of the operating level of `levels` ones; `None` for Coulomb's law.
+    /// Solves the strips at a mean pressure, that of the operating level of `levels` ones, and halves their pitch until it `is_resolved` or
+    /// the work is too large; `None` for Coulomb's law.
     pub(super) fn solve(
         friction: &FrictionStudy,
         surface: &SurfaceStage,
         (levels, pascal): (usize, f64),
+        is_resolved: impl Fn(&Self) -> bool,
         seed: u64,
         monitor: &dyn Monitor,
     ) -> Result<(Option<Self>, StageOutput), StudyError> {
         let mut output = StageOutput::default();
         let shortest_m = surface.model.shortest_wave_m();
         let Some(plan) = friction.cutoff_plan(levels, shortest_m) else { return Ok((None, output)) };
-        let [own, halved] = [false, true].map(|halved| strip_problem(&study_of(&plan, friction, halved)));
-        let (own, halved) = (own?.0, halved?.0);
+        let own = strip_problem(&study_of(&plan, friction, 0))?.0;
         let generated = surface.model.strip(own.grid(), own.is_periodic(), XiOrder::Variance)?;
         let closes = own.is_periodic() && surface.model.closes();
-        let strips = (generated.surface.as_ref(), closes);
-        let study = CutoffStudy::new(plan, [&own, &halved], strips, pascal, seed)
-            .map_err(|error| StudyError::Grid { section: "friction", error })?;
-        let task = study.task(monitor);
-        let mut solved = Self { plan, pitch_m: study.pitch_m(), blocks: Vec::new(), halved: None };
-        for index in 0..study.blocks() {
-            let (found, cutoff_m) = (study.solve(index, &task)?, study.cutoff_m(index));
-            match (found, cutoff_m) {
-                (Ok(found), Some(cutoff_m)) => solved.blocks.push((cutoff_m, found)),
-                (Ok(found), None) => solved.halved = Some(found),
-                (Err(reason), _) => {
-                    let place = match cutoff_m {
-                        _ if index == 0 => "at the strips' own cut-off".into(),
-                        Some(cutoff_m) => format!("at {}", sentence::si(cutoff_m, "m")),
-                        None => "at half the pitch".into(),
-                    };
-                    output.warnings.push(format!("the study of the cut-off has no answer {place}: {reason}"));
-                    if index == 0 {
-                        return Ok((None, output));
-                    }
+        let study = CutoffStudy::new(plan, &own, (generated.surface.as_ref(), closes), pascal, seed);
+        let mut task = study.task(study.cutoffs() + 1, monitor);
+        let mut solved = Self { plan, pitch_m: study.pitch_m(), blocks: Vec::new(), finer: Vec::new() };
+        let unsolved = |place: &str, reason: String| format!("the study of the cut-off has no answer {place}: {reason}");
+        for index in 0..study.cutoffs() {
+            let cutoff_m = study.cutoff_m(index);
+            match study.solve(index, &task)? {
+                Ok(found) => solved.blocks.push((cutoff_m, found)),
+                Err(reason) if index == 0 => {
+                    output.warnings.push(unsolved("at the strips' own cut-off", reason));
+                    return Ok((None, output));
                 }
+                Err(reason) => {
+                    output.warnings.push(unsolved(&format!("at {}", sentence::si(cutoff_m, "m")), reason));
+                }
+            }
+        }
+        for halvings in 1..=plan.halvings {
+            if halvings > 1 {
+                task = study.task(1, monitor);
+            }
+            let problem = strip_problem(&study_of(&plan, friction, halvings))?.0;
+            match study.solve_halved(&problem, halvings, &task)? {
+                Ok(found) => solved.finer.push(found),
+                Err(reason) => {
+                    let pitch = sentence::si(solved.finer_pitch_m(solved.finer.len()), "m");
+                    output.warnings.push(unsolved(&format!("at the pitch {pitch}"), reason));
+                    break;
+                }
+            }
+            if is_resolved(&solved) {
+                break;
             }
         }
         Ok((Some(solved), output))
     }
 
-    /// Returns the relative change of the mean by half the pitch and the half width of its 95 % interval.
-    pub(super) fn halved_change(&self) -> Option<Pair> {
-        let one = OperatingMean { mean: 1.0, half: None };
-        let (change, interval) = one.change(self.halved.as_ref()?, &self.blocks.first()?.1);
-        Some([change, 0.5 * (interval.high - interval.low)])
+    /// Returns the pitch of entry number `index` of `finer` in metre.
+    fn finer_pitch_m(&self, index: usize) -> f64 {
+        self.pitch_m / f64::from(2_u32 << index)
+    }
+
+    /// Returns the relative changes of the mean from each pitch to half of it and the half widths of their 95 % intervals.
+    pub(super) fn changes(&self) -> Vec<Pair> {
+        let own = self.blocks.first().map(|(_, own)| own);
+        let coarser = own.into_iter().chain(&self.finer);
+        coarser.zip(&self.finer).map(|(coarse, fine)| OperatingMean::relative_change(fine, coarse)).collect()
     }
 
     /// Returns the results at the operating level, of which the mean was `mean_at_pitch` before its extrapolation.
@@ -109,12 +126,12 @@ impl SolvedCutoffs {
                 plastic_fraction: found.plastic_fraction,
             }
         });
-        let halved_pitch = self.halved.as_ref().map(|found| {
-            let at_pitch = OperatingMean { mean: mean_at_pitch, ..anchor };
+        let at_pitch = OperatingMean { mean: mean_at_pitch, ..anchor };
+        let finer_pitches = self.finer.iter().enumerate().map(|(index, found)| {
             let ((mean, interval), (change, change_interval)) =
                 (at_pitch.of(found, unchanged), at_pitch.change(found, unchanged));
             let (mean_interval, change_interval) = (interval.map(pair), pair(change_interval));
-            HalvedPitch { pitch_m: 0.5 * self.pitch_m, mean, mean_interval, change, change_interval }
+            FinerPitch { pitch_m: self.finer_pitch_m(index), mean, mean_interval, change, change_interval }
         });
         let mut result = CutoffResult {
             mean_pressure_pa: lead.strips.mean_pressure_pa,
@@ -125,7 +142,7 @@ impl SolvedCutoffs {
             band_end_m: surface.band_end_m,
             plastic_floor,
             points: points.collect(),
-            halved_pitch,
+            finer_pitches: finer_pitches.collect(),
             known: String::new(),
         };
         result.known = known(&result, &anchor);
@@ -243,7 +260,7 @@ mod tests {
             band_end_m: Some(4e-6),
             plastic_floor,
             points: points.collect(),
-            halved_pitch: None,
+            finer_pitches: Vec::new(),
             known: String::new(),
         }
     }

@@ -1,16 +1,20 @@
 //! Extrapolation of the mean friction in the pitch of the strips.
 //!
-//! The mean is μ(h) = μ₀ + c hᵖ at the pitch h. The strips at h and at h/2 have the same surfaces, and the scan, which is pressed on
-//! three pitches, gives the order p. The limit μ₀ differs from μ(h/2) by the last term of the series, which is taken as its error. Of what
-//! μ(h/2) exceeds the plastic floor, at most half is taken for an error of the pitch.
+//! The mean is μ(h) = μ₀ + c hᵖ at the pitch h. The strips at h, h/2, … have the same surfaces. Three pitches give the order p, of the
+//! strips or else of the scan. The limit μ₀ differs from μ at the smallest pitch by the last term of the series, which is taken as its
+//! error. Of what that μ exceeds the plastic floor, at most half is taken for an error of the pitch.
 
 use super::cutoff::SolvedCutoffs;
 use crate::friction::strip::{Record, SolvedStrips, StripProblem};
+use crate::stats::{Moments, NORMAL_95};
 use crate::study::result::{Pair, ScanFriction};
 use crate::study::sentence;
 
 /// Largest error of the pitch over the mean of a resolved surface.
 const RESOLVED: f64 = 0.03;
+/// Error of the pitch over the sampling error, or over the mean, that needs no smaller pitch.
+const BELOW_SAMPLING: f64 = 0.5;
+const NEGLIGIBLE: f64 = 0.005;
 /// Order of convergence if none is observed, and the range of credible ones.
 const ORDER: f64 = 1.0;
 const CREDIBLE: std::ops::RangeInclusive<f64> = 0.7..=2.0;
@@ -28,11 +32,11 @@ pub(super) struct Pitch {
     pub(super) factor: f64,
     /// Least and largest limit that the order of convergence leaves possible.
     pub(super) range: Pair,
-    /// Half of the 95 % interval of `mean` that is due to the few strips of half the pitch.
+    /// Half of the 95 % interval of `mean` that is due to the few strips of smaller pitches.
     pub(super) noise: f64,
-    /// Order of convergence.
+    /// Order of convergence, and where it is from.
     order: f64,
-    is_observed: bool,
+    source: &'static str,
     pitch_m: f64,
     /// Plastic floor of the mean, 0 without one.
     least: f64,
@@ -49,21 +53,31 @@ impl Pitch {
     ) -> Option<Self> {
         let mean_at_pitch = Record::at_mean_load(&strips.records).0;
         let order = scan.and_then(|scan| scan.cut_offs.first()?.order);
-        Self::of_change(mean_at_pitch, cutoffs.halved_change()?, problem.least_coefficient(), order)
+        Self::of_changes(mean_at_pitch, &cutoffs.changes(), problem.least_coefficient(), order)
             .map(|found| Self { pitch_m: cutoffs.pitch_m, ..found })
     }
 
-    /// Extrapolates a mean from its relative change by half the pitch with the half width of the interval of the change.
-    fn of_change(mean_at_pitch: f64, [change, half]: Pair, least: Option<f64>, observed: Option<f64>) -> Option<Self> {
+    /// Extrapolates a mean from its relative changes from each pitch to half of it, with the half widths of their intervals.
+    fn of_changes(mean_at_pitch: f64, changes: &[Pair], least: Option<f64>, of_scan: Option<f64>) -> Option<Self> {
+        let (&[change, half], before) = changes.split_last()?;
         let least = least.unwrap_or(0.0).min(mean_at_pitch);
-        let order = observed.map_or(ORDER, |order| order.clamp(*CREDIBLE.start(), *CREDIBLE.end()));
-        let whole = 1.0 / (1.0 - (-order).exp2());
-        let at = |factor: f64| (mean_at_pitch * (1.0 + factor * change)).max(least);
+        let coarse = before.iter().fold(mean_at_pitch, |mean, [change, _]| mean * (1.0 + change));
+        let coarse_half = before.iter().fold(0.0_f64, |sum, [_, half]| sum.hypot(*half));
         let is_significant = change.abs() > half;
+        let of_strips = before.last().filter(|[before, half]| is_significant && before.abs() > *half);
+        let of_strips = of_strips.map(|[before, _]| (before / (1.0 + before) / change).log2());
+        let (order, source) = match (of_strips.filter(|order| order.is_finite()), of_scan) {
+            (Some(order), _) => (order, "observed on the strips"),
+            (None, Some(order)) => (order, "observed on the scan"),
+            (None, None) => (ORDER, "assumed"),
+        };
+        let order = order.clamp(*CREDIBLE.start(), *CREDIBLE.end());
+        let whole = 1.0 / (1.0 - (-order).exp2());
+        let at = |factor: f64| (coarse * (1.0 + factor * change)).max(least);
         let (mean, ends) = if is_significant {
             (at(whole).max(0.5 * (least + at(1.0))), [1.0, 2.0 * whole - 1.0])
         } else {
-            (mean_at_pitch, [0.0, whole])
+            (coarse.max(least), [0.0, whole])
         };
         let [a, b] = ends.map(at);
         let excess = mean_at_pitch - least;
@@ -72,13 +86,21 @@ impl Pitch {
             mean,
             factor: if excess > ROUNDING * mean_at_pitch { (mean - least) / excess } else { 1.0 },
             range: [a.min(b), a.max(b)],
-            noise: mean_at_pitch * half * if is_significant { whole } else { 1.0 },
+            noise: coarse * coarse_half.hypot(half * if is_significant { whole } else { 1.0 }),
             order,
-            is_observed: observed.is_some(),
+            source,
             pitch_m: f64::NAN,
             least,
         })
         .filter(|found| found.mean > 0.0)
+    }
+
+    /// Returns whether the error of the pitch hardly matters beside the sampling of the strips.
+    pub(super) fn is_negligible(&self, strips: &SolvedStrips) -> bool {
+        let means: Vec<f64> =
+            strips.records.chunks(strips.tracks).map(|strip| Record::at_mean_load(strip).0).collect();
+        let sampling = NORMAL_95 * Moments::new(&means).standard_error();
+        self.error() <= (BELOW_SAMPLING * sampling).max(NEGLIGIBLE * self.mean)
     }
 
     /// Returns the error of the mean.
@@ -112,7 +134,7 @@ impl Pitch {
                 digits(self.mean_at_pitch),
                 sentence::si(self.pitch_m, "m"),
                 digits(self.order),
-                if self.is_observed { "observed on the scan" } else { "assumed" },
+                self.source,
             )
         })
     }
@@ -129,7 +151,7 @@ mod tests {
         {
             let (limit, term) = (0.3, 0.05_f64);
             let [coarse, fine] = [1.0, 0.5_f64].map(|h| limit + term * h.powf(order));
-            let found = Pitch::of_change(coarse, [fine / coarse - 1.0, 0.0], None, observed).unwrap();
+            let found = Pitch::of_changes(coarse, &[[fine / coarse - 1.0, 0.0]], None, observed).unwrap();
             if observed.is_some_and(|observed| observed == order) {
                 assert!(
                     (found.mean - limit).abs() < 1e-12 && (found.error() - (fine - limit)).abs() < 1e-12,
@@ -142,21 +164,42 @@ mod tests {
     }
 
     #[test]
+    fn three_pitches_show_their_own_order() {
+        for order in [0.8_f64, 1.0, 1.7] {
+            let [coarse, fine, finest] = [1.0, 0.5, 0.25_f64].map(|h| 0.3 + 0.05 * h.powf(order));
+            let changes = [[fine / coarse - 1.0, 0.001], [finest / fine - 1.0, 0.002]];
+            // The order of the scan does not count.
+            let found = Pitch::of_changes(coarse, &changes, None, Some(2.0)).unwrap();
+            assert!((found.mean - 0.3).abs() < 1e-12 && (found.order - order).abs() < 1e-9, "{found:?}");
+            assert!((found.error() - (finest - 0.3)).abs() < 1e-12 && (found.factor * coarse - 0.3).abs() < 1e-12);
+            // Independent errors of both changes, the last one times what is extrapolated from it.
+            let whole = 1.0 / (1.0 - (-order).exp2());
+            assert!((found.noise - fine * 0.001_f64.hypot(0.002 * whole)).abs() < 1e-12, "{found:?}");
+        }
+        // The last change is noise: the mean of the pitch before it.
+        let found = Pitch::of_changes(0.4, &[[-0.05, 0.001], [-0.001, 0.002]], None, None).unwrap();
+        assert!((found.mean - 0.38).abs() < 1e-12 && (found.error() - 0.38 * 0.002).abs() < 1e-12, "{found:?}");
+        // Changes of either sign have no order.
+        let found = Pitch::of_changes(0.4, &[[-0.05, 0.001], [0.01, 0.002]], None, Some(1.5)).unwrap();
+        assert_eq!((found.order, found.source), (1.5, "observed on the scan"));
+    }
+
+    #[test]
     fn the_plastic_floor_bounds_the_limit_and_noise_is_not_extrapolated() {
-        let found = Pitch::of_change(0.4, [-0.2, 0.01], Some(0.35), None).unwrap();
+        let found = Pitch::of_changes(0.4, &[[-0.2, 0.01]], Some(0.35), None).unwrap();
         assert_eq!((found.mean, found.factor), (0.35, 0.0));
-        let found = Pitch::of_change(0.4, [-0.02, 0.03], None, None).unwrap();
+        let found = Pitch::of_changes(0.4, &[[-0.02, 0.03]], None, None).unwrap();
         assert_eq!((found.mean, found.factor, found.wanted_points()), (0.4, 1.0, None));
         assert!((found.range[0] - 0.384).abs() < 1e-12 && found.range[1] == 0.4 && (found.noise - 0.012).abs() < 1e-12);
         // The series leads to 0.33, half of the excess at half the pitch to 0.35.
-        let found = Pitch::of_change(0.4, [-0.05, 0.01], Some(0.32), Some(0.7)).unwrap();
+        let found = Pitch::of_changes(0.4, &[[-0.05, 0.01]], Some(0.32), Some(0.7)).unwrap();
         assert!((found.mean - 0.35).abs() < 1e-12 && found.range == [0.32, 0.38], "{found:?}");
         let [low, high] = found.fluctuation();
         assert!(low == 0.0 && (high - 2.0).abs() < 1e-12, "{found:?}");
         // All contact is at the hardness.
-        assert_eq!(Pitch::of_change(0.4, [0.0, 0.0], Some(0.4), None).unwrap().factor, 1.0);
+        assert_eq!(Pitch::of_changes(0.4, &[[0.0, 0.0]], Some(0.4), None).unwrap().factor, 1.0);
         // An error of 10 % of first order: four times the points.
-        let found = Pitch::of_change(0.4, [-0.1, 0.0], None, None).unwrap();
+        let found = Pitch::of_changes(0.4, &[[-0.1, 0.0]], None, None).unwrap();
         assert_eq!(found.wanted_points(), Some(5.0), "{found:?}");
     }
 }
