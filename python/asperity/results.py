@@ -424,8 +424,8 @@ class CutoffPoint(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class HalvedPitch(Record):
-    """Mean friction of the same surface on cells of half the pitch, not extrapolated."""
+class FinerPitch(Record):
+    """Mean friction of the same surface on smaller cells, not extrapolated."""
 
     change: float
     """Difference of `mean` from the mean at the pitch of the strips, which is not extrapolated either."""
@@ -447,8 +447,10 @@ class CutoffResult(Record):
     """Shortest wavelength at which the spectrum of the scan is reliable; `null` without a scan, or if there is none."""
     cutoff_m: float
     """Shortest wavelength on the study's own strips: twice the pitch, or the shortest wave that the scan resolves."""
-    halved_pitch: HalvedPitch | None
-    """The same surface at the study's own cut-off, solved with half the pitch; `null` if there is no solution."""
+    finer_pitches: list[FinerPitch]
+    """The same surface at the study's own cut-off, solved on half the pitch and, while the error of the pitch
+    matters and the work is affordable, on half of that.
+    """
     known: str
     """Dependence of the friction coefficient on the shortest waves, in a sentence."""
     mean_pressure_pa: float
@@ -464,7 +466,7 @@ class CutoffResult(Record):
     strips: int
     """Strips solved for each entry, with the same random numbers."""
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"halved_pitch": HalvedPitch, "points": CutoffPoint}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"finer_pitches": FinerPitch, "points": CutoffPoint}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -310,7 +310,8 @@ mod tests {
             let fraction = plan.work(points[0]) / (levels * 20) as f64;
             assert!(fraction <= WORK && fraction > 0.1, "{fraction}");
         }
-        let wanted = CutoffPlan { points: [2048, 64], length_m: 3e-3, cutoff_m: 2.0 * 6e-3 / 4096.0, octaves: 4, halvings: 2 };
+        let wanted =
+            CutoffPlan { points: [2048, 64], length_m: 3e-3, cutoff_m: 2.0 * 6e-3 / 4096.0, octaves: 4, halvings: 2 };
         assert_eq!(CutoffPlan::new([4096, 64], size_m, 6 * 20, 1e-7), wanted);
         // Longer waves leave fewer octaves up to the width.
         let long = CutoffPlan::new([4096, 64], size_m, 6 * 20, 1e-5);

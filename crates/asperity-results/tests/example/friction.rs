@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use asperity_results::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint,
-    CutoffResult, FailedPoint, FrictionResult, GoodnessResult, FinerPitch, LevelResult, OperatingPoint,
+    CutoffResult, FailedPoint, FinerPitch, FrictionResult, GoodnessResult, LevelResult, OperatingPoint,
     PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
     RoughBodyResult, ScanCutoff, ScanFriction, StationarityResult, TailResult, UncertainLevel, UncertainParameter,
     UncertainResponse, UncertaintyResult, UpscalingResult,

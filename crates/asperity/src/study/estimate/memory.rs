@@ -40,6 +40,8 @@ const GENERATOR_BYTES: f64 = 74.0;
 const RECORDS_BYTES: f64 = 80.0;
 /// Bytes per point of a strip's normal variables, heights and window sums.
 const STRIP_BYTES: f64 = 42.0;
+/// Most points of a grid of which the modes are counted, in seconds. A larger one counts with all its modes.
+const COUNTED_POINTS: usize = 1 << 23;
 /// Copies of the records of friction in its statistics.
 const RECORD_COPIES: f64 = 2.5;
 
@@ -64,8 +66,11 @@ pub(super) fn kept_bytes(scan_points: usize) -> f64 {
 }
 
 impl Study {
-    /// Returns the model of a surface that no scan measures.
-    fn stated_surface(&self) -> Option<SurfaceModel> {
+    /// Returns the model of a surface that no scan measures, whose modes on a grid are counted.
+    fn countable_surface(&self, grid: Grid) -> Option<SurfaceModel> {
+        if grid.points() > COUNTED_POINTS {
+            return None;
+        }
         Some(SurfaceModel::new(self.surface.as_ref()?.request.clone(), None).ok()?.0)
     }
 
@@ -76,7 +81,7 @@ impl Study {
         let periodic = study.boundary == BoundaryKind::Periodic;
         // A surface that is measured on scans has at most all Fourier modes.
         let all_modes = PatchSize { variables: fourier_modes(study.grid, periodic), expansion_bytes: 0.0 };
-        let size = self.stated_surface().map_or(all_modes, |model| model.patch_size(study.grid, periodic));
+        let size = self.countable_surface(study.grid).map_or(all_modes, |model| model.patch_size(study.grid, periodic));
         let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
         let samples = study.reference_samples as f64;
         let pooled = if periodic { pooled_pressures([nx, ny], study.reference_samples) as f64 } else { samples };
@@ -100,11 +105,12 @@ impl Study {
         threads: usize,
     ) -> f64 {
         let bodies = if self.counterface.is_some() { 2.0 } else { 1.0 };
-        let (periodic, model) = (study.boundary == BoundaryKind::Periodic, self.stated_surface());
+        let periodic = study.boundary == BoundaryKind::Periodic;
         let generator = |points: [usize; 2], size_m: [f64; 2]| {
             let Ok(grid) = Grid::with_size(points[0], points[1], size_m[0], size_m[1]) else { return 0.0 };
             let all_modes = || fourier_modes(grid, periodic);
-            let variables = model.as_ref().map_or_else(all_modes, |model| model.strip_variables(grid, periodic));
+            let variables =
+                self.countable_surface(grid).map_or_else(all_modes, |model| model.strip_variables(grid, periodic));
             bodies * (GENERATOR_BYTES * variables as f64 + RECORDS_BYTES * grid.points() as f64)
         };
         // Each thread has a solver and a strip.

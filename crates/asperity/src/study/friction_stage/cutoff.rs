@@ -58,7 +58,8 @@ impl SolvedCutoffs {
         let study = CutoffStudy::new(plan, &own, (generated.surface.as_ref(), closes), pascal, seed);
         let mut task = study.task(study.cutoffs() + 1, monitor);
         let mut solved = Self { plan, pitch_m: study.pitch_m(), blocks: Vec::new(), finer: Vec::new() };
-        let unsolved = |place: &str, reason: String| format!("the study of the cut-off has no answer {place}: {reason}");
+        let unsolved =
+            |place: &str, reason: String| format!("the study of the cut-off has no answer {place}: {reason}");
         for index in 0..study.cutoffs() {
             let cutoff_m = study.cutoff_m(index);
             match study.solve(index, &task)? {
