@@ -42,6 +42,9 @@ const RECORDS_BYTES: f64 = 80.0;
 const STRIP_BYTES: f64 = 42.0;
 /// Most points of a grid of which the modes are counted, in seconds. A larger one counts with all its modes.
 const COUNTED_POINTS: usize = 1 << 23;
+/// Bytes per point for the interpolation of a strip to half its pitch. A free strip is mirrored along both sides.
+const FINER_BYTES: f64 = 40.0;
+const MIRRORED: f64 = 4.0;
 /// Copies of the records of friction in its statistics.
 const RECORD_COPIES: f64 = 2.5;
 
@@ -121,7 +124,8 @@ impl Study {
         // The strips of the cut-off analysis have their own generator, and are also solved on halves of the pitch.
         let cutoff = plan.map_or(0.0, |plan| {
             let halved = plan.points.map(|points| points.saturating_mul(1 << plan.halvings));
-            generator(plan.points, [plan.length_m, study.size_m[1]]) + solvers(threads.min(STRIPS), halved, 0.0)
+            let finer_bytes = if periodic { FINER_BYTES } else { MIRRORED * FINER_BYTES };
+            generator(plan.points, [plan.length_m, study.size_m[1]]) + solvers(threads.min(STRIPS), halved, finer_bytes)
         });
         let strips = generator(study.points, study.size_m) + solvers(threads, study.points, STRIP_BYTES);
         strips.max(cutoff) + RECORD_COPIES * levels as f64 * study.realisations as f64 * record_bytes(study)
