@@ -13,7 +13,7 @@ use asperity_surface::RandomSurface;
 use asperity_surface::filter::{Edges, Respaced};
 
 use crate::solved_level::SolvedLevel;
-use crate::strip::{Record, StripProblem};
+use crate::strip::StripProblem;
 
 /// Number of strips for each cutoff.
 pub const STRIPS: usize = 4;
@@ -195,7 +195,7 @@ impl<'a> CutoffStudy<'a> {
             Ok(level) => level,
             Err(error) => return Ok(Err(error.to_string())),
         };
-        let means: Vec<f64> = level.records.chunks(level.tracks).map(|strip| Record::at_mean_load(strip).0).collect();
+        let means = level.strip_means();
         if means.iter().any(|mean| !mean.is_finite()) {
             return Ok(Err("a strip carries no load".into()));
         }
@@ -205,6 +205,14 @@ impl<'a> CutoffStudy<'a> {
         });
         let rms_slope = (squares.sum::<f64>() / STRIPS as f64).sqrt();
         Ok(Ok(CutoffBlock { means, plastic_fraction: level.plastic_fraction(), rms_slope }))
+    }
+}
+
+impl CutoffBlock {
+    /// Returns the relative change of the mean from other strips of the same random numbers, and half of its 95 % interval.
+    pub fn change_from(&self, other: &Self) -> [f64; 2] {
+        let [ratio, half] = ratio(&self.means, &other.means);
+        [ratio - 1.0, half]
     }
 }
 
@@ -240,12 +248,6 @@ impl OperatingMean {
         let [ratio, ratio_half] = ratio(&changed.means, &unchanged.means);
         let (change, half) = (self.mean * ratio - self.mean, self.mean * ratio_half);
         (change, Interval { low: change - half, high: change + half })
-    }
-
-    /// Returns the relative change of the mean from unchanged to changed strips and the half width of its 95 % interval.
-    pub fn relative_change(changed: &CutoffBlock, unchanged: &CutoffBlock) -> [f64; 2] {
-        let [ratio, half] = ratio(&changed.means, &unchanged.means);
-        [ratio - 1.0, half]
     }
 
     /// Returns the smallest change that is not negligible.

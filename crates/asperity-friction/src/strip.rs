@@ -176,6 +176,11 @@ pub struct SolvedStrips {
 type StripBlock = Vec<Result<SolvedStrips, String>>;
 
 impl SolvedStrips {
+    /// Returns ΣF/ΣN of every strip, failed ones left out.
+    pub fn strip_means(&self) -> Vec<f64> {
+        self.records.chunks(self.tracks).map(|strip| Record::at_mean_load(strip).0).collect()
+    }
+
     /// Multiplies the contact area and the friction force of all windows beyond their least values by a factor
     /// ([`Strips::pitch_factor`]).
     pub fn extrapolate(&mut self, problem: &StripProblem, factor: f64) {

@@ -97,7 +97,7 @@ fn a_coarse_pitch_is_halved_while_its_error_matters_and_a_warning_tells_what_is_
     let finer = &cutoff(found).finer_pitches;
     let at_pitch = halved.mean - halved.change;
     let means: Vec<f64> = std::iter::once(at_pitch).chain(finer.iter().map(|finer| finer.mean)).collect();
-    let [a, b, c] = means[means.len() - 3..] else { unreachable!() };
+    let &[.., a, b, c] = &means[..] else { panic!("too few pitches: {means:?}") };
     let order = ((b - a) / (c - b)).log2().clamp(0.7, 2.0);
     let mean = found.operating_point.mean;
     assert!((mean - (c + (c - b) / (order.exp2() - 1.0))).abs() < 1e-12, "order {order}: {mean} of {means:?}");

@@ -102,7 +102,7 @@ impl SolvedCutoffs {
     pub(super) fn changes(&self) -> Vec<Pair> {
         let own = self.blocks.first().map(|(_, own)| own);
         let coarser = own.into_iter().chain(&self.finer);
-        coarser.zip(&self.finer).map(|(coarse, fine)| OperatingMean::relative_change(fine, coarse)).collect()
+        coarser.zip(&self.finer).map(|(coarse, fine)| fine.change_from(coarse)).collect()
     }
 
     /// Returns the results at the operating level, of which the mean was `mean_at_pitch` before its extrapolation.

@@ -97,8 +97,7 @@ impl Pitch {
 
     /// Returns whether the error of the pitch hardly matters beside the sampling of the strips.
     pub(super) fn is_negligible(&self, strips: &SolvedStrips) -> bool {
-        let means: Vec<f64> = strips.records.chunks(strips.tracks).map(|strip| Record::at_mean_load(strip).0).collect();
-        let sampling = NORMAL_95 * Moments::new(&means).standard_error();
+        let sampling = NORMAL_95 * Moments::new(&strips.strip_means()).standard_error();
         self.error() <= (BELOW_SAMPLING * sampling).max(NEGLIGIBLE * self.mean)
     }
 
