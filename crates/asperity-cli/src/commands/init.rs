@@ -160,7 +160,7 @@ fn with_sizes(text: &str, name: &str, sizes: &ScanSizes) -> String {
         ("pressure", "size", pair(sizes.patch_m)),
         ("friction", "strip", pair(sizes.strip_m)),
         ("friction", "points", points),
-        ("friction", "window", length(sizes.window_m)),
+        ("friction", "window", length(ScanSizes::window_m(sizes.strip_m[0]))),
     ];
     let text =
         values.iter().fold(text.to_owned(), |text, (section, key, value)| with_value(&text, section, key, value));

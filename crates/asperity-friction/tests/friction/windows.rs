@@ -224,7 +224,7 @@ fn row_of_bumps(spacing: usize, pitch_m: f64, height: impl Fn(f64) -> f64) -> He
 }
 
 #[test]
-fn a_lattice_of_hertz_contacts_has_the_friction_of_their_circles_to_first_order() {
+fn a_lattice_of_hertz_contacts_has_the_friction_of_their_circles_at_more_than_first_order() {
     let pitch_m = 96e-6;
     let radius_m = 2e-3;
     let mut errors = Vec::new();
@@ -248,12 +248,12 @@ fn a_lattice_of_hertz_contacts_has_the_friction_of_their_circles_to_first_order(
         assert!(found.iter().all(|mu| (mu / wanted - 1.0).abs() < 1.0 / cells));
         let error = found.iter().sum::<f64>() / found.len() as f64 / wanted - 1.0;
         println!("Δx/a = 1/{cells}: error {error:.5}");
-        // After the correction of edges less than an eighth of the bias 0.3 Δx/a of counting cells remains.
-        assert!(error.abs() < 0.06 / cells, "{error} at {cells} cells per radius");
+        // The bias of counting cells is 0.3 Δx/a.
+        assert!(error.abs() < 0.02 / cells, "{error} at {cells} cells per radius");
         errors.push(error.abs());
     }
     let order = (errors[0] / errors[2]).log2() / 2.0;
-    assert!((order - 1.0).abs() < 0.3, "observed order {order:.2}");
+    assert!(order > 1.5, "observed order {order:.2}");
 }
 
 #[test]

@@ -57,7 +57,10 @@ impl StudyFile {
     ///
     /// # Errors
     /// A value is out of range, a required value is missing, or two values exclude each other.
-    pub fn check(self) -> Result<Study, InvalidValue> {
+    pub fn check(mut self) -> Result<Study, InvalidValue> {
+        if let Some(section) = &mut self.friction {
+            section.fill_in_sizes(None);
+        }
         within(
             "",
             "valid_share",

@@ -44,7 +44,8 @@ impl StudyFile {
     /// # Errors
     /// A key, type or unit is wrong.
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
-        let study = read_with_uncertain_values(text, file)?;
+        let mut study = read_with_uncertain_values(text, file)?;
+        study.fill_in_sizes(Path::new(file).parent().unwrap_or(Path::new("")));
         let written = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
         study.with_defaults_of(&written).map_err(|message| {
             let line = line_of_key(text, "", "unstated");

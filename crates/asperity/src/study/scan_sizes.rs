@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::Path;
 
-use super::{Study, StudyError, sentence, surface_stage};
+use super::check::SurfaceStudy;
+use super::file::FrictionSection;
+use super::{Study, StudyError, StudyFile, sentence, surface_stage};
 use crate::correlation::Axis;
 
 /// Pitch of the strips over the shortest wave that the scan resolves.
@@ -33,8 +35,21 @@ pub struct ScanSizes {
     pub strip_m: [f64; 2],
     /// Points (x, y) of a strip.
     pub strip_points: [usize; 2],
-    /// Length of a window in metre.
-    pub window_m: f64,
+}
+
+impl StudyFile {
+    /// Fills in the sizes of strips and windows that are left out with those that suit the scan. Without a usable scan, which the run reports,
+    /// the usual ones remain.
+    pub(super) fn fill_in_sizes(&mut self, folder: &Path) {
+        let states_all = |f: &FrictionSection| f.strip.is_some() && f.points.is_some() && f.window.is_some();
+        if self.friction.as_ref().is_none_or(states_all) {
+            return;
+        }
+        let sizes = self.check_surface().ok().flatten().and_then(|surface| ScanSizes::of(&surface, folder).ok());
+        if let (Some(section), Some(sizes)) = (&mut self.friction, sizes) {
+            section.fill_in_sizes(Some(&sizes));
+        }
+    }
 }
 
 impl Study {
@@ -44,13 +59,7 @@ impl Study {
     /// # Errors
     /// The study has no scan, or the scan cannot be read or has no correlation length.
     pub fn scan_sizes(&self, folder: &Path) -> Result<ScanSizes, StudyError> {
-        let stage = self.surface.as_ref().map(|surface| surface_stage::without_tables(surface, folder)).transpose()?;
-        let stage = stage.ok_or(StudyError::NoStage("surface"))?;
-        let scan = stage.measured.as_ref().ok_or(StudyError::NoStage("surface"))?;
-        let pixel_m = scan.map.grid().dx_m().max(scan.map.grid().dy_m());
-        let length_m = |axis| scan.correlation.correlation_length_m(axis);
-        let lengths_m = length_m(Axis::X).zip(length_m(Axis::Y)).ok_or(StudyError::NoCorrelationLength)?;
-        Ok(ScanSizes::new(stage.model.surface.shortest_wave_m.unwrap_or(2.0 * pixel_m), lengths_m.into()))
+        ScanSizes::of(self.surface.as_ref().ok_or(StudyError::NoStage("surface"))?, folder)
     }
 }
 
@@ -64,9 +73,20 @@ impl fmt::Display for ScanSizes {
 }
 
 impl ScanSizes {
+    fn of(surface: &SurfaceStudy, folder: &Path) -> Result<Self, StudyError> {
+        if surface.files.is_empty() {
+            return Err(StudyError::NoStage("surface"));
+        }
+        let stage = surface_stage::without_tables(surface, folder)?;
+        let scan = stage.measured.as_ref().ok_or(StudyError::NoStage("surface"))?;
+        let pixel_m = scan.map.grid().dx_m().max(scan.map.grid().dy_m());
+        let length_m = |axis| scan.correlation.correlation_length_m(axis);
+        let lengths_m = length_m(Axis::X).zip(length_m(Axis::Y)).ok_or(StudyError::NoCorrelationLength)?;
+        Ok(Self::new(stage.model.surface.shortest_wave_m.unwrap_or(2.0 * pixel_m), lengths_m.into()))
+    }
+
     fn new(shortest_wave_m: f64, correlation_length_m: [f64; 2]) -> Self {
         let [x_m, y_m] = correlation_length_m;
-        let even = |points: f64| 16.0 * (points / 16.0).round();
         // The pitch is that of the shortest wave, or coarser where a strip would otherwise be too short.
         let affordable_m = (SHORTEST * x_m * NARROWEST * y_m / POINTS).sqrt().max(SHORTEST * x_m * ACROSS / POINTS);
         let pitch_m = two_digits((PITCH * shortest_wave_m).max(affordable_m));
@@ -79,9 +99,24 @@ impl ScanSizes {
             patch_m: correlation_length_m.map(|length_m| two_digits(PATCH * length_m)),
             strip_m,
             strip_points: [along as usize, across as usize],
-            window_m: strip_m[0] / WINDOWS,
         }
     }
+
+    /// Returns the number of points along a side of a strip.
+    pub(super) fn points_of(&self, side_m: f64) -> usize {
+        let pitch_m = self.strip_m[0] / self.strip_points[0] as f64;
+        even(side_m / pitch_m).max(16.0) as usize
+    }
+
+    /// Returns the length of the window of a strip in metre.
+    pub fn window_m(strip_m: f64) -> f64 {
+        strip_m / WINDOWS
+    }
+}
+
+/// Returns a number of points, for which transforms are fast.
+fn even(points: f64) -> f64 {
+    16.0 * (points / 16.0).round()
 }
 
 /// Returns a positive number with two digits, rounded up.
@@ -101,7 +136,8 @@ mod tests {
         for (found, wanted) in [(found.strip_m, [6.016e-3, 160e-6]), (found.patch_m, [130e-6, 130e-6])] {
             assert!(found.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?}");
         }
-        assert!((found.window_m - 601.6e-6).abs() < 1e-12);
+        assert!((ScanSizes::window_m(found.strip_m[0]) - 601.6e-6).abs() < 1e-12);
+        assert_eq!([found.points_of(6.016e-3), found.points_of(75e-6)], [3008, 32]);
     }
 
     #[test]

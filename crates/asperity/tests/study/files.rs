@@ -35,7 +35,7 @@ fn the_paper_s_study_has_the_paper_s_numbers() {
     let [x, y] = surface.correlation_length.unwrap();
     assert!((pressure.size[0].0 / x.0 - 10.0).abs() < 1e-12 && (pressure.size[1].0 / y.0 - 10.0).abs() < 1e-12);
     let friction = study.file().friction.as_ref().unwrap();
-    assert_eq!((friction.window.0, friction.strip[1].0), (600e-6, 75e-6));
+    assert_eq!((friction.window.unwrap().0, friction.strip.unwrap()[1].0), (600e-6, 75e-6));
     let material = study.file().material.as_ref().unwrap();
     let shear = material.hardness.unwrap().0 / (3.0 * 3_f64.sqrt());
     assert!((material.shear_strength.unwrap().0 / shear - 1.0).abs() < 1e-3);

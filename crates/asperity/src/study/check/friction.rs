@@ -106,13 +106,16 @@ impl StudyFile {
             return Ok(None);
         };
         let law = self.check_window_law(f)?;
-        for side in f.strip {
+        let (Some(strip), Some(points), Some(window)) = (f.strip, f.points, f.window) else {
+            return Err(invalid(SECTION, "strip", "found a strip without size, points or window"));
+        };
+        for side in strip {
             within(SECTION, "strip", side, positive, POSITIVE)?;
         }
-        for n in f.points {
+        for n in points {
             at_least(SECTION, "points", n, 2)?;
         }
-        let (least, inner) = (f.window.0, f.strip[0].0 - 2.0 * f.strip[1].0);
+        let (least, inner) = (window.0, strip[0].0 - 2.0 * strip[1].0);
         if f.boundary == BoundaryKind::Free && inner < least {
             let message = "the analysis omits both ends of a free strip, each as long as the strip is wide; no window fits between them";
             return Err(invalid(SECTION, "strip", message));
@@ -136,11 +139,11 @@ impl StudyFile {
             material,
             law,
             body: RoughBody::default(),
-            points: f.points,
-            size_m: f.strip.map(|side| side.0),
+            points,
+            size_m: strip.map(|side| side.0),
             boundary: f.boundary,
             mean_compliance: f.mean_compliance,
-            window_m: [f.window.0, f.window_width.unwrap_or(f.strip[1]).0],
+            window_m: [window.0, f.window_width.unwrap_or(strip[1]).0],
             window_shape: f.window_shape,
             levels,
             nominal_area: f.nominal_area,

@@ -42,7 +42,7 @@ impl SurfaceStudy {
 }
 
 impl StudyFile {
-    pub(super) fn check_surface(&self) -> Result<Option<SurfaceStudy>, InvalidValue> {
+    pub(in crate::study) fn check_surface(&self) -> Result<Option<SurfaceStudy>, InvalidValue> {
         let Some(s) = &self.surface else {
             return match (self.pressure.is_some() || self.friction.is_some(), self.vibration.is_some()) {
                 (true, _) => Err(invalid(SECTION, "file", "[pressure] and [friction] need a [surface] section")),

@@ -4,10 +4,11 @@ use asperity_base::choice;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fixed_list::fixed_list;
+use super::fixed_list::optional_fixed_list;
 use super::pressure::solve_tolerance;
 use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
+use crate::study::ScanSizes;
 use crate::study::standard_deviation::{LengthStd, NumberStd};
 
 choice! {
@@ -61,15 +62,16 @@ choice! {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionSection {
-    /// Size (x, y) of a strip; it slides along x.
-    #[serde(default = "strip", deserialize_with = "fixed_list")]
-    pub strip: [Length; 2],
-    /// Points (x, y) of a strip.
-    #[serde(default = "strip_points", deserialize_with = "fixed_list")]
-    pub points: [usize; 2],
-    /// Length of the window along x.
-    #[serde(default = "window")]
-    pub window: Length,
+    /// Size (x, y) of a strip; it slides along x. When left out, ten windows along and some correlation lengths of the
+    /// scan across, or 6 mm and 75 µm without a scan.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_fixed_list")]
+    pub strip: Option<[Length; 2]>,
+    /// Points (x, y) of a strip. When left out, four to the shortest wave of the scan, or 2048 and 32 without a scan.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_fixed_list")]
+    pub points: Option<[usize; 2]>,
+    /// Length of the window along x. When left out, a tenth of the strip, or 600 µm without a scan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<Length>,
     /// Width of the window along y; the width of the strip when left out. Narrower windows lie side by side on a
     /// periodic strip, and each track gives its own record.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -141,6 +143,20 @@ pub struct UncertaintySection {
 }
 
 impl FrictionSection {
+    /// Fills in the sizes that are left out: those that suit the scan, or usual ones.
+    pub(in crate::study) fn fill_in_sizes(&mut self, of_scan: Option<&ScanSizes>) {
+        let usual_m = of_scan.map_or(STRIP_M, |sizes| sizes.strip_m);
+        let points = match (of_scan, self.strip) {
+            (None, _) => STRIP_POINTS,
+            (Some(sizes), None) => sizes.strip_points,
+            (Some(sizes), Some(strip)) => strip.map(|side| sizes.points_of(side.0)),
+        };
+        let [length, _] = *self.strip.get_or_insert(usual_m.map(Length));
+        let window_m = if of_scan.is_some() { ScanSizes::window_m(length.0) } else { WINDOW_M };
+        self.points.get_or_insert(points);
+        self.window.get_or_insert(Length(window_m));
+    }
+
     /// Returns the percentages of the heights above the plane: the stated ones or, if no level is stated, the defaults.
     pub fn percentiles(&self) -> &[f64] {
         match &self.percentiles {
@@ -153,22 +169,18 @@ impl FrictionSection {
 
 /// Returns length and width of the default window in metre.
 pub(in crate::study) fn usual_window_m() -> [f64; 2] {
-    [window().0, strip()[1].0]
+    [WINDOW_M, STRIP_M[1]]
 }
+
+/// Sides (x, y) and points of a strip, and length of a window, of studies without a scan.
+const STRIP_M: [f64; 2] = [6e-3, 75e-6];
+const STRIP_POINTS: [usize; 2] = [2048, 32];
+const WINDOW_M: f64 = 600e-6;
 
 /// Default levels of the friction stage, in percent.
 const PERCENTILES: [f64; 5] = [5.0, 10.0, 25.0, 50.0, 75.0];
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
-}
-fn strip() -> [Length; 2] {
-    [Length(6e-3), Length(75e-6)]
-}
-fn strip_points() -> [usize; 2] {
-    [2048, 32]
-}
-fn window() -> Length {
-    Length(600e-6)
 }
 fn periodic() -> BoundaryKind {
     BoundaryKind::Periodic
