@@ -5,8 +5,11 @@ use std::path::Path;
 
 use super::check::SurfaceStudy;
 use super::file::FrictionSection;
-use super::{Study, StudyError, StudyFile, sentence, surface_stage};
+use super::output::StageOutput;
+use super::surface_scans::measure_all;
+use super::{Study, StudyError, StudyFile, sentence};
 use crate::correlation::Axis;
+use crate::surface::model::SurfaceRequest;
 
 /// Pitch of the strips over the shortest wave that the scan resolves.
 const PITCH: f64 = 0.25;
@@ -25,7 +28,7 @@ const POINTS: f64 = 260_000.0;
 /// Sizes of a study on one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanSizes {
-    /// Length in metre of the shortest wave of the random strips.
+    /// Length in metre of the shortest wave of the random strips: the one that the study states, or the shortest that the scan resolves.
     pub shortest_wave_m: f64,
     /// Correlation lengths (x, y) in metre at which the autocorrelation of the scan falls to 1/e.
     pub correlation_length_m: [f64; 2],
@@ -74,15 +77,16 @@ impl fmt::Display for ScanSizes {
 
 impl ScanSizes {
     fn of(surface: &SurfaceStudy, folder: &Path) -> Result<Self, StudyError> {
-        if surface.files.is_empty() {
-            return Err(StudyError::NoStage("surface"));
-        }
-        let stage = surface_stage::without_tables(surface, folder)?;
-        let scan = stage.measured.as_ref().ok_or(StudyError::NoStage("surface"))?;
-        let pixel_m = scan.map.grid().dx_m().max(scan.map.grid().dy_m());
+        let scans = surface.read_scans(folder)?;
+        let measured = measure_all(&surface.preparation, scans, &mut StageOutput::default())?;
+        let scan = measured.ok_or(StudyError::NoStage("surface"))?;
         let length_m = |axis| scan.correlation.correlation_length_m(axis);
         let lengths_m = length_m(Axis::X).zip(length_m(Axis::Y)).ok_or(StudyError::NoCorrelationLength)?;
-        Ok(Self::new(stage.model.surface.shortest_wave_m.unwrap_or(2.0 * pixel_m), lengths_m.into()))
+        let shortest_wave_m = match surface.request {
+            SurfaceRequest::Translated { shortest_wave_m: Some(stated_m), .. } => stated_m,
+            _ => scan.shortest_wave_m()?,
+        };
+        Ok(Self::new(shortest_wave_m, lengths_m.into()))
     }
 
     fn new(shortest_wave_m: f64, correlation_length_m: [f64; 2]) -> Self {

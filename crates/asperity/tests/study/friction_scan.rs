@@ -3,8 +3,8 @@
 use std::f64::consts::{LN_2, PI, TAU};
 
 use asperity::map::{Grid, HeightMap};
-use asperity::study::Outcome;
 use asperity::study::result::{OperatingPoint, ScanFriction};
+use asperity::study::{Outcome, Study};
 use asperity::surface::RandomSurface;
 use asperity::surface::filter::{Edges, Respaced};
 use asperity_testing::filtered_noise;
@@ -36,6 +36,41 @@ fn study(more: &str) -> String {
          strip = [\"640 um\", \"128 um\"]\npoints = [960, 192]\nwindow = \"64 um\"\nboundary = \"periodic\"\nmean_pressures = [\"10 MPa\"]\n\
          realisations = 4\n"
     )
+}
+
+#[test]
+fn strips_and_windows_that_a_study_leaves_out_suit_its_scan() {
+    let folder = folder_with(scan(2.0 * PIXEL_M));
+    let file = folder.path().join("study.toml").display().to_string();
+    let sizes_of = |text: &str| {
+        let study = Study::parse(text, &file).unwrap();
+        let friction = study.file().friction.clone().unwrap();
+        let sides = friction.strip.unwrap().map(|side| side.0);
+        (study.scan_sizes(folder.path()).ok(), sides, friction.points.unwrap(), friction.window.unwrap().0)
+    };
+    let (strip, points, window) =
+        ("strip = [\"640 um\", \"128 um\"]\n", "points = [960, 192]\n", "window = \"64 um\"\n");
+    let text = study("");
+    let without = |keys: &[&str]| keys.iter().fold(text.clone(), |text, key| text.replace(key, ""));
+    let (of_scan, sides, count, window_m) = sizes_of(&without(&[strip, points, window]));
+    let of_scan = of_scan.unwrap();
+    assert_eq!((sides, count), (of_scan.strip_m, of_scan.strip_points));
+    assert!((window_m / (0.1 * sides[0]) - 1.0).abs() < 1e-12);
+    // A stated size is kept, and the others suit it: four points to a wave of 4 µm.
+    let (_, sides, count, window_m) = sizes_of(&without(&[points, window]));
+    assert!((sides[0] / 640e-6 - 1.0).abs() < 1e-12 && (window_m / 64e-6 - 1.0).abs() < 1e-12);
+    assert_eq!(count, [640, 128]);
+    assert_eq!(sizes_of(&text).2, [960, 192]);
+    // Without a scan, or without one that can be read, the usual ones remain.
+    let missing = without(&[strip, points, window]).replace("scan.npy", "missing.npy");
+    for text in [
+        missing.clone(),
+        missing.replace("file = \"missing.npy\"\n", "covariance = \"exponential\"\nrms_height = \"1 um\"\ncorrelation_length = [\"20 um\", \"20 um\"]\nmarginal = \"normal\"\n")
+            .replace("pixel_size = \"1 um\"\nheight_unit = \"m\"\nlevel = \"mean\"\n", ""),
+    ] {
+        let (_, sides, count, window_m) = sizes_of(&text);
+        assert_eq!((sides, count, window_m), ([6e-3, 75e-6], [2048, 32], 600e-6));
+    }
 }
 
 fn found(outcome: &Outcome) -> (&OperatingPoint, &ScanFriction) {
