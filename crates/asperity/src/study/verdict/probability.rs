@@ -387,7 +387,7 @@ mod tests {
             let own = sources.iter().find(|(source, _)| *source == "strips").unwrap().1;
             let half = 0.5 * (most - least);
             assert!((own / half - 1.0).abs() < 0.15, "{own} instead of {half}");
-            assert_eq!(sources.iter().find(|(source, _)| *source == "expansion").unwrap().1, 0.0);
+            assert!(sources.iter().all(|(source, _)| *source != "expansion"), "{sources:?}");
             assert!(sources.is_sorted_by(|a, b| a.1 >= b.1), "{sources:?}");
             // The errors of the machines widen the interval little.
             for (end, wanted) in [(interval.low, least), (interval.high, most)] {
