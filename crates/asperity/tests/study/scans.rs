@@ -45,11 +45,15 @@ fn a_scan_may_have_stated_covariance_rms_height_distribution_and_form() {
     }
     let text = changed(
         &measured(),
-        &[(
-            "[surface]",
-            "[surface]\ncovariance = \"exponential\"\ncorrelation_length = [\"9 um\", \"8 um\"]\nrms_height = \"2 um\"\n\
-             marginal = \"beta:2.1,5\"",
-        )],
+        &[
+            (
+                "[surface]",
+                "[surface]\ncovariance = \"exponential\"\ncorrelation_length = [\"9 um\", \"8 um\"]\nrms_height = \"2 um\"\n\
+                 marginal = \"beta:2.1,5\"",
+            ),
+            // The contact of so rough a surface would all be plastic, and its friction constant.
+            ("hardness = \"2 GPa\"\n", ""),
+        ],
     );
     let outcome = run_in(folder.path(), &text, Some(Stage::Friction)).unwrap();
     assert_numbers(&outcome, USUAL);
