@@ -138,12 +138,14 @@ fn parts_make_the_whole() {
 #[test]
 #[ignore = "slow"]
 fn a_changed_stage_leaves_the_blocks_of_the_others() {
-    let folder = bench(STUDY);
+    // At the median plane friction fluctuates, and the vibration stage has trajectories.
+    let study = STUDY.replace("stribeck = 4.2", "stribeck = 4.2\nlevel = 50.0");
+    let folder = bench(&study);
     let at = folder.path();
     whole(at);
     let stages = || listing(&at.join("whole").join(BLOCKS)).into_iter().filter(|name| name != "run.json");
     let before: Vec<String> = stages().collect();
-    let changed = STUDY.replace("trajectories = 16", "trajectories = 24");
+    let changed = study.replace("trajectories = 16", "trajectories = 24");
     fs::write(at.join("study.toml"), &changed).unwrap();
     assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
     let after: Vec<String> = stages().collect();
