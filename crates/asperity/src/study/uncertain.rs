@@ -16,6 +16,7 @@ use self::keys::{LATENT, any_quantity};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
+use crate::study::StudyFile;
 
 /// Uncertain value of a study file.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,16 +68,15 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Returns the place of a number or quantity of a study file by its name, `section.key` or `section.key[position]`.
-    pub(super) fn named(name: &str, table: &Table) -> Option<Self> {
+    /// Returns the place of a number or quantity that a study file states by its name, `section.key` or `section.key[position]`.
+    pub(super) fn named(name: &str, point: &Point) -> Option<Self> {
         let (path, element) = match name.strip_suffix(']').and_then(|name| name.split_once('[')) {
             Some((path, position)) => (path, Some(position.parse().ok()?)),
             None => (name, None),
         };
-        let (section, key) = path.split_once('.')?;
-        let value = table.get(section)?.get(key)?;
-        let value = element.map_or(Some(value), |position: usize| value.get(position))?;
-        Some(Self { key: UncertainKey::find(section, key, value)?, element })
+        let own = point.latent.iter().map(|(place, _)| place.key);
+        let known = KEYS.iter().chain(own).filter(|key| path == format!("{}.{}", key.section, key.name));
+        known.map(|key| Self { key, element }).find(|place| place.value_in(point).is_some())
     }
 
     /// Returns the place of a value that no study file states.
@@ -96,10 +96,18 @@ impl Place {
         self.key
     }
 
-    /// Returns the value of a study file in SI.
-    pub(super) fn value_in(&self, table: &Table) -> Option<f64> {
-        let value = table.get(self.key.section)?.get(self.key.name)?;
-        self.key.parse(self.element.map_or(Some(value), |position| value.get(position))?).ok()
+    /// Returns its value in SI.
+    pub(super) fn value_in(&self, point: &Point) -> Option<f64> {
+        let latent = point.latent.iter().find(|(place, _)| place == self).map(|(_, value)| *value);
+        latent.or_else(|| (self.key.get)(&point.file, self.element))
+    }
+
+    /// Writes its value in SI.
+    pub(super) fn set(&self, point: &mut Point, value: f64) {
+        match point.latent.iter_mut().find(|(place, _)| place == self) {
+            Some((_, latent)) => *latent = value,
+            None => (self.key.set)(&mut point.file, self.element, value),
+        }
     }
 
     fn find<'t>(&self, table: &'t mut Table) -> Option<&'t mut Value> {
@@ -109,12 +117,26 @@ impl Place {
             None => Some(value),
         }
     }
+}
 
-    /// Writes a value in SI.
-    pub(super) fn set(&self, table: &mut Table, value: f64) {
-        if let Some(place) = self.find(table) {
-            *place = self.key.show(value);
-        }
+/// Point in parameter space: a study with exact values, and values that no study file states.
+#[derive(Debug, Clone)]
+pub(super) struct Point {
+    pub(super) file: StudyFile,
+    latent: Vec<(Place, f64)>,
+}
+
+impl Point {
+    /// Returns the central values of a study.
+    pub(super) fn central(file: &StudyFile) -> Self {
+        let file =
+            StudyFile { unstated: Vec::new(), uncertainty: None, verdict: None, uncertain: Vec::new(), ..file.clone() };
+        Self { file, latent: Vec::new() }
+    }
+
+    /// Adds values that no study file states, at their centres.
+    pub(super) fn add_latent(&mut self, places: &[Place]) {
+        self.latent.extend(places.iter().map(|place| (*place, 0.0)));
     }
 }
 
@@ -137,25 +159,6 @@ pub(super) fn si_value(section: &str, key: &str, value: &Value, folder: &Path) -
     let of_key = UncertainKey::find(section, key, value).and_then(|key| Some((key.parse(value).ok()?, key.unit)));
     let (number, unit) = of_key.or_else(|| any_quantity(value.as_str()?))?;
     Some(SiValue { number, std: None, unit })
-}
-
-/// Adds the values that no study file states to a table, at their centres.
-pub(super) fn add_latent(table: &mut Table, places: &[Place]) {
-    for Place { key, .. } in places {
-        let section = table.entry(key.section).or_insert_with(|| Value::Table(Table::new()));
-        if let Value::Table(section) = section {
-            section.insert(key.name.into(), key.show(0.0));
-        }
-    }
-}
-
-/// Removes the values that no study file states from a table.
-pub(super) fn without_latent(table: &mut Table) {
-    for key in LATENT {
-        if let Some(Value::Table(section)) = table.get_mut(key.section) {
-            section.remove(key.name);
-        }
-    }
 }
 
 /// Returns whether a value that may be uncertain has the distribution of a file of samples.

@@ -1,12 +1,10 @@
 //! Checks of `[uncertainty]` and `[verdict]`.
 
-use toml::Table;
-
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
 use crate::study::file::{Hold, RemedySection, VerdictSection};
-use crate::study::uncertain::{Place, UncertainValue, add_latent};
+use crate::study::uncertain::{Place, Point, UncertainValue};
 
 const SECTION: &str = "verdict";
 /// Targets of remedies that the machines of their search resolve.
@@ -19,8 +17,8 @@ const MOST_EVALUATIONS: f64 = 1e8;
 pub(in crate::study) struct VerdictStudy {
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,
-    /// The study file with central values.
-    pub(in crate::study) central: Table,
+    /// The central values.
+    pub(in crate::study) central: Point,
     /// Joint distribution of the uncertain values.
     pub(in crate::study) inputs: UncertainInputs,
     /// Place of each uncertain value.
@@ -55,7 +53,7 @@ impl VerdictStudy {
     pub(in crate::study) fn with_latent(&self, latent: Vec<(Place, UncertainInput)>) -> Self {
         let (places, inputs): (Vec<Place>, Vec<UncertainInput>) = latent.into_iter().unzip();
         let mut study = self.clone();
-        add_latent(&mut study.central, &places);
+        study.central.add_latent(&places);
         study.places.extend(places);
         study.inputs = study.inputs.with_independent(inputs);
         study
@@ -72,7 +70,7 @@ impl StudyFile {
             };
         }
         let inputs = self.joint_inputs()?;
-        let central = Table::try_from(self).map_err(|error| invalid(SECTION, "remedies", error.to_string()))?;
+        let central = Point::central(self);
         let stated = self.verdict.clone().unwrap_or_default();
         let VerdictSection { duration, threshold, remedies, targets, half_width, evaluations } = stated;
         if let Some(duration) = duration {
@@ -127,7 +125,7 @@ impl StudyFile {
 }
 
 /// Checks a remedy of a study, of which the friction stage computes the friction or not.
-fn check_remedy(remedy: &RemedySection, central: &Table, is_computed: bool) -> Result<RemedyStudy, InvalidValue> {
+fn check_remedy(remedy: &RemedySection, central: &Point, is_computed: bool) -> Result<RemedyStudy, InvalidValue> {
     let RemedySection { input, range, hold } = remedy;
     let wrong = |message: String| invalid(SECTION, "remedies", message);
     let place = Place::named(input, central).ok_or_else(|| {

@@ -5,9 +5,11 @@ use toml::Value;
 use crate::quantity::{
     AngularFrequency, Area, Compliance, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Time, Velocity,
 };
+use crate::study::StudyFile;
+use crate::study::file::{ContactSpring, Stribeck};
 
 /// Key whose value may be uncertain.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub(in crate::study) struct UncertainKey {
     pub(in crate::study) section: &'static str,
     pub(in crate::study) name: &'static str,
@@ -16,51 +18,174 @@ pub(in crate::study) struct UncertainKey {
     /// Physical bounds in SI.
     pub(super) low: f64,
     pub(super) high: f64,
+    /// Returns its number in SI, or that of one element of a list; `None` if the file does not state it.
+    pub(super) get: fn(&StudyFile, Option<usize>) -> Option<f64>,
+    /// Replaces its number in SI, or that of one element or of all of a list, if the file states it.
+    pub(super) set: fn(&mut StudyFile, Option<usize>, f64),
 }
 
-const fn key(section: &'static str, name: &'static str, unit: &'static str, low: f64, high: f64) -> UncertainKey {
-    UncertainKey { section, name, unit, low, high }
+impl PartialEq for UncertainKey {
+    fn eq(&self, other: &Self) -> bool {
+        (self.section, self.name, self.unit) == (other.section, other.name, other.unit)
+    }
+}
+
+macro_rules! key {
+    ($section:ident.$name:ident, $unit:literal, $low:expr, $high:expr) => {
+        UncertainKey {
+            section: stringify!($section),
+            name: stringify!($name),
+            unit: $unit,
+            low: $low,
+            high: $high,
+            get: |file, element| file.$section.as_ref()?.$name.get($unit, element),
+            set: |file, element, value| {
+                if let Some(section) = &mut file.$section {
+                    section.$name.set($unit, element, value);
+                }
+            },
+        }
+    };
+}
+
+const fn latent(section: &'static str, name: &'static str) -> UncertainKey {
+    UncertainKey { section, name, unit: "", low: -UNBOUNDED, high: UNBOUNDED, get: |_, _| None, set: |_, _, _| {} }
+}
+
+/// Number of a study file in SI, or a list of numbers.
+trait Numbers {
+    fn get(&self, unit: &str, element: Option<usize>) -> Option<f64>;
+    fn set(&mut self, unit: &str, element: Option<usize>, value: f64);
+}
+
+impl Numbers for f64 {
+    fn get(&self, _: &str, element: Option<usize>) -> Option<f64> {
+        element.is_none().then_some(*self)
+    }
+
+    fn set(&mut self, _: &str, element: Option<usize>, value: f64) {
+        if element.is_none() {
+            *self = value;
+        }
+    }
+}
+
+macro_rules! quantities {
+    ($($quantity:ident),*) => {$(
+        impl Numbers for $quantity {
+            fn get(&self, unit: &str, element: Option<usize>) -> Option<f64> {
+                self.0.get(unit, element)
+            }
+
+            fn set(&mut self, unit: &str, element: Option<usize>, value: f64) {
+                self.0.set(unit, element, value);
+            }
+        }
+    )*};
+}
+
+quantities!(AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Pressure, Velocity);
+
+impl<T: Numbers> Numbers for Option<T> {
+    fn get(&self, unit: &str, element: Option<usize>) -> Option<f64> {
+        self.as_ref()?.get(unit, element)
+    }
+
+    fn set(&mut self, unit: &str, element: Option<usize>, value: f64) {
+        if let Some(numbers) = self {
+            numbers.set(unit, element, value);
+        }
+    }
+}
+
+impl<T: Numbers> Numbers for [T; 2] {
+    /// Returns an element or, without one, the number that all elements are.
+    fn get(&self, unit: &str, element: Option<usize>) -> Option<f64> {
+        let of = |element: &T| element.get(unit, None);
+        match element {
+            Some(position) => of(<[T]>::get(self, position)?),
+            None => of(&self[0]).filter(|first| of(&self[1]) == Some(*first)),
+        }
+    }
+
+    fn set(&mut self, unit: &str, element: Option<usize>, value: f64) {
+        let chosen = |(position, _): &(usize, &mut T)| element.is_none_or(|element| element == *position);
+        self.iter_mut().enumerate().filter(chosen).for_each(|(_, number)| number.set(unit, None, value));
+    }
+}
+
+impl Numbers for Stribeck {
+    fn get(&self, unit: &str, element: Option<usize>) -> Option<f64> {
+        match self {
+            Self::Dimensionless(number) if unit.is_empty() => number.get(unit, element),
+            Self::Physical(quantity) if !unit.is_empty() => quantity.get(unit, element),
+            Self::Dimensionless(_) | Self::Physical(_) => None,
+        }
+    }
+
+    fn set(&mut self, unit: &str, element: Option<usize>, value: f64) {
+        match self {
+            Self::Dimensionless(number) if unit.is_empty() => number.set(unit, element, value),
+            Self::Physical(quantity) if !unit.is_empty() => quantity.set(unit, element, value),
+            Self::Dimensionless(_) | Self::Physical(_) => {}
+        }
+    }
+}
+
+impl Numbers for ContactSpring {
+    fn get(&self, unit: &str, element: Option<usize>) -> Option<f64> {
+        match self {
+            Self::Stated(number) => number.get(unit, element),
+            Self::Surface => None,
+        }
+    }
+
+    fn set(&mut self, unit: &str, element: Option<usize>, value: f64) {
+        if let Self::Stated(number) = self {
+            number.set(unit, element, value);
+        }
+    }
 }
 
 const UNBOUNDED: f64 = f64::INFINITY;
 
 /// All keys whose values may be uncertain.
 pub(in crate::study) const KEYS: &[UncertainKey] = &[
-    key("surface", "rms_height", "m", 0.0, UNBOUNDED),
-    key("surface", "correlation_length", "m", 0.0, UNBOUNDED),
-    key("surface", "hurst", "", 0.0, 1.0),
-    key("surface", "smoothness", "", 0.0, UNBOUNDED),
-    key("surface", "fractal_dimension", "", 2.0, 3.0),
-    key("surface", "cut_off", "m", 0.0, UNBOUNDED),
-    key("material", "youngs_modulus", "Pa", 0.0, UNBOUNDED),
-    key("material", "poisson_ratio", "", -1.0, 0.5),
-    key("material", "hardness", "Pa", 0.0, UNBOUNDED),
-    key("material", "shear_strength", "Pa", 0.0, UNBOUNDED),
-    key("counterface", "youngs_modulus", "Pa", 0.0, UNBOUNDED),
-    key("counterface", "poisson_ratio", "", -1.0, 0.5),
-    key("counterface", "hardness", "Pa", 0.0, UNBOUNDED),
-    key("friction", "pressure_coefficient", "", 0.0, UNBOUNDED),
-    key("friction", "coefficient", "", 0.0, UNBOUNDED),
-    key("friction", "nominal_area", "m^2", 0.0, UNBOUNDED),
-    key("vibration", "mass", "kg", 0.0, UNBOUNDED),
-    key("vibration", "natural_frequency", "rad/s", 0.0, UNBOUNDED),
-    key("vibration", "damping_ratio", "", 0.0, UNBOUNDED),
-    key("vibration", "normal_force", "N", 0.0, UNBOUNDED),
-    key("vibration", "nominal_area", "m^2", 0.0, UNBOUNDED),
-    key("vibration", "belt_velocity", "m/s", 0.0, UNBOUNDED),
-    key("vibration", "dimensionless_belt_velocity", "", 0.0, UNBOUNDED),
-    key("vibration", "stribeck", "", 0.0, UNBOUNDED),
-    key("vibration", "stribeck", "s/m", 0.0, UNBOUNDED),
-    key("vibration", "linear_weakening", "", 0.0, UNBOUNDED),
-    key("vibration", "spring_angles", "", -UNBOUNDED, UNBOUNDED),
-    key("vibration", "springs", "", 0.0, UNBOUNDED),
-    key("vibration", "contact_spring", "", 0.0, UNBOUNDED),
-    key("vibration", "kinetic_share", "", 0.0, 1.0),
-    key("vibration", "stribeck_velocity", "m/s", 0.0, UNBOUNDED),
-    key("vibration", "high_speed_share", "", 0.0, 1.0),
-    key("vibration", "static_friction", "", 0.0, UNBOUNDED),
-    key("vibration", "friction_std", "", 0.0, UNBOUNDED),
-    key("vibration", "friction_correlation_length", "m", 0.0, UNBOUNDED),
+    key!(surface.rms_height, "m", 0.0, UNBOUNDED),
+    key!(surface.correlation_length, "m", 0.0, UNBOUNDED),
+    key!(surface.hurst, "", 0.0, 1.0),
+    key!(surface.smoothness, "", 0.0, UNBOUNDED),
+    key!(surface.fractal_dimension, "", 2.0, 3.0),
+    key!(surface.cut_off, "m", 0.0, UNBOUNDED),
+    key!(material.youngs_modulus, "Pa", 0.0, UNBOUNDED),
+    key!(material.poisson_ratio, "", -1.0, 0.5),
+    key!(material.hardness, "Pa", 0.0, UNBOUNDED),
+    key!(material.shear_strength, "Pa", 0.0, UNBOUNDED),
+    key!(counterface.youngs_modulus, "Pa", 0.0, UNBOUNDED),
+    key!(counterface.poisson_ratio, "", -1.0, 0.5),
+    key!(counterface.hardness, "Pa", 0.0, UNBOUNDED),
+    key!(friction.pressure_coefficient, "", 0.0, UNBOUNDED),
+    key!(friction.coefficient, "", 0.0, UNBOUNDED),
+    key!(friction.nominal_area, "m^2", 0.0, UNBOUNDED),
+    key!(vibration.mass, "kg", 0.0, UNBOUNDED),
+    key!(vibration.natural_frequency, "rad/s", 0.0, UNBOUNDED),
+    key!(vibration.damping_ratio, "", 0.0, UNBOUNDED),
+    key!(vibration.normal_force, "N", 0.0, UNBOUNDED),
+    key!(vibration.nominal_area, "m^2", 0.0, UNBOUNDED),
+    key!(vibration.belt_velocity, "m/s", 0.0, UNBOUNDED),
+    key!(vibration.dimensionless_belt_velocity, "", 0.0, UNBOUNDED),
+    key!(vibration.stribeck, "", 0.0, UNBOUNDED),
+    key!(vibration.stribeck, "s/m", 0.0, UNBOUNDED),
+    key!(vibration.linear_weakening, "", 0.0, UNBOUNDED),
+    key!(vibration.spring_angles, "", -UNBOUNDED, UNBOUNDED),
+    key!(vibration.springs, "", 0.0, UNBOUNDED),
+    key!(vibration.contact_spring, "", 0.0, UNBOUNDED),
+    key!(vibration.kinetic_share, "", 0.0, 1.0),
+    key!(vibration.stribeck_velocity, "m/s", 0.0, UNBOUNDED),
+    key!(vibration.high_speed_share, "", 0.0, 1.0),
+    key!(vibration.static_friction, "", 0.0, UNBOUNDED),
+    key!(vibration.friction_std, "", 0.0, UNBOUNDED),
+    key!(vibration.friction_correlation_length, "m", 0.0, UNBOUNDED),
 ];
 
 /// Name of the differences between the parts of a rough slider.
@@ -72,11 +197,11 @@ pub(in crate::study) const CUT_OFF: &str = "surface.cut_off";
 /// Standard normal values that no study file states: what the scans of either body leave uncertain, differences between scans and between
 /// the parts of a rough slider.
 pub(super) const LATENT: &[UncertainKey] = &[
-    key("surface", "scan", "", -UNBOUNDED, UNBOUNDED),
-    key("surface", "between_scans", "", -UNBOUNDED, UNBOUNDED),
-    key("counterface", "scan", "", -UNBOUNDED, UNBOUNDED),
-    key("counterface", "between_scans", "", -UNBOUNDED, UNBOUNDED),
-    key("surface", "between_parts", "", -UNBOUNDED, UNBOUNDED),
+    latent("surface", "scan"),
+    latent("surface", "between_scans"),
+    latent("counterface", "scan"),
+    latent("counterface", "between_scans"),
+    latent("surface", "between_parts"),
 ];
 
 impl UncertainKey {

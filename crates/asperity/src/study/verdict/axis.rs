@@ -1,11 +1,9 @@
 //! Values that change the contact, and the range of each.
 
-use toml::Table;
-
 use crate::chaos::Parameter;
 use crate::study::StudyError;
 use crate::study::check::VerdictStudy;
-use crate::study::uncertain::{BETWEEN_PARTS, Place};
+use crate::study::uncertain::{BETWEEN_PARTS, Place, Point};
 
 /// Probability of values below and above the range on which friction is expanded.
 const TAIL: f64 = 1e-3;
@@ -61,10 +59,10 @@ impl Axis {
         if self.logarithmic { scaled.exp() } else { scaled }
     }
 
-    /// Returns the position of a study file's value: −1 … 1 on the range on which friction is expanded.
-    pub(super) fn xi(&self, table: &Table) -> f64 {
+    /// Returns the position of the value of a point: −1 … 1 on the range on which friction is expanded.
+    pub(super) fn xi(&self, point: &Point) -> f64 {
         let [low, high] = [self.low, self.high].map(|end| self.scale(end));
-        let value = self.place.value_in(table).unwrap_or(self.low);
+        let value = self.place.value_in(point).unwrap_or(self.low);
         // A value that a logarithmic scale does not contain counts as the lower end.
         let scaled = if self.logarithmic && value <= 0.0 { low } else { self.scale(value) };
         2.0 * (scaled - low) / (high - low) - 1.0
@@ -108,16 +106,16 @@ mod tests {
         // The quantile at .001 of 1 … 4 kN, and the upper end of the remedy; logarithmic, because loads are positive.
         let (low, high) = (1003.0_f64, 8000.0_f64);
         for (value, wanted) in [(low, -1.0), (high, 1.0), ((low * high).sqrt(), 0.0), (-5.0, -1.0), (0.0, -1.0)] {
-            let mut table = verdict.central.clone();
-            load.place.set(&mut table, value);
-            assert!((load.xi(&table) - wanted).abs() < 1e-9, "{value}: {}", load.xi(&table));
+            let mut point = verdict.central.clone();
+            load.place.set(&mut point, value);
+            assert!((load.xi(&point) - wanted).abs() < 1e-9, "{value}: {}", load.xi(&point));
         }
         assert!((load.value(low.ln()) / low - 1.0).abs() < 1e-12);
         // A standard normal value has both signs.
         let linear = Axis { low: -3.0, high: 5.0, logarithmic: false, ..axis("material.youngs_modulus") };
         assert_eq!(linear.value(-3.0), -3.0);
-        let mut table = verdict.central.clone();
-        linear.place.set(&mut table, 1.0);
-        assert!(linear.xi(&table).abs() < 1e-12);
+        let mut point = verdict.central.clone();
+        linear.place.set(&mut point, 1.0);
+        assert!(linear.xi(&point).abs() < 1e-12);
     }
 }

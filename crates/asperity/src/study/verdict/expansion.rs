@@ -1,7 +1,5 @@
 //! Solved points from which friction is expanded, more of them near the limit of vibration.
 
-use toml::Table;
-
 use super::axis::{Axis, contact_places};
 use super::machines::Machines;
 use super::points::ContactPoints;
@@ -13,7 +11,7 @@ use crate::stats::{Moments, NORMAL_95};
 use crate::study::StudyError;
 use crate::study::check::VerdictStudy;
 use crate::study::output::StageOutput;
-use crate::study::uncertain::CUT_OFF;
+use crate::study::uncertain::{CUT_OFF, Point};
 
 /// Solved points per uncertain value and one, before any are solved near the limit of vibration.
 const POINTS_PER_VALUE: usize = 4;
@@ -52,11 +50,11 @@ pub(super) fn expand_friction(
     let mut found = Vec::with_capacity(first);
     for index in 0..first {
         monitor.progress("verdict: friction", index, first);
-        let mut table = verdict.central.clone();
+        let mut point = verdict.central.clone();
         for (axis, scaled) in axes.iter().zip(propagation.point(index)) {
-            axis.place.set(&mut table, axis.value(scaled));
+            axis.place.set(&mut point, axis.value(scaled));
         }
-        found.push(points.solve(&table)?);
+        found.push(points.solve(&point)?);
     }
     monitor.progress("verdict: friction", first, first);
     let mut responses = FrictionResponses::fit(axes, &propagation, &found, seed)?;
@@ -64,16 +62,16 @@ pub(super) fn expand_friction(
         let machines = Machines::new(verdict, window, Some(&responses), seed);
         let near = Near::new(&machines, round, (count - 1) * CANDIDATES, monitor);
         let mut differences = Vec::new();
-        for (index, table) in near.tables.iter().enumerate() {
-            monitor.progress("verdict: friction near the limit", index, near.tables.len());
-            let solved = points.solve(table)?;
-            let predicted = responses.at(table, window).mean.ln();
+        for (index, point) in near.points.iter().enumerate() {
+            monitor.progress("verdict: friction near the limit", index, near.points.len());
+            let solved = points.solve(point)?;
+            let predicted = responses.at(point, window).mean.ln();
             differences.extend(solved.as_ref().map(|solved| solved.all.mean.ln() - predicted));
-            propagation.push(responses.axes.iter().map(|axis| axis.xi(table)).collect());
+            propagation.push(responses.axes.iter().map(|axis| axis.xi(point)).collect());
             found.push(solved);
         }
         let difference = Moments::new(&differences);
-        let near_limit = responses.result.points_near_limit + near.tables.len();
+        let near_limit = responses.result.points_near_limit + near.points.len();
         responses = FrictionResponses::fit(responses.axes, &propagation, &found, seed)?;
         responses.result.points_near_limit = near_limit;
         if differences.len() > 1 {
@@ -95,8 +93,7 @@ pub(in crate::study) fn solved_points(values: usize) -> usize {
 
 /// Machines near the limit of vibration.
 struct Near {
-    /// Their study files.
-    tables: Vec<Table>,
+    points: Vec<Point>,
     /// Change of the margin over that of ln μ, and margin, of all candidates.
     margins: Vec<(f64, f64)>,
 }
@@ -124,8 +121,8 @@ impl Near {
         }
         // The distance in ln μ, not in damping: friction is what the points are to teach.
         near.sort_by(|a, b| (a.0 / a.1).abs().total_cmp(&(b.0 / b.1).abs()));
-        let tables = near.iter().take(count).map(|(.., variables)| machines.table_at(variables)).collect();
-        Self { tables, margins: near.into_iter().map(|(margin, slope, _)| (margin, slope)).collect() }
+        let points = near.iter().take(count).map(|(.., variables)| machines.point_at(variables)).collect();
+        Self { points, margins: near.into_iter().map(|(margin, slope, _)| (margin, slope)).collect() }
     }
 
     /// Returns whether more points would hardly narrow the interval of the probability, whose half width may be `half_width`: the error of
@@ -153,7 +150,7 @@ mod tests {
     fn an_error_of_friction_changes_the_answers_of_machines_within_1_96_errors() {
         // Margins of −1/2 … 1/2 at equal distances; a change of ln μ by .1·1.96 moves the margin by twice that.
         let margins: Vec<_> = (0..1000).map(|i| ((f64::from(i) + 0.5) / 1000.0 - 0.5, 2.0)).collect();
-        let near = Near { tables: Vec::new(), margins };
+        let near = Near { points: Vec::new(), margins };
         assert!((near.change(0.1) - 0.392).abs() < 1e-12, "{}", near.change(0.1));
         // It may take half of the half width; points lower the error of the expansion only.
         assert!(near.suffices(0.06, 0.08, 0.785) && !near.suffices(0.06, 0.08, 0.783));

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use serde::Deserialize;
 use thiserror::Error;
-use toml::{Table, Value};
 
 use super::dynamics::Dynamics;
 use super::replicates::{REPLICATES, designs};
@@ -13,19 +11,15 @@ use super::sharing::Sharing;
 use crate::chaos::{Design, InputError, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
 use crate::friction::{MeanErrors, Upscaling, WindowFriction};
-use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
-use crate::study::file::{Hold, MachineModel};
+use crate::study::file::{Hold, MachineModel, Stribeck, VibrationSection};
 use crate::study::result::ModelResult;
-use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, without_latent};
+use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, Point};
 
 /// Number of samples that can be drawn.
 const MOST_SAMPLES: usize = u32::MAX as usize;
 /// Stream of the standard normal variables of the samples.
 const STREAM: &str = "study/verdict";
-/// Coefficients of the friction law per unit of dimensionless velocity, and the dimensionless velocity of the belt, with the
-/// power of the unit of velocity that they are proportional to.
-const DIMENSIONLESS: [(&str, i32); 3] = [("stribeck", 1), ("linear_weakening", 1), ("dimensionless_belt_velocity", -1)];
 
 /// Reason why a machine has no answer.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -52,8 +46,8 @@ pub(super) struct Change {
 /// All machines of a study: its values are exact or have a joint distribution.
 #[derive(Clone)]
 pub(super) struct Machines<'a> {
-    /// The sections that decide the vibration, with central values.
-    central: Table,
+    /// The central values, of the sections that decide the vibration.
+    central: Point,
     inputs: UncertainInputs,
     places: &'a [Place],
     /// Friction of the machine with all values at their centres.
@@ -85,11 +79,8 @@ impl<'a> Machines<'a> {
         seed: u64,
     ) -> Self {
         let mut central = study.central.clone();
-        if !window.computed {
-            central.retain(|section, _| matches!(section, "seed" | "vibration"));
-        }
-        central.retain(|section, _| section != "verdict" && section != "uncertainty");
-        let stated = vibration_of(central.clone()).ok().and_then(|study| study.dimensionless_stribeck());
+        central.file.pressure = None;
+        let stated = central.machine().ok().and_then(|study| study.dimensionless_stribeck());
         Self {
             process_has_stribeck: window.stribeck != stated,
             central,
@@ -113,9 +104,9 @@ impl<'a> Machines<'a> {
 
     /// Returns the model of all machines.
     pub(super) fn model(&self) -> ModelResult {
-        match self.central.get("vibration").and_then(|section| section.get("model")) {
-            Some(Value::String(model)) if model == MachineModel::ModeCoupling.name() => ModelResult::ModeCoupling,
-            _ => ModelResult::StickSlip,
+        match self.central.file.vibration.as_ref().map(|section| section.model) {
+            Some(MachineModel::ModeCoupling) => ModelResult::ModeCoupling,
+            Some(MachineModel::StickSlip) | None => ModelResult::StickSlip,
         }
     }
 
@@ -205,48 +196,48 @@ impl<'a> Machines<'a> {
         self.with_values(&values, dampers.as_deref().unwrap_or(&values))
     }
 
-    /// Returns the study file of independent standard normal variables.
-    pub(super) fn table_at(&self, variables: &[f64]) -> Table {
+    /// Returns the point of independent standard normal variables.
+    pub(super) fn point_at(&self, variables: &[f64]) -> Point {
         let values = self.inputs.values(variables);
-        self.table_of(&values, &values).0
+        self.point_of(&values, &values).0
     }
 
-    /// Returns the study file of values in SI, and the unit of velocity over that of the central values. The machine has its damper with the
+    /// Returns the point of values in SI, and the unit of velocity over that of the central values. The machine has its damper with the
     /// values `dampers`.
-    fn table_of(&self, values: &[f64], dampers: &[f64]) -> (Table, f64) {
-        let mut table = self.central.clone();
+    fn point_of(&self, values: &[f64], dampers: &[f64]) -> (Point, f64) {
+        let mut point = self.central.clone();
         let mut set = |values: &[f64]| {
-            self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut table, *value));
-            damper(&table)
+            self.places.iter().zip(values).for_each(|(place, value)| place.set(&mut point, *value));
+            point.damper()
         };
         let (first, mut before) = (set(dampers), set(values));
         // c = 2ζmω₀ stays.
-        scale(&mut table, "damping_ratio", first / before);
+        point.scale_damping(first / before);
         for change in &self.changes {
-            change.place.set(&mut table, change.value);
-            let after = damper(&table);
+            change.place.set(&mut point, change.value);
+            let after = point.damper();
             if change.hold == Hold::Damper {
-                scale(&mut table, "damping_ratio", before / after);
+                point.scale_damping(before / after);
             }
             before = after;
         }
-        let ratio = velocity_unit(&table) / velocity_unit(&self.central);
-        for (key, power) in DIMENSIONLESS {
-            scale(&mut table, key, ratio.powi(power));
+        let ratio = point.velocity_unit() / self.central.velocity_unit();
+        if let Some(section) = &mut point.file.vibration {
+            keep_velocities(section, ratio);
         }
-        (table, ratio)
+        (point, ratio)
     }
 
     /// Returns the machine with these values in SI.
     fn with_values(&self, values: &[f64], dampers: &[f64]) -> Result<Machine, String> {
-        let (table, ratio) = self.table_of(values, dampers);
+        let (point, ratio) = self.point_of(values, dampers);
         let mut window = match self.responses {
-            Some(responses) => responses.at(&table, self.window),
+            Some(responses) => responses.at(&point, self.window),
             None => self.window.clone(),
         };
-        let part = self.between_parts.and_then(|place| place.value_in(&table));
-        let shortest_m = self.cut_off.and_then(|place| place.value_in(&table));
-        let mut study = vibration_of(table)?;
+        let part = self.between_parts.and_then(|place| place.value_in(&point));
+        let shortest_m = self.cut_off.and_then(|place| place.value_in(&point));
+        let mut study = point.machine()?;
         window.stribeck = match &study.friction {
             FrictionSource::File(_) if self.process_has_stribeck => window.stribeck.map(|rate| rate * ratio),
             _ => study.dimensionless_stribeck(),
@@ -293,32 +284,39 @@ pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, Uncertai
     place.map(|(place, marginal)| Ok((place, UncertainInput::new(CUT_OFF, marginal, true)?))).transpose()
 }
 
-/// Returns the machine of a study file.
-fn vibration_of(mut table: Table) -> Result<VibrationStudy, String> {
-    without_latent(&mut table);
-    let file = StudyFile::deserialize(table).map_err(|error| error.message().to_owned())?;
-    file.check_vibration().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
+impl Point {
+    fn machine(&self) -> Result<VibrationStudy, String> {
+        self.file.machine().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
+    }
+
+    /// Returns mω₀, to which the damper of a damping ratio is proportional.
+    fn damper(&self) -> f64 {
+        self.file.vibration.as_ref().map_or(1.0, |section| section.mass.0 * section.natural_frequency.0)
+    }
+
+    /// Returns the unit of velocity N/(mω₀).
+    fn velocity_unit(&self) -> f64 {
+        self.file.vibration.as_ref().map_or(1.0, |section| section.normal_force.0 / self.damper())
+    }
+
+    fn scale_damping(&mut self, factor: f64) {
+        if let Some(section) = &mut self.file.vibration {
+            section.damping_ratio *= factor;
+        }
+    }
 }
 
-/// Returns a number of [vibration] in SI; 1 if the study does not state it.
-fn number(table: &Table, key: &str) -> f64 {
-    Place::named(&format!("vibration.{key}"), table).and_then(|place| place.value_in(table)).unwrap_or(1.0)
-}
-
-/// Returns mω₀, to which the damper of a damping ratio is proportional.
-fn damper(table: &Table) -> f64 {
-    number(table, "mass") * number(table, "natural_frequency")
-}
-
-/// Returns the unit of velocity N/(mω₀).
-fn velocity_unit(table: &Table) -> f64 {
-    number(table, "normal_force") / damper(table)
-}
-
-/// Multiplies a dimensionless number of [vibration], if the study states it.
-fn scale(table: &mut Table, key: &str, factor: f64) {
-    if let Some(Value::Float(number)) = table.get_mut("vibration").and_then(|section| section.get_mut(key)) {
-        *number *= factor;
+/// Converts the coefficients of the friction law per unit of dimensionless velocity, and the dimensionless velocity of the belt, to a unit
+/// that is `ratio` times as large, so that they stay the same in SI.
+fn keep_velocities(section: &mut VibrationSection, ratio: f64) {
+    if let Some(Stribeck::Dimensionless(decay)) = &mut section.stribeck {
+        *decay *= ratio;
+    }
+    if let Some(slope) = &mut section.linear_weakening {
+        *slope *= ratio;
+    }
+    if let Some(velocity) = &mut section.dimensionless_belt_velocity {
+        *velocity *= ratio.recip();
     }
 }
 

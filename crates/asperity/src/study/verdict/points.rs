@@ -1,16 +1,13 @@
 //! Solved strips at the values of a study file.
 
-use serde::Deserialize;
-use toml::{Table, Value};
-
 use super::scan::errors::{BodyErrors, Measured, ScanErrors, StatisticErrors};
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::friction::{LevelControl, MeanErrors, OperatingLevel};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::friction_strips::solve_level;
 use crate::study::surface_stage::SurfaceStage;
-use crate::study::uncertain::without_latent;
-use crate::study::{Study, StudyError, StudyFile};
+use crate::study::uncertain::Point;
+use crate::study::{Study, StudyError};
 use crate::surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest};
 
 /// Smallest number of strips per point.
@@ -20,8 +17,8 @@ const LEAST_STRIPS: usize = 4;
 pub(super) struct ContactPoints<'a> {
     pub(super) study: &'a Study,
     pub(super) surface: &'a SurfaceStage,
-    /// The study file with central values.
-    pub(super) central: &'a Table,
+    /// The central values.
+    pub(super) central: &'a Point,
     /// Errors of the statistics of the scans of both bodies.
     pub(super) scan: ScanErrors,
     /// Errors of the mean friction at the central values.
@@ -34,15 +31,15 @@ impl ContactPoints<'_> {
         self.study.seed()
     }
 
-    /// Solves the strips of one study file at its operating point.
-    pub(super) fn solve(&self, table: &Table) -> Result<Option<MomentReplicates>, StudyError> {
+    /// Solves the strips of one point at its operating level.
+    pub(super) fn solve(&self, point: &Point) -> Result<Option<MomentReplicates>, StudyError> {
         let mut errors = BodyErrors::default();
         for (place, _, unit) in &self.scan.inputs {
-            let normal = place.value_in(table).unwrap_or(0.0);
+            let normal = place.value_in(point).unwrap_or(0.0);
             let pairs = errors.iter_mut().flatten().zip(unit.iter().flatten());
             pairs.for_each(|(error, unit)| *error += normal * unit);
         }
-        self.solve_with_errors(table, errors)
+        self.solve_with_errors(point, errors)
     }
 
     /// Returns ln μ at the central values, of bodies whose scans had statistics with these errors.
@@ -51,22 +48,11 @@ impl ContactPoints<'_> {
         Ok(solved.map_or(LevelMoments::NONE, |solved| solved.all).mean.ln())
     }
 
-    fn solve_with_errors(&self, table: &Table, errors: BodyErrors) -> Result<Option<MomentReplicates>, StudyError> {
+    fn solve_with_errors(&self, point: &Point, errors: BodyErrors) -> Result<Option<MomentReplicates>, StudyError> {
         if self.monitor.cancelled() {
             return Err(Cancelled.into());
         }
-        let mut table = table.clone();
-        without_latent(&mut table);
-        if self.study.file().surface.as_ref().is_some_and(|surface| surface.cut_off.is_none()) {
-            // The friction of the scan itself has the effect of an unknown cut-off.
-            if let Some(Value::Table(surface)) = table.get_mut("surface") {
-                surface.remove("cut_off");
-            }
-        }
-        table.remove("verdict");
-        table.remove("uncertainty");
-        let file = StudyFile::deserialize(table).map_err(|error| StudyError::Verdict(error.message().to_owned()))?;
-        let own = file.check()?;
+        let own = point.file.clone().check()?;
         let (Some(friction), Some(vibration), Some(surface)) = (&own.friction, &own.vibration, &own.surface) else {
             return Ok(None);
         };
@@ -126,7 +112,7 @@ mod tests {
     use crate::monitor::Silent;
     use crate::random::stream;
     use crate::study::surface_stage;
-    use crate::study::uncertain::{Place, add_latent};
+    use crate::study::uncertain::Place;
     use asperity_testing::filtered_noise;
     use ndarray::Array2;
 
@@ -167,17 +153,17 @@ mod tests {
         let place = Place::latent("surface.scan").unwrap();
         let unit = [[0.3, 0.3, 0.0], [0.0; 3]];
         let input = UncertainInput::new("surface.scan", Marginal::STANDARD_NORMAL, true).unwrap();
-        let central: Table = toml::from_str(TEXT).unwrap();
+        let central = study.verdict.as_ref().unwrap().central.clone();
         let scan = ScanErrors { inputs: vec![(place, input, unit)] };
         let (study, surface, central) = (&study, &surface, &central);
         let mean_errors = &MeanErrors::default();
         let points = ContactPoints { study, surface, central, scan, mean_errors, monitor: &Silent };
-        let mean = |table: &Table| points.solve(table).unwrap().unwrap().all.mean.ln();
+        let mean = |point: &Point| points.solve(point).unwrap().unwrap().all.mean.ln();
         let at = |normal: f64| {
-            let mut table = central.clone();
-            add_latent(&mut table, &[place]);
-            place.set(&mut table, normal);
-            mean(&table)
+            let mut point = central.clone();
+            point.add_latent(&[place]);
+            place.set(&mut point, normal);
+            mean(&point)
         };
         // A rougher surface with the same correlation length carries the load on a smaller area.
         let [low, usual, high] = [-1.0, 0.0, 1.0].map(at);

@@ -1,7 +1,5 @@
 //! Friction of the contact as a function of the uncertain values, expanded from solved strips.
 
-use toml::Table;
-
 use super::axis::Axis;
 use crate::chaos::{Expansion, Observed, Propagation, Resamples};
 use crate::friction::WindowFriction;
@@ -9,6 +7,7 @@ use crate::friction::replicates::{LevelMoments, MomentReplicates};
 use crate::stats::{NORMAL_95, student_quantile};
 use crate::study::output::StageOutput;
 use crate::study::result::LearntFriction;
+use crate::study::uncertain::Point;
 use crate::study::{StudyError, sentence};
 
 /// Step for the slope of an expansion at the end of its range.
@@ -87,9 +86,9 @@ impl FrictionResponses {
         }
     }
 
-    /// Returns the friction of a study file's values, `window` being the friction at their centres.
-    pub(super) fn at(&self, table: &Table, window: &WindowFriction) -> WindowFriction {
-        let xi: Vec<f64> = self.axes.iter().map(|axis| axis.xi(table)).collect();
+    /// Returns the friction at a point, `window` being the friction at their centres.
+    pub(super) fn at(&self, point: &Point, window: &WindowFriction) -> WindowFriction {
+        let xi: Vec<f64> = self.axes.iter().map(|axis| axis.xi(point)).collect();
         let [mean, std, length, stiffness] =
             self.moments.each_ref().map(|moment| moment.as_ref().map(|expansion| continued(expansion, &xi).exp()));
         // The standard deviation of a point is that of all windows; its fractions along the path and between parts are those of
@@ -263,9 +262,9 @@ pub(super) mod tests {
                 ..WindowFriction::from_statement(stated, 64e-6, Some(4.2))
             };
             for ratio in [0.5, 0.9, 1.0, 1.2, 1.6] {
-                let mut table = verdict.central.clone();
-                place.set(&mut table, 385e6 * ratio);
-                let (at, wanted) = (responses.at(&table, &window), moments(ratio));
+                let mut point = verdict.central.clone();
+                place.set(&mut point, 385e6 * ratio);
+                let (at, wanted) = (responses.at(&point, &window), moments(ratio));
                 let parts = wanted.std / 0.05;
                 let length = if between_parts_std > 0.0 { 2e-4 } else { wanted.correlation_length_m };
                 for (found, wanted) in [

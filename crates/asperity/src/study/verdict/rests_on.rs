@@ -6,7 +6,7 @@ use crate::contact::Elastic;
 use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
 use crate::study::result::{InputKind, InputValue, Pair, RestsOn};
-use crate::study::uncertain::Place;
+use crate::study::uncertain::{Place, Point};
 use crate::study::{Study, StudyFile};
 use crate::vibration::mode_coupling::CoupledParameters;
 
@@ -163,6 +163,7 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
         ("material", "shear_strength") => window.computed && sheared,
         _ => window.computed,
     };
+    let stated = Table::try_from(file).unwrap_or_default();
     for (section, key) in INPUTS.into_iter().chain(BELT).filter(|(section, key)| matters(section, key)) {
         let name = format!("{section}.{key}");
         let before = inputs.len();
@@ -171,7 +172,7 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
             continue;
         }
         let kind = if file.unstated.contains(&name) { InputKind::Default } else { InputKind::Stated };
-        match study.central.get(section).and_then(|section| section.get(key)) {
+        match stated.get(section).and_then(|section| section.get(key)) {
             Some(Value::Array(list)) => {
                 let isotropic = list.windows(2).all(|pair| pair[0] == pair[1]);
                 let count = if isotropic { 1 } else { list.len() };
@@ -207,8 +208,8 @@ fn uncertain<'a>(study: &'a VerdictStudy, name: &'a str) -> impl Iterator<Item =
     )
 }
 
-/// Returns a number or quantity of a study file.
-fn number(name: &str, central: &Table, kind: InputKind) -> Option<RestsOn> {
+/// Returns a number or quantity at the central values.
+fn number(name: &str, central: &Point, kind: InputKind) -> Option<RestsOn> {
     let place = Place::named(name, central)?;
     Some(entry(name, InputValue::Number(place.value_in(central)?), place.key().unit, kind))
 }
