@@ -29,19 +29,7 @@ fn ratio(value: f64) -> bool {
 }
 
 impl StudyFile {
-    pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
-        let (Some(v), Some(study)) = (&self.vibration, self.machine()?) else { return Ok(None) };
-        v.map.as_ref().map_or(Ok(()), check_map)?;
-        match &study.friction {
-            _ if study.coupled.is_some() => check_springs(&study)?,
-            FrictionSource::Stated(friction) => check_motion(v, &study, friction)?,
-            FrictionSource::Computed(_) | FrictionSource::File(_) => {}
-        }
-        Ok(Some(study))
-    }
-
-    /// Returns the machine; `None` for a study without one. Does not try its motion.
-    pub(in crate::study) fn machine(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
+    pub(in crate::study) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
         let Some(v) = &self.vibration else { return Ok(None) };
         within(SECTION, "mass", v.mass, positive, POSITIVE)?;
         within(SECTION, "natural_frequency", v.natural_frequency, positive, POSITIVE)?;
@@ -75,6 +63,7 @@ impl StudyFile {
             let message = format!("the diffusion requires a Beta distribution, found {marginal}");
             return Err(invalid(SECTION, "generator", message));
         }
+        v.map.as_ref().map_or(Ok(()), check_map)?;
         let (from, to, count) = v.damping_sweep;
         let fits = |z: f64| (0.0..1.0).contains(&z);
         within(SECTION, "damping_sweep", from, fits, "damping ratios of at least 0, below 1")?;
@@ -82,7 +71,7 @@ impl StudyFile {
         at_least(SECTION, "damping_sweep", count, 2)?;
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
-        Ok(Some(VibrationStudy {
+        let study = VibrationStudy {
             valid_fraction: self.valid_share,
             coupled,
             scales,
@@ -104,7 +93,13 @@ impl StudyFile {
             trajectories: v.trajectories,
             duration: v.duration,
             map: v.map.clone(),
-        }))
+        };
+        match &study.friction {
+            _ if study.coupled.is_some() => check_springs(&study)?,
+            FrictionSource::Stated(friction) => check_motion(v, &study, friction)?,
+            FrictionSource::Computed(_) | FrictionSource::File(_) => {}
+        }
+        Ok(Some(study))
     }
 
     /// Checks the source of the friction: exactly one of the friction stage, a file and the keys of the section.

@@ -286,7 +286,7 @@ pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, Uncertai
 
 impl Point {
     fn machine(&self) -> Result<VibrationStudy, String> {
-        self.file.machine().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
+        self.file.check_vibration().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
     }
 
     /// Returns mω₀, to which the damper of a damping ratio is proportional.
