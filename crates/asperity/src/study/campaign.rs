@@ -77,11 +77,17 @@ impl Campaign {
         let folder = file.parent().unwrap_or(Path::new(""));
         // Reasons leave the folder out, so that they are the same from every place.
         let folder = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_path_buf());
-        let own_seed = StudyFile::parse(study, &study_file)?.seed;
-        let table: Table = StudyFileError::read(study, &study_file)?;
+        let own = StudyFile::parse(study, &study_file)?;
+        let own_seed = own.seed;
+        let mut table: Table = StudyFileError::read(study, &study_file)?;
         let other_seed = seed.or(written.seed);
         let seed = other_seed.unwrap_or(own_seed);
         let factors = reader.factors(&written, &folder, &table, &study_file, seed)?;
+        let decides_sizes = |name: &str| SIZES.iter().any(|key| name.starts_with(key)) || name.starts_with("surface.");
+        if !factors.iter().flat_map(Factor::keys).any(|key| decides_sizes(&key.name)) {
+            // All members have the sizes that suit the scan, which is read once.
+            state_sizes(&mut table, &own);
+        }
         let count = factors.iter().fold(1_usize, |count, factor| count.saturating_mul(factor.len()));
         if count > MOST {
             return Err(reader.error(1, format!("the campaign has {count} members, more than {MOST}; shorten a list")));
@@ -470,6 +476,18 @@ fn member_warnings(answers: &[Result<Answered, String>]) -> Vec<MemberWarning> {
         }
     }
     found
+}
+
+/// Keys that follow from the scan where a study leaves them out.
+const SIZES: [&str; 3] = ["friction.strip", "friction.points", "friction.window"];
+
+/// Writes the sizes of strips and windows that a study file has into its table.
+fn state_sizes(table: &mut Table, file: &StudyFile) {
+    let Some(sizes) = file.friction.as_ref().and_then(|section| Table::try_from(section).ok()) else { return };
+    for name in SIZES {
+        let size = name.split_once('.').and_then(|(_, key)| sizes.get(key));
+        size.into_iter().for_each(|size| factors::set(table, name, size.clone()));
+    }
 }
 
 /// Adds the files of samples that distributions in a table name.

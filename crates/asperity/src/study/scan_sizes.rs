@@ -106,10 +106,11 @@ impl ScanSizes {
         }
     }
 
-    /// Returns the number of points along a side of a strip.
-    pub(super) fn points_of(&self, side_m: f64) -> usize {
-        let pitch_m = self.strip_m[0] / self.strip_points[0] as f64;
-        even(side_m / pitch_m).max(16.0) as usize
+    /// Returns the points of another strip: as close, or as close as a study of minutes allows.
+    pub(super) fn points_of(&self, strip_m: [f64; 2]) -> [usize; 2] {
+        let affordable_m = (strip_m[0] * strip_m[1] / POINTS).sqrt();
+        let pitch_m = (self.strip_m[0] / self.strip_points[0] as f64).max(affordable_m);
+        strip_m.map(|side_m| even(side_m / pitch_m).max(16.0) as usize)
     }
 
     /// Returns the length of the window of a strip in metre.
@@ -141,7 +142,9 @@ mod tests {
             assert!(found.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{found:?}");
         }
         assert!((ScanSizes::window_m(found.strip_m[0]) - 601.6e-6).abs() < 1e-12);
-        assert_eq!([found.points_of(6.016e-3), found.points_of(75e-6)], [3008, 32]);
+        assert_eq!(found.points_of([6.016e-3, 75e-6]), [3008, 32]);
+        let [nx, ny] = found.points_of([0.1, 1e-3]);
+        assert!(nx * ny <= 270_000 && nx / ny >= 95, "{nx} {ny}");
     }
 
     #[test]

@@ -149,7 +149,7 @@ impl FrictionSection {
         let points = match (of_scan, self.strip) {
             (None, _) => STRIP_POINTS,
             (Some(sizes), None) => sizes.strip_points,
-            (Some(sizes), Some(strip)) => strip.map(|side| sizes.points_of(side.0)),
+            (Some(sizes), Some(strip)) => sizes.points_of(strip.map(|side| side.0)),
         };
         let [length, _] = *self.strip.get_or_insert(usual_m.map(Length));
         let window_m = if of_scan.is_some() { ScanSizes::window_m(length.0) } else { WINDOW_M };
