@@ -57,10 +57,7 @@ impl StudyFile {
     ///
     /// # Errors
     /// A value is out of range, a required value is missing, or two values exclude each other.
-    pub fn check(mut self) -> Result<Study, InvalidValue> {
-        if let Some(section) = &mut self.friction {
-            section.fill_in_sizes(None);
-        }
+    pub fn check(self) -> Result<Study, InvalidValue> {
         within(
             "",
             "valid_share",
@@ -83,8 +80,11 @@ impl StudyFile {
 
     /// Returns the file with the default values that other keys determine; the study of a run folder states them.
     fn with_defaults(mut self, friction: Option<&FrictionStudy>, vibration: Option<&VibrationStudy>) -> Self {
-        if let Some(section) = self.friction.as_mut().filter(|section| !section.percentiles().is_empty()) {
-            section.percentiles = Some(section.percentiles().to_vec());
+        if let Some(section) = &mut self.friction {
+            section.fill_in_sizes(None);
+            if !section.percentiles().is_empty() {
+                section.percentiles = Some(section.percentiles().to_vec());
+            }
         }
         if let (Some(section), Some(study)) = (&mut self.surface, friction) {
             section.body = Some(study.body);

@@ -106,9 +106,7 @@ impl StudyFile {
             return Ok(None);
         };
         let law = self.check_window_law(f)?;
-        let (Some(strip), Some(points), Some(window)) = (f.strip, f.points, f.window) else {
-            return Err(invalid(SECTION, "strip", "found a strip without size, points or window"));
-        };
+        let (strip, points, window) = f.sizes(None);
         for side in strip {
             within(SECTION, "strip", side, positive, POSITIVE)?;
         }

@@ -143,18 +143,22 @@ pub struct UncertaintySection {
 }
 
 impl FrictionSection {
-    /// Fills in the sizes that are left out: those that suit the scan, or usual ones.
-    pub(in crate::study) fn fill_in_sizes(&mut self, of_scan: Option<&ScanSizes>) {
-        let usual_m = of_scan.map_or(STRIP_M, |sizes| sizes.strip_m);
-        let points = match (of_scan, self.strip) {
+    /// Returns size, points and window of a strip: the stated ones, or else those that suit the scan, or usual ones.
+    pub(in crate::study) fn sizes(&self, of_scan: Option<&ScanSizes>) -> ([Length; 2], [usize; 2], Length) {
+        let strip = self.strip.unwrap_or_else(|| of_scan.map_or(STRIP_M, |sizes| sizes.strip_m).map(Length));
+        let points = self.points.unwrap_or_else(|| match (of_scan, self.strip) {
             (None, _) => STRIP_POINTS,
             (Some(sizes), None) => sizes.strip_points,
             (Some(sizes), Some(strip)) => sizes.points_of(strip.map(|side| side.0)),
-        };
-        let [length, _] = *self.strip.get_or_insert(usual_m.map(Length));
-        let window_m = if of_scan.is_some() { ScanSizes::window_m(length.0) } else { WINDOW_M };
-        self.points.get_or_insert(points);
-        self.window.get_or_insert(Length(window_m));
+        });
+        let window_m = if of_scan.is_some() { ScanSizes::window_m(strip[0].0) } else { WINDOW_M };
+        (strip, points, self.window.unwrap_or(Length(window_m)))
+    }
+
+    /// Fills in the sizes that are left out.
+    pub(in crate::study) fn fill_in_sizes(&mut self, of_scan: Option<&ScanSizes>) {
+        let (strip, points, window) = self.sizes(of_scan);
+        (self.strip, self.points, self.window) = (Some(strip), Some(points), Some(window));
     }
 
     /// Returns the percentages of the heights above the plane: the stated ones or, if no level is stated, the defaults.
