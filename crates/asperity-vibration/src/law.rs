@@ -170,6 +170,11 @@ impl VelocityLaw {
         matches!(self, Self::Coulomb { .. } | Self::Linear { .. })
     }
 
+    /// Returns whether the fall −dμ/d|v| is a convex function of the velocity that nowhere increases.
+    pub(super) fn has_convex_fall(&self) -> bool {
+        !self.is_tabulated()
+    }
+
     /// Returns whether a table defines the law.
     pub(super) fn is_tabulated(&self) -> bool {
         matches!(self, Self::Tabulated(_))

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-use crate::SamplingError;
 use asperity_base::monitor::Cancelled;
 
 /// Reason why a small probability could not be estimated.
@@ -28,9 +27,6 @@ pub enum RareError<E> {
         /// Values that are possible.
         wanted: &'static str,
     },
-    /// The first design could not be created.
-    #[error(transparent)]
-    Design(#[from] SamplingError),
     /// The monitor cancelled.
     #[error("cancelled")]
     Cancelled,

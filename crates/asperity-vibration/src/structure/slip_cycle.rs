@@ -226,12 +226,21 @@ pub(crate) fn return_map(oscillator: &Oscillator) -> Result<Option<ReturnMap>, V
 /// Cycles of different damping do not intersect (the field rotates with ζ), so cycles exist exactly while the largest
 /// ln(P/r) over the amplitudes is positive. Its zero over ζ is found by Newton's method.
 ///
+/// A law whose fall φ = −dμ/d|v| is convex has no fold above ζ_H: f = 2ζ − φ(V − X′) divided by X′ falls on both sides of
+/// rest, so there is at most one cycle (Zhang).
+///
 /// # References
-/// Duff, *Annals of Mathematics* **57** (1953) 15, <https://doi.org/10.2307/1969724>.
+/// Duff, *Annals of Mathematics* **57** (1953) 15, <https://doi.org/10.2307/1969724>; Zhang, *Applicable Analysis* **23**
+/// (1986) 63, <https://doi.org/10.1080/00036818608839631>.
 pub(crate) fn fold_damping(oscillator: &Oscillator, above: f64) -> Result<Option<f64>, VibrationError> {
-    if oscillator.law().is_linear() {
+    if oscillator.law().has_convex_fall() {
         return Ok(None);
     }
+    searched_fold(oscillator, above)
+}
+
+/// Returns the fold above a damping ratio that a search finds.
+fn searched_fold(oscillator: &Oscillator, above: f64) -> Result<Option<f64>, VibrationError> {
     // Returns −max ln(P/r) and its derivative.
     let decay = |damping: f64| -> Result<(f64, f64), VibrationError> {
         let planar = Planar::new(&oscillator.with_damping(damping)?)?;
@@ -361,6 +370,27 @@ mod tests {
                 let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity: 0.1, forcing: None };
                 assert_eq!(slip_cycles(&Oscillator::new(parameters).unwrap()).unwrap(), []);
             }
+        }
+    }
+
+    #[test]
+    fn the_search_finds_no_fold_of_laws_with_a_convex_fall() {
+        let rng = &mut asperity_base::random::stream(9, "test", 0);
+        for i in 0..100 {
+            let g = asperity_base::random::standard_normal(rng, 4);
+            let kinetic = 0.5 * g[0].exp();
+            let reach = 0.1 * (2.0 * g[1]).exp();
+            let law = if i % 2 == 0 {
+                VelocityLaw::Stribeck { kinetic, decay: 1.0 / reach }
+            } else {
+                VelocityLaw::Exponential { kinetic, high_speed: 0.1 * kinetic, stribeck_velocity: reach }
+            };
+            let (static_friction, belt_velocity) = (kinetic * (1.0 + 0.3 * g[3].max(0.0)), reach * (1.5 * g[2]).exp());
+            let parameters = Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity, forcing: None };
+            let oscillator = Oscillator::new(parameters).unwrap();
+            let ends = critical_damping(&oscillator).unwrap();
+            let above = ends.critical_damping_ratio.max(ends.hopf_damping_ratio);
+            assert_eq!(searched_fold(&oscillator, above).unwrap(), None, "{oscillator:?}");
         }
     }
 
