@@ -94,14 +94,15 @@ gallery:
     scripts/build-gallery --check
 
 # Installs the tools (wasm-bindgen with `--debug`: twice as fast to compile, and it writes the same files), builds, checks types, and tests the
-# explorer (web/dist/explorer.html) and reports of every kind in Chromium with the program `asperity`.
+# explorer (web/dist/explorer.html) and reports of every kind in Chromium with the program `asperity`. The profile `dev` compiles in less than
+# half the time.
 # Builds and tests the scripts of the reports and the explorer.
-web:
+web PROFILE="wasm":
     rustup target add wasm32-unknown-unknown
     cargo install --quiet --debug --root target/tools wasm-bindgen-cli --version "$(sed -n 's/^wasm-bindgen = "=\(.*\)"/\1/p' Cargo.toml)"
     npm --prefix web ci --no-audit --no-fund
-    npm --prefix web run oscillator
-    npm --prefix web run explorer
+    PROFILE={{PROFILE}} npm --prefix web run oscillator
+    PROFILE={{PROFILE}} npm --prefix web run explorer
     npm --prefix web run check
     cargo build --bin asperity
     npm --prefix web test

@@ -193,8 +193,9 @@ pub fn fit_covariance(
         });
     }
     let (mut fits, mut failure) = (vec![], None);
-    for family in families {
-        match fit_family(*family, spectra, std_m) {
+    let found: Vec<_> = crate::blocks::map(0..families.len(), |place| fit_family(families[place], spectra, std_m));
+    for fit in found {
+        match fit {
             Ok(fit) => fits.push(fit),
             Err(error) => failure = Some(error),
         }

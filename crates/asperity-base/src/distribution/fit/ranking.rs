@@ -1,6 +1,7 @@
 //! Comparison of families on one sample.
 
 use super::{End, Family, Fit, fit_sorted};
+use crate::blocks;
 use crate::distribution::DistributionError;
 use crate::distribution::goodness::{FitGoodness, ProcessNull};
 use crate::stats::sorted_present;
@@ -36,8 +37,9 @@ pub struct Ranking {
 pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f64>) -> Ranking {
     let sorted = sorted_present(values.iter().copied());
     let (mut fits, mut failed) = (vec![], vec![]);
-    for family in families {
-        match fit_sorted(*family, &sorted) {
+    let found: Vec<_> = blocks::map(0..families.len(), |place| fit_sorted(families[place], &sorted));
+    for (family, fit) in families.iter().zip(found) {
+        match fit {
             Ok(fit) => fits.push(fit),
             Err(error) => failed.push((*family, error)),
         }
@@ -49,7 +51,9 @@ pub fn rank_by_aic(families: &[Family], values: &[f64], effective_size: Option<f
         empirical += usize::from(matches!(fit.family, Family::Empirical { .. }));
         empirical < 2 || !matches!(fit.family, Family::Empirical { .. })
     });
-    let goodness = fits.iter().filter_map(|fit| FitGoodness::new(&fit.marginal, &sorted, effective_size)).collect();
+    let goodness: Vec<_> =
+        blocks::map(0..fits.len(), |place| FitGoodness::new(&fits[place].marginal, &sorted, effective_size));
+    let goodness = goodness.into_iter().flatten().collect();
     Ranking { fits, goodness, effective_size, failed }
 }
 
