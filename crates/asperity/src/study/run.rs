@@ -19,6 +19,7 @@ use crate::study::{
     FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
     friction_stage, implausible_friction, pressure_stage, sentence, surface_stage, verdict, vibration_stage,
 };
+use crate::surface::model::CapturedModes;
 
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.
@@ -169,7 +170,7 @@ impl Study {
         only: Option<Stage>,
         monitor: &dyn Monitor,
     ) -> Result<Outcome, StudyError> {
-        self.run_chain(&Stages { blocks, monitor }, None, folder, only).map(|(outcome, _)| outcome)
+        self.run_chain(&Stages { blocks, monitor }, Purpose::Study, folder, only).map(|(outcome, _)| outcome)
     }
 
     /// Runs what the verdict needs or, without uncertain values, the last stage, and returns its results with the friction of the
@@ -184,7 +185,7 @@ impl Study {
         let last = stages.into_iter().find(|stage| self.has(*stage));
         let only = if self.states_verdict() { Some(Stage::Verdict) } else { last };
         let stages = Stages { blocks: None, monitor };
-        let (outcome, window) = self.run_chain(&stages, Some(friction), folder, only)?;
+        let (outcome, window) = self.run_chain(&stages, Purpose::Answers { friction }, folder, only)?;
         let mut results = outcome.results;
         results.warnings.extend(friction.iter().flat_map(|friction| friction.warnings.iter().cloned()));
         Ok((results, window))
@@ -271,16 +272,71 @@ impl Study {
         Ok(Some((stage.level, study.body)))
     }
 
-    /// Runs the stages. With `answers` the tables of the scan are left out, and the friction stage too if it is given.
+    /// Runs the pressure stage, if the study has one, and returns the expansion of the surface of its patch.
+    fn run_pressure(
+        &self,
+        stages: &Stages<'_>,
+        of_surface: &dyn Debug,
+        surface: &SurfaceStage,
+        gathered: &mut Gathered,
+    ) -> Result<Option<CapturedModes>, StudyError> {
+        let Some(study) = &self.pressure else { return Ok(None) };
+        let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
+        let stage = stages.run(Stage::Pressure.name(), &[of_surface, study, &self.seed()], |monitor| {
+            pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)
+        })?;
+        if let Some(stage) = stage {
+            gathered.add(stage.output);
+            gathered.results.pressure = Some(stage.result);
+        }
+        Ok(generated.karhunen_loeve)
+    }
+
+    /// Runs the vibration of the machine.
+    fn run_vibration(
+        &self,
+        stages: &Stages<'_>,
+        study: &VibrationStudy,
+        window: &WindowFriction,
+        gathered: &mut Gathered,
+    ) -> Result<(), StudyError> {
+        if let Some(model) = study.coupled_model(window.mean, window.stiffness_pa_per_m) {
+            let stage = coupled_stage::run(study, &model?, window)?;
+            gathered.add(stage.output);
+            gathered.results.mode_coupling = Some(stage.result);
+            return Ok(());
+        }
+        let mut own = study.clone();
+        if let FrictionSource::File(file) = &mut own.friction {
+            // The friction of the file is that of the window.
+            *file = PathBuf::new();
+        }
+        // The friction of a part of a rough slider on a smooth track has no course along the path.
+        let has_path = self.friction.as_ref().is_none_or(|friction| friction.body != RoughBody::Slider);
+        let depends_on: [&dyn Debug; 4] = [&own, window, &has_path, &self.seed()];
+        let stage = stages.run(Stage::Vibration.name(), &depends_on, |monitor| {
+            vibration_stage::run(study, window, has_path, self.seed(), monitor)
+        })?;
+        let stage = stage.ok_or(StudyError::Incomplete)?;
+        gathered.machine = stage.machine;
+        gathered.add(stage.output);
+        gathered.results.vibration = Some(stage.result);
+        Ok(())
+    }
+
+    /// Runs the stages.
     fn run_chain(
         &self,
         stages: &Stages<'_>,
-        answers: Option<Option<&SharedFriction>>,
+        purpose: Purpose<'_>,
         folder: &Path,
         only: Option<Stage>,
     ) -> Result<(Outcome, Option<WindowFriction>), StudyError> {
         let &Stages { blocks, monitor } = stages;
-        let given = answers.flatten();
+        let (with_tables, given) = match purpose {
+            Purpose::Study => (true, None),
+            Purpose::Answers { friction } => (false, friction),
+        };
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
         let wants_verdict = only == Some(Stage::Verdict) || only.is_none() && self.states_verdict();
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration) || wants_verdict;
@@ -300,7 +356,7 @@ impl Study {
         };
         if self.surface.is_some() && (given.is_none() || wants_verdict) {
             monitor.begin(Stage::Surface.name());
-            surface = self.run_surface(answers.is_none(), folder, &mut gathered)?;
+            surface = self.run_surface(with_tables, folder, &mut gathered)?;
             let hashes = of_surface.2.iter().cloned();
             self.refuse_changed(folder, &hashes.zip(self.scan_paths(folder)).collect::<Vec<_>>())?;
         }
@@ -308,16 +364,8 @@ impl Study {
             stage.output.assumptions.extend(counterface::contact_sentence(self.file()));
             gathered.add(mem::take(&mut stage.output));
         }
-        if let (Some(study), Some(surface), true) = (&self.pressure, &surface, wants(Stage::Pressure)) {
-            let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
-            karhunen_loeve = generated.karhunen_loeve;
-            let stage = stages.run(Stage::Pressure.name(), &[&of_surface, study, &self.seed()], |monitor| {
-                pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)
-            })?;
-            if let Some(stage) = stage {
-                gathered.add(stage.output);
-                gathered.results.pressure = Some(stage.result);
-            }
+        if let Some(surface) = surface.as_ref().filter(|_| wants(Stage::Pressure)) {
+            karhunen_loeve = self.run_pressure(stages, &of_surface, surface, &mut gathered)?;
         }
         let friction = match &surface {
             Some(surface) if wants_friction && given.is_none() => {
@@ -326,44 +374,22 @@ impl Study {
             _ => None,
         };
         let mut window = None;
-        if let (Some(study), true) = (&self.vibration, drives) {
+        if let Some(study) = self.vibration.as_ref().filter(|_| drives) {
             let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
             let given = given.map(|given| WindowFriction { stribeck, ..given.window.clone() });
             let computed = friction.map(|(level, body)| WindowFriction::from_level(&level, body, nominal, stribeck));
             window = known.or(given).or(computed);
-            let wanted = window.as_ref().filter(|_| wants(Stage::Vibration));
-            let coupled = wanted.and_then(|window| study.coupled_model(window.mean, window.stiffness_pa_per_m));
-            if let (Some(window), Some(model)) = (wanted, coupled) {
-                let stage = coupled_stage::run(study, &model?, window)?;
-                gathered.add(stage.output);
-                gathered.results.mode_coupling = Some(stage.result);
-            } else if let Some(window) = wanted {
-                let mut own = study.clone();
-                if let FrictionSource::File(file) = &mut own.friction {
-                    // The friction of the file is that of the window.
-                    *file = PathBuf::new();
-                }
-                // The friction of a part of a rough slider on a smooth track has no course along the path.
-                let has_path = self.friction.as_ref().is_none_or(|friction| friction.body != RoughBody::Slider);
-                let depends_on: [&dyn Debug; 4] = [&own, window, &has_path, &self.seed()];
-                let stage = stages
-                    .run(Stage::Vibration.name(), &depends_on, |monitor| {
-                        vibration_stage::run(study, window, has_path, self.seed(), monitor)
-                    })?
-                    .ok_or(StudyError::Incomplete)?;
-                gathered.machine = stage.machine;
-                gathered.add(stage.output);
-                gathered.results.vibration = Some(stage.result);
+            if let Some(window) = window.as_ref().filter(|_| wants(Stage::Vibration)) {
+                self.run_vibration(stages, study, window, &mut gathered)?;
             }
-            if let (Some(window), true) = (&window, wants_verdict) {
-                let verdict = stages
-                    .run(Stage::Verdict.name(), &[&of_surface, &without_paths, window], |monitor| {
-                        verdict::run(self, surface.as_ref(), window, monitor)
-                    })?
-                    .ok_or(StudyError::Incomplete)?;
-                gathered.add(verdict.output);
-                gathered.results.verdict = Some(verdict.result);
-            }
+        }
+        if let Some(window) = window.as_ref().filter(|_| wants_verdict) {
+            let verdict = stages.run(Stage::Verdict.name(), &[&of_surface, &without_paths, window], |monitor| {
+                verdict::run(self, surface.as_ref(), window, monitor)
+            })?;
+            let verdict = verdict.ok_or(StudyError::Incomplete)?;
+            gathered.add(verdict.output);
+            gathered.results.verdict = Some(verdict.result);
         }
         if blocks.is_some_and(RunBlocks::is_incomplete) {
             return Err(StudyError::Incomplete);
@@ -388,6 +414,14 @@ impl Study {
     fn scan_hashes(&self, folder: &Path) -> Result<Vec<String>, StudyError> {
         Ok(self.scan_paths(folder).iter().map(|scan| file_hash(scan)).collect::<Result<_, _>>()?)
     }
+}
+
+/// What the stages are run for.
+enum Purpose<'a> {
+    /// All results of a study.
+    Study,
+    /// The answers of a member of a campaign, without the tables of the scan; its friction, if other members have the same.
+    Answers { friction: Option<&'a SharedFriction> },
 }
 
 /// Friction of the machine that several studies have in common.

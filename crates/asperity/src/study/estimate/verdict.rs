@@ -6,7 +6,7 @@ use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
 use crate::study::result::ModelResult;
-use crate::study::verdict::LATER;
+use crate::study::verdict::judge::LATER;
 use crate::study::verdict::replicates::REPLICATES;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
 use crate::study::verdict::{

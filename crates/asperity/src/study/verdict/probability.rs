@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::dynamics::Margins;
+use super::fluctuating::HALF;
 use super::machines::{Machines, NoAnswer};
+use super::number;
 use super::replicates::Mean;
 use super::responses::FrictionResponses;
 use super::sampled::{Evaluated, Sampled};
@@ -49,6 +51,34 @@ pub(super) struct Estimator<'a> {
 }
 
 impl Estimator<'_> {
+    /// Estimates the probabilities that a machine which begins in stick vibrates for more than the threshold, its expected fraction of the time,
+    /// and the probability of half of the time. Without fluctuation all are equal.
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub(super) fn of_vibration(&mut self, fluctuates: bool) -> Result<[Probability; 3], StudyError> {
+        let from_stick = |value| Event { value, margin: |margins| margins.from_stick, by_margin: !fluctuates };
+        let found = self.probability(&from_stick(|machine| number(machine.vibrates)))?;
+        if !fluctuates {
+            return Ok([found.clone(), found.clone(), found]);
+        }
+        let share = self.probability(&from_stick(|machine| machine.fraction))?;
+        let half = self.probability(&from_stick(|machine| number(machine.fraction >= HALF)))?;
+        Ok([found, share, half])
+    }
+
+    /// Estimates the probability that a machine which slides steadily at first vibrates; its friction does not fluctuate.
+    ///
+    /// # Errors
+    /// The monitor cancelled.
+    pub(super) fn from_steady_sliding(&mut self) -> Result<Probability, StudyError> {
+        self.probability(&Event {
+            value: |machine| number(machine.margins.from_steady_sliding < 0.0),
+            margin: |margins| margins.from_steady_sliding,
+            by_margin: true,
+        })
+    }
+
     /// Estimates the probability of an event. A small one, or the complement of one that is almost certain, comes from subset
     /// simulation.
     ///
