@@ -204,7 +204,7 @@ struct Probabilities {
 impl Probabilities {
     fn new(mut estimator: Estimator<'_>, fluctuates: bool, output: &mut StageOutput) -> Result<Self, StudyError> {
         let [above_threshold, share, half] = estimator.of_vibration(fluctuates)?;
-        let from_steady_sliding = (!fluctuates).then(|| estimator.from_steady_sliding()).transpose()?;
+        let from_steady_sliding = (!fluctuates).then(|| estimator.of_steady_sliding()).transpose()?;
         output.warnings.append(&mut estimator.warnings);
         let (evaluations, friction_error) = (estimator.evaluations, estimator.friction_error());
         Ok(Self { above_threshold, share, half, from_steady_sliding, evaluations, friction_error })

@@ -71,7 +71,7 @@ impl Estimator<'_> {
     ///
     /// # Errors
     /// The monitor cancelled.
-    pub(super) fn from_steady_sliding(&mut self) -> Result<Probability, StudyError> {
+    pub(super) fn of_steady_sliding(&mut self) -> Result<Probability, StudyError> {
         self.probability(&Event {
             value: |machine| number(machine.margins.from_steady_sliding < 0.0),
             margin: |margins| margins.from_steady_sliding,
