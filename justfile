@@ -101,8 +101,8 @@ web PROFILE="wasm":
     rustup target add wasm32-unknown-unknown
     cargo install --quiet --debug --root target/tools wasm-bindgen-cli --version "$(sed -n 's/^wasm-bindgen = "=\(.*\)"/\1/p' Cargo.toml)"
     npm --prefix web ci --no-audit --no-fund
-    PROFILE={{PROFILE}} npm --prefix web run oscillator
-    PROFILE={{PROFILE}} npm --prefix web run explorer
+    WASM_PROFILE={{PROFILE}} npm --prefix web run oscillator
+    WASM_PROFILE={{PROFILE}} npm --prefix web run explorer
     npm --prefix web run check
     cargo build --bin asperity
     npm --prefix web test

@@ -27,7 +27,7 @@ async function report(write) {
 }
 
 /** Profile of cargo for the bindings; `dev` compiles in less than half the time. */
-const PROFILE = process.env.PROFILE ?? "wasm";
+const PROFILE = process.env.WASM_PROFILE ?? "wasm";
 
 /** Compiles the bindings for the browser into `folder`, with the features of cargo's `flags`. */
 function bindings(folder, flags = []) {

@@ -2,7 +2,8 @@
 //!
 //! [`small_probability`] estimates P[g(z) < 0] for independent standard normal variables z, from 0.1 down to about 10⁻⁸, by subset
 //! simulation [1, 2]. It needs no derivatives of g, and g may have kinks, flat parts and several regions of failure. The mean of
-//! independent replicates is the estimate, and their scatter gives its interval.
+//! independent replicates is the estimate, and their scatter gives its interval. A region of failure that no sample reaches is missing
+//! from the probability and from its interval.
 //!
 //! ```
 //! use asperity_base::monitor::Silent;
@@ -55,7 +56,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Returns a coefficient of variation of 0.1 and at most 60,000 evaluations.
+    /// Returns a coefficient of variation of 0.1 and 60,000 evaluations.
     pub fn new(seed: u64) -> Self {
         Self { coefficient_of_variation: 0.1, most_evaluations: 60_000, seed }
     }
@@ -119,7 +120,7 @@ pub fn small_probability<E: Send>(
 /// Returns the coefficient of variation of the mean of replicates.
 ///
 /// Their distribution resembles a lognormal one, whose standard deviation few replicates underestimate; the variance of their logarithms
-/// does not (Cox's method: Land, *Technometrics* **14** (1972) 145, <https://doi.org/10.1080/00401706.1972.10488891>).
+/// does not (Cox's method: Land, *Technometrics* **14** (1972) 145).
 fn relative_error(probabilities: &[f64]) -> f64 {
     let (moments, count) = (Moments::new(probabilities), probabilities.len() as f64);
     let own = moments.sample_std() / (moments.mean * count.sqrt());

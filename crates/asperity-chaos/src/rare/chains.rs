@@ -45,7 +45,6 @@ pub(super) struct Descent {
 }
 
 /// Samples in a set, with their values.
-#[derive(Default)]
 struct Samples {
     points: Vec<Vec<f64>>,
     values: Vec<f64>,
