@@ -56,9 +56,9 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Returns a coefficient of variation of 0.1 and 60,000 evaluations.
+    /// Returns a coefficient of variation of 0.07 and 80,000 evaluations.
     pub fn new(seed: u64) -> Self {
-        Self { coefficient_of_variation: 0.1, most_evaluations: 60_000, seed }
+        Self { coefficient_of_variation: 0.07, most_evaluations: 80_000, seed }
     }
 }
 
