@@ -55,15 +55,20 @@ pub enum QuantityError {
 }
 
 /// Physical dimension with its name, an example, and its units with their factors to SI.
-struct Dimension {
-    name: &'static str,
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Dimension {
+    /// Name.
+    pub name: &'static str,
     example: &'static str,
     /// SI unit of output.
     si: &'static str,
     units: &'static [(&'static str, f64)],
 }
 
-const LENGTH: Dimension = Dimension {
+/// Dimension of lengths.
+#[doc(hidden)]
+pub const LENGTH: Dimension = Dimension {
     name: "length",
     example: "0.5 um",
     si: "m",
@@ -207,29 +212,82 @@ const COMPLIANCE: Dimension = Dimension {
     ],
 };
 
-fn parse(text: &str, dimension: &Dimension) -> Result<f64, QuantityError> {
-    let (wanted, example) = (dimension.name, dimension.example);
-    let trimmed = text.trim();
-    // Returns the length of the longest prefix that is a number, for "5e-05 Pa" and "210GPa", but not "1e".
-    let split = (1..=trimmed.len())
-        .rev()
-        .filter(|&end| trimmed.is_char_boundary(end))
-        .find(|&end| trimmed[..end].parse::<f64>().is_ok() && trimmed.as_bytes()[end - 1] != b' ')
-        .filter(|&end| trimmed[..end].contains(|c: char| c.is_ascii_digit()));
-    let Some(split) = split.filter(|_| !trimmed.starts_with(|c: char| c.is_alphabetic())) else {
-        return Err(QuantityError::NotANumber { text: trimmed.into(), wanted, example });
-    };
-    let (number, unit) = (&trimmed[..split], trimmed[split..].trim());
-    if unit.is_empty() {
-        return Err(QuantityError::NoUnit { text: trimmed.into(), wanted, example });
+impl Dimension {
+    /// Returns the dimension of an SI unit; that of Hz is a frequency, not an angular one.
+    pub fn of_unit(si: &str) -> Option<&'static Self> {
+        Self::ALL.iter().copied().find(|dimension| dimension.si == si)
     }
-    let factor = dimension.units.iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor);
-    match (number.parse::<f64>(), factor) {
-        (Ok(value), Some(factor)) => match scaled(value, factor) {
-            value if value.is_finite() => Ok(value),
-            _ => Err(QuantityError::TooLarge { text: trimmed.into(), wanted }),
-        },
-        _ => Err(QuantityError::WrongUnit { unit: unit.into(), wanted, example }),
+
+    /// Returns a quantity of any dimension in SI with its SI unit.
+    pub fn parse_any(text: &str) -> Option<(f64, &'static str)> {
+        Self::ALL.iter().find_map(|dimension| Some((dimension.parse(text).ok()?, dimension.si)))
+    }
+
+    /// Returns a number with a unit in SI.
+    ///
+    /// # Errors
+    /// The text does not start with a finite number, or its unit is missing or of another dimension.
+    pub fn parse(&self, text: &str) -> Result<f64, QuantityError> {
+        let (wanted, example) = (self.name, self.example);
+        let trimmed = text.trim();
+        // Returns the length of the longest prefix that is a number, for "5e-05 Pa" and "210GPa", but not "1e".
+        let split = (1..=trimmed.len())
+            .rev()
+            .filter(|&end| trimmed.is_char_boundary(end))
+            .find(|&end| trimmed[..end].parse::<f64>().is_ok() && trimmed.as_bytes()[end - 1] != b' ')
+            .filter(|&end| trimmed[..end].contains(|c: char| c.is_ascii_digit()));
+        let Some(split) = split.filter(|_| !trimmed.starts_with(|c: char| c.is_alphabetic())) else {
+            return Err(QuantityError::NotANumber { text: trimmed.into(), wanted, example });
+        };
+        let (number, unit) = (&trimmed[..split], trimmed[split..].trim());
+        if unit.is_empty() {
+            return Err(QuantityError::NoUnit { text: trimmed.into(), wanted, example });
+        }
+        let factor = self.units.iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor);
+        match (number.parse::<f64>(), factor) {
+            (Ok(value), Some(factor)) => match scaled(value, factor) {
+                value if value.is_finite() => Ok(value),
+                _ => Err(QuantityError::TooLarge { text: trimmed.into(), wanted }),
+            },
+            _ => Err(QuantityError::WrongUnit { unit: unit.into(), wanted, example }),
+        }
+    }
+
+    /// Returns a text that parses to the same bits, in the unit with the shortest number: without exponent, at least 1,
+    /// with few digits. Only units in plain ASCII are used.
+    pub fn show(&self, value: f64) -> String {
+        let candidates = self.units.iter().filter(|(unit, _)| unit.is_ascii()).flat_map(|(unit, factor)| {
+            // Both roundings differ; parsing decides which is exact.
+            [value / factor, value * (1.0 / factor).round()].map(|scaled| {
+                let digits = format!("{scaled:?}");
+                (digits.strip_suffix(".0").unwrap_or(&digits).to_owned(), *unit)
+            })
+        });
+        candidates
+            .filter(|(number, unit)| {
+                self.parse(&format!("{number} {unit}")).is_ok_and(|back| back.to_bits() == value.to_bits())
+            })
+            .min_by_key(|(number, unit)| {
+                let small = number.trim_start_matches('-').starts_with("0.");
+                // The bar is not used for hardness.
+                (number.contains('e'), small, matches!(*unit, "bar" | "hPa"), number.len())
+            })
+            .map_or_else(|| format!("{value:?} {}", self.si), |(number, unit)| format!("{number} {unit}"))
+    }
+
+    /// Returns the regular expression of the units.
+    pub fn unit_pattern(&self) -> String {
+        let units: Vec<String> = self.units.iter().map(|(unit, _)| unit.replace('^', r"\^")).collect();
+        format!("({})", units.join("|"))
+    }
+
+    fn schema(&self) -> Schema {
+        json_schema!({
+            "type": "string",
+            "description": format!("Text of a number and a unit of {}.", self.name),
+            "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{}\s*$", self.unit_pattern()),
+            "examples": [self.example],
+        })
     }
 }
 
@@ -240,46 +298,9 @@ fn scaled(value: f64, factor: f64) -> f64 {
     if factor < 1.0 && (inverse * factor - 1.0).abs() < 1e-15 { value / inverse } else { value * factor }
 }
 
-/// Returns a text that parses to the same bits, in the unit with the shortest number: without exponent, at least 1,
-/// with few digits. Only units in plain ASCII are used.
-fn show(value: f64, dimension: &Dimension) -> String {
-    let candidates = dimension.units.iter().filter(|(unit, _)| unit.is_ascii()).flat_map(|(unit, factor)| {
-        // Both roundings differ; parsing decides which is exact.
-        [value / factor, value * (1.0 / factor).round()].map(|scaled| {
-            let digits = format!("{scaled:?}");
-            (digits.strip_suffix(".0").unwrap_or(&digits).to_owned(), *unit)
-        })
-    });
-    candidates
-        .filter(|(number, unit)| {
-            parse(&format!("{number} {unit}"), dimension).is_ok_and(|back| back.to_bits() == value.to_bits())
-        })
-        .min_by_key(|(number, unit)| {
-            let small = number.trim_start_matches('-').starts_with("0.");
-            // The bar is not used for hardness.
-            (number.contains('e'), small, matches!(*unit, "bar" | "hPa"), number.len())
-        })
-        .map_or_else(|| format!("{value:?} {}", dimension.si), |(number, unit)| format!("{number} {unit}"))
-}
-
 /// Regular expression of a number in the text of a quantity.
 #[doc(hidden)]
 pub const NUMBER_PATTERN: &str = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?";
-
-/// Returns the regular expression of the units of a dimension.
-fn unit_pattern(dimension: &Dimension) -> String {
-    let units: Vec<String> = dimension.units.iter().map(|(unit, _)| unit.replace('^', r"\^")).collect();
-    format!("({})", units.join("|"))
-}
-
-fn schema(dimension: &Dimension) -> Schema {
-    json_schema!({
-        "type": "string",
-        "description": format!("Text of a number and a unit of {}.", dimension.name),
-        "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{}\s*$", unit_pattern(dimension)),
-        "examples": [dimension.example],
-    })
-}
 
 macro_rules! quantities {
     ($($(#[$doc:meta])* $name:ident = $dimension:ident;)+) => {$(
@@ -294,21 +315,13 @@ macro_rules! quantities {
             }
         }
 
-        impl $name {
-            /// Returns the regular expression of its units.
-            #[doc(hidden)]
-            pub fn unit_pattern() -> String {
-                unit_pattern(&$dimension)
-            }
-        }
-
         impl JsonSchema for $name {
             fn schema_name() -> std::borrow::Cow<'static, str> {
                 stringify!($name).into()
             }
 
             fn json_schema(_: &mut SchemaGenerator) -> Schema {
-                schema(&$dimension)
+                $dimension.schema()
             }
         }
 
@@ -316,13 +329,13 @@ macro_rules! quantities {
             type Err = QuantityError;
 
             fn from_str(text: &str) -> Result<Self, QuantityError> {
-                parse(text, &$dimension).map(Self)
+                $dimension.parse(text).map(Self)
             }
         }
 
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(&show(self.0, &$dimension))
+                f.write_str(&$dimension.show(self.0))
             }
         }
 
@@ -349,7 +362,12 @@ macro_rules! quantities {
                 deserializer.deserialize_any(Visitor)
             }
         }
-    )+};
+    )+
+
+        impl Dimension {
+            const ALL: &[&Self] = &[$(&$dimension),+];
+        }
+    };
 }
 
 quantities! {

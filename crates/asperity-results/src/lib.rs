@@ -11,6 +11,7 @@ mod comparison;
 mod cutoff;
 mod field;
 mod friction;
+pub mod keys;
 mod mode_coupling;
 mod pressure;
 mod provenance;

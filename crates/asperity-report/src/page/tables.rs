@@ -1,5 +1,6 @@
 //! Tables of the page from `results.json`.
 
+use asperity_results::keys::{Default, Key};
 use asperity_results::{CoarseEntry, PressureMethod, PressureResult, ScalarQuantile};
 
 use crate::cells::{DASH, plain, shown};
@@ -129,39 +130,6 @@ pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
 
 /// Key of the defaults that a resolved study lists.
 const UNSTATED: &str = "unstated";
-/// Keys of values of the machine and its surfaces; all others are settings of the computation.
-const VALUES: [(&str, &[&str]); 5] = [
-    ("surface", &["rms_height", "correlation_length", "hurst", "smoothness", "fractal_dimension", "body"]),
-    ("counterface", &["youngs_modulus", "poisson_ratio", "hardness"]),
-    ("material", &["youngs_modulus", "poisson_ratio", "hardness", "shear_strength"]),
-    ("friction", &["law", "pressure_coefficient", "coefficient"]),
-    (
-        "vibration",
-        &[
-            "static_friction",
-            "friction_std",
-            "friction_correlation_length",
-            "friction_process",
-            "velocity_law",
-            "stribeck",
-            "linear_weakening",
-            "stribeck_velocity",
-            "high_speed_share",
-            "kinetic_share",
-            "model",
-            "spring_angles",
-            "springs",
-            "contact_spring",
-            "damping_ratio",
-            "mass",
-            "natural_frequency",
-            "normal_force",
-            "nominal_area",
-            "belt_velocity",
-            "dimensionless_belt_velocity",
-        ],
-    ),
-];
 
 /// Returns where the value of an input comes from.
 fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static str {
@@ -171,16 +139,14 @@ fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static 
         "covariance" | "marginal" => matches!(value.as_str(), "measured" | "empirical"),
         _ => false,
     };
-    let is_value = VALUES.iter().any(|(own, keys)| own == section && keys.contains(&name));
-    match (section.as_str(), format!("{section}.{name}").as_str()) {
+    let path = format!("{section}.{name}");
+    let known = Key::find(&path);
+    let default = known.filter(|_| unstated.contains(&path.as_str())).and_then(|known| known.default);
+    match (section.as_str(), default) {
         ("surface" | "counterface", _) if is_measured => "measured",
-        (_, "friction.law" | "vibration.velocity_law" | "vibration.stribeck" | "vibration.kinetic_share")
-            if unstated.contains(&format!("{section}.{name}").as_str()) =>
-        {
-            "the paper’s default"
-        }
-        (_, full) if unstated.contains(&full) => "asperity’s default",
-        _ if !is_value => "setting",
+        (_, Some(Default { of_paper: true, .. })) => "the paper’s default",
+        (_, Some(_)) => "asperity’s default",
+        _ if known.is_none() => "setting",
         _ if key.contains('.') || ["±", "+/-", ".."].iter().any(|mark| value.contains(mark)) => "stated, uncertain",
         _ => "stated",
     }

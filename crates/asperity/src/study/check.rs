@@ -11,8 +11,10 @@ mod verdict;
 mod vibration;
 mod vibration_study;
 
-use self::invalid_value::within;
+use self::invalid_value::{invalid, within};
+use crate::quantity::Dimension;
 use crate::study::file::StudyFile;
+use crate::study::uncertain::numbers;
 pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub use invalid_value::InvalidValue;
 pub(super) use pressure::PressureStudy;
@@ -65,6 +67,7 @@ impl StudyFile {
             |fraction| fraction > 0.0 && fraction <= 1.0,
             "a fraction above 0, at most 1",
         )?;
+        self.check_numbers()?;
         let surface = self.check_surface()?;
         let counterface = self.check_counterface()?;
         let material = self.check_material()?;
@@ -76,6 +79,21 @@ impl StudyFile {
         let file = self.with_defaults(friction.as_ref(), vibration.as_ref());
         let verdict = file.check_verdict()?;
         Ok(Study { file, surface, counterface, pressure, friction, vibration, verdict })
+    }
+
+    /// Checks the numbers and quantities that may be uncertain.
+    fn check_numbers(&self) -> Result<(), InvalidValue> {
+        for (key, access) in numbers() {
+            let Some(bounds) = key.bounds else { continue };
+            for number in [None, Some(0), Some(1)].into_iter().filter_map(|element| access.get(self, key, element)) {
+                if !bounds.contain(number) {
+                    let found = Dimension::of_unit(key.unit).map_or(number.to_string(), |unit| unit.show(number));
+                    let message = format!("found {found}, expected {}", bounds.expected);
+                    return Err(invalid(key.section, key.name, message));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Returns the file with the default values that other keys determine; the study of a run folder states them.
@@ -98,5 +116,56 @@ impl StudyFile {
             }
         }
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_results::keys::Key;
+
+    use super::*;
+    use crate::map::HEIGHT_RANGE_M;
+
+    /// Study in which every number of one degree of freedom is stated.
+    const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = [\"20 um\", \"30 um\"]\n\
+                         covariance = \"exponential\"\nmarginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
+                         poisson_ratio = 0.3\nhardness = \"2 GPa\"\nshear_strength = \"385 MPa\"\n[friction]\n[vibration]\n\
+                         mass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\nnormal_force = \"2.5 kN\"\n\
+                         nominal_area = \"833 mm^2\"\nbelt_velocity = \"0.1 m/s\"\nstribeck = 4.2\nkinetic_share = 0.9\n";
+
+    #[test]
+    fn every_number_outside_its_bounds_is_refused_with_its_key_unit_and_bounds() {
+        let study = StudyFile::parse(STUDY, "study.toml").unwrap();
+        study.clone().check().unwrap();
+        let mut checked = 0;
+        for (key, access) in numbers() {
+            for element in [None, Some(1)] {
+                if access.get(&study, key, element).is_none() {
+                    continue;
+                }
+                let bounds = key.bounds.unwrap();
+                for value in [bounds.low, bounds.high].into_iter().filter(|value| !bounds.contain(*value)) {
+                    let mut wrong = study.clone();
+                    access.set(&mut wrong, key, element, value);
+                    let error = wrong.check().unwrap_err();
+                    assert_eq!((error.section, error.key), (key.section, key.name));
+                    assert!(error.message.ends_with(bounds.expected), "{error}");
+                    checked += 1;
+                }
+            }
+        }
+        assert!(checked > 20, "{checked}");
+        let mut wrong = study;
+        wrong.material.as_mut().unwrap().youngs_modulus.0 = -2e9;
+        assert_eq!(
+            wrong.check().unwrap_err().to_string(),
+            "[material] youngs_modulus: found -2 GPa, expected a positive value"
+        );
+    }
+
+    #[test]
+    fn heights_have_the_range_of_maps() {
+        let bounds = Key::find("surface.rms_height").unwrap().bounds.unwrap();
+        assert_eq!((bounds.low, bounds.high), (*HEIGHT_RANGE_M.start(), *HEIGHT_RANGE_M.end()));
     }
 }

@@ -105,7 +105,7 @@ pub(super) fn read_with_uncertain_values(text: &str, file: &str) -> Result<Study
             }
         }
     }
-    let central = uncertain.iter().map(|value| value.place().key().show(value.input().central()).to_string());
+    let central = uncertain.iter().map(|value| value.central_as_stated().to_string());
     let central: Vec<String> = central.collect();
     let mut root = DeTable::parse(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
     for (place, central) in uncertain.iter().map(UncertainValue::place).zip(&central) {

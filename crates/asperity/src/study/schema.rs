@@ -2,15 +2,16 @@
 
 use std::borrow::Cow;
 
+use asperity_results::keys::Key;
 use asperity_results::tidy;
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use schemars::{Schema, json_schema};
 use serde_json::{Map, Value, json};
 
-use crate::quantity::NUMBER_PATTERN;
+use crate::quantity::{Dimension, NUMBER_PATTERN};
 use crate::study::StudyFile;
-use crate::study::uncertain::{KEYS, UncertainKey};
+use crate::study::uncertain::numbers;
 
 /// Returns the JSON Schema of study files, for editors and for programs that write studies.
 ///
@@ -24,7 +25,7 @@ pub fn study_schema() -> Schema {
     schema.insert("$id".into(), "urn:asperity:study".into());
     schema.insert("title".into(), "Study file of asperity".into());
     let mut definitions = Map::new();
-    for key in KEYS {
+    for (key, _) in numbers() {
         let name = definition_name(key);
         let place = format!("/properties/{}/properties/{}", key.section, key.name);
         if let Some(value) = schema.pointer_mut(&place) {
@@ -83,17 +84,18 @@ fn allow(value: &mut Value, form: &Value) {
 }
 
 /// Returns the name of the definition of the uncertain values of a key.
-fn definition_name(key: &UncertainKey) -> String {
-    key.quantity().map_or_else(|| "uncertain_number".into(), |(name, _)| format!("uncertain_{name}"))
+fn definition_name(key: &Key) -> String {
+    let name = Dimension::of_unit(key.unit).map_or("number", |dimension| dimension.name);
+    format!("uncertain_{}", name.replace(' ', "_"))
 }
 
 /// Returns the schema of the uncertain values of a key.
-fn uncertain_value(key: &UncertainKey) -> Schema {
+fn uncertain_value(key: &Key) -> Schema {
     let number = json!({ "type": "number" });
     let list = |values: &[&Value], description: &str| json!({ "type": "array", "items": values, "minItems": values.len(), "maxItems": values.len(), "description": description });
-    let (value, [left, right]) = match key.quantity() {
+    let (value, [left, right]) = match Dimension::of_unit(key.unit).map(Dimension::unit_pattern) {
         None => (number.clone(), [Cow::from(""), Cow::from("")]),
-        Some((_, units)) => (
+        Some(units) => (
             json!({ "type": "string", "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{units}\s*$") }),
             [format!(r"\s*{units}?").into(), format!(r"\s*{units}").into()],
         ),
@@ -177,7 +179,7 @@ mod tests {
     #[test]
     fn every_value_that_may_be_uncertain_has_the_forms_of_its_unit() {
         let schema = study_schema().to_value();
-        for key in KEYS {
+        for (key, _) in numbers() {
             let value = &schema["properties"][key.section]["properties"][key.name];
             let form = json!({ "$ref": format!("#/definitions/{}", definition_name(key)) });
             let has_form = |value: &Value| value["anyOf"].as_array().is_some_and(|forms| forms.contains(&form));

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::quantity::{Length, NUMBER_PATTERN};
+use crate::quantity::{LENGTH, Length, NUMBER_PATTERN};
 
 /// Word for the interval that the surface stage measured.
 const MEASURED: &str = "measured";
@@ -76,7 +76,7 @@ impl JsonSchema for LengthStd {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let units = Length::unit_pattern();
+        let units = LENGTH.unit_pattern();
         json_schema!({
             "type": "string",
             "pattern": format!(r"^\s*({MEASURED}|{NUMBER_PATTERN}\s*(%|{units}))\s*$"),

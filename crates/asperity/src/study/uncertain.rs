@@ -11,12 +11,21 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-pub(super) use self::keys::{BETWEEN_PARTS, CUT_OFF, KEYS, UncertainKey};
-use self::keys::{LATENT, any_quantity};
+use asperity_results::keys::{Key, LATENT};
+
+pub(super) use self::keys::{numbers, parse};
+use self::keys::{Access, find, show};
 use self::stated::{Stated, StatedDistribution};
-use crate::chaos::UncertainInput;
+use crate::chaos::{InputError, UncertainInput};
 use crate::distribution::Marginal;
+use crate::quantity::Dimension;
 use crate::study::StudyFile;
+
+/// Name of the differences between the parts of a rough slider.
+pub(super) const BETWEEN_PARTS: &str = "surface.between_parts";
+
+/// Name of the shortest wave of the surface. A study that does not state it may have it as a value that the scan leaves unknown.
+pub(super) const CUT_OFF: &str = "surface.cut_off";
 
 /// Uncertain value of a study file.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +43,12 @@ impl UncertainValue {
 
     /// Returns the value at a standard normal variable as a study file states it.
     pub(super) fn stated_at(&self, xi: f64) -> Value {
-        self.place.key.show(self.input.value(xi))
+        show(self.place.key, self.input.value(xi))
+    }
+
+    /// Returns the central value as a study file states it.
+    pub(super) fn central_as_stated(&self) -> Value {
+        show(self.place.key, self.input.central())
     }
 
     pub(super) fn place(&self) -> Place {
@@ -59,12 +73,19 @@ impl UncertainValue {
     }
 }
 
-/// Place of a number or quantity in a study file.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Place of a number or quantity in a study file, or of a value that no file states.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    key: &'static UncertainKey,
+    key: &'static Key,
+    access: Option<&'static Access>,
     /// Position in a list of values.
     pub(super) element: Option<usize>,
+}
+
+impl PartialEq for Place {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.key, other.key) && self.element == other.element
+    }
 }
 
 impl Place {
@@ -74,39 +95,39 @@ impl Place {
             Some((path, position)) => (path, Some(position.parse().ok()?)),
             None => (name, None),
         };
-        let own = point.latent.iter().map(|(place, _)| place.key);
-        let known = KEYS.iter().chain(own).filter(|key| path == format!("{}.{}", key.section, key.name));
-        known.map(|key| Self { key, element }).find(|place| place.value_in(point).is_some())
+        let of_file = numbers().map(|(key, access)| Self { key, access: Some(access), element });
+        let own = point.latent.iter().map(|(place, _)| *place);
+        of_file.chain(own).find(|place| place.key.path() == path && place.value_in(point).is_some())
     }
 
     /// Returns the place of a value that no study file states.
     pub(super) fn latent(name: &str) -> Option<Self> {
-        let (section, key) = name.split_once('.')?;
-        let mut known = LATENT.iter().chain(KEYS);
-        Some(Self { key: known.find(|own| (own.section, own.name) == (section, key))?, element: None })
+        let key = LATENT.iter().chain(numbers().map(|(key, _)| key)).find(|key| key.path() == name)?;
+        Some(Self { key, access: None, element: None })
     }
 
     pub(super) fn name(&self) -> String {
-        let UncertainKey { section, name, .. } = self.key;
-        self.element.map_or_else(|| format!("{section}.{name}"), |position| format!("{section}.{name}[{position}]"))
+        let path = self.key.path();
+        self.element.map_or_else(|| path.clone(), |position| format!("{path}[{position}]"))
     }
 
-    /// Returns the key with its unit and physical bounds.
-    pub(super) fn key(&self) -> &'static UncertainKey {
+    /// Returns what is known about the input.
+    pub(super) fn key(&self) -> &'static Key {
         self.key
     }
 
     /// Returns its value in SI.
     pub(super) fn value_in(&self, point: &Point) -> Option<f64> {
         let latent = point.latent.iter().find(|(place, _)| place == self).map(|(_, value)| *value);
-        latent.or_else(|| (self.key.get)(&point.file, self.element))
+        latent.or_else(|| self.access?.get(&point.file, self.key, self.element))
     }
 
     /// Writes its value in SI.
     pub(super) fn set(&self, point: &mut Point, value: f64) {
-        match point.latent.iter_mut().find(|(place, _)| place == self) {
-            Some((_, latent)) => *latent = value,
-            None => (self.key.set)(&mut point.file, self.element, value),
+        match (point.latent.iter_mut().find(|(place, _)| place == self), self.access) {
+            (Some((_, latent)), _) => *latent = value,
+            (None, Some(access)) => access.set(&mut point.file, self.key, self.element, value),
+            (None, None) => {}
         }
     }
 
@@ -156,15 +177,15 @@ pub(super) fn si_value(section: &str, key: &str, value: &Value, folder: &Path) -
     if let Ok(Some(UncertainValue { place, input, .. })) = uncertain_value(section, key, None, value, folder) {
         return Some(SiValue { number: input.central(), std: Some(input.marginal().std()), unit: place.key.unit });
     }
-    let of_key = UncertainKey::find(section, key, value).and_then(|key| Some((key.parse(value).ok()?, key.unit)));
-    let (number, unit) = of_key.or_else(|| any_quantity(value.as_str()?))?;
+    let of_key = find(section, key, value).and_then(|(key, _)| Some((parse(key, value).ok()?, key.unit)));
+    let (number, unit) = of_key.or_else(|| Dimension::parse_any(value.as_str()?))?;
     Some(SiValue { number, std: None, unit })
 }
 
 /// Returns whether a value that may be uncertain has the distribution of a file of samples.
 pub(super) fn has_samples(section: &str, name: &str, value: &Value) -> bool {
     let Ok(Some(Stated { distribution, .. })) = Stated::read(value) else { return false };
-    let is_uncertain = UncertainKey::find(section, name, distribution.example()).is_some();
+    let is_uncertain = find(section, name, distribution.example()).is_some();
     is_uncertain && matches!(distribution, StatedDistribution::Samples(_))
 }
 
@@ -177,19 +198,24 @@ pub(super) fn uncertain_value(
     folder: &Path,
 ) -> Result<Option<UncertainValue>, String> {
     let Some(stated) = Stated::read(value)? else { return Ok(None) };
-    let key = UncertainKey::find(section, name, stated.distribution.example())
+    let (key, access) = find(section, name, stated.distribution.example())
         .ok_or("this key is a setting of the computation and cannot be uncertain; state one value")?;
-    let place = Place { key, element };
+    let place = Place { key, access: Some(access), element };
     let marginal = marginal(key, &stated.distribution, folder)?;
     let input = UncertainInput::new(&place.name(), marginal, stated.unknown)
-        .and_then(|input| input.truncated(key.low, key.high))
+        .and_then(|input| truncated(input, key))
         .map_err(|error| error.to_string())?;
     Ok(Some(UncertainValue { place, written: value.clone(), input }))
 }
 
+/// Truncates a distribution to the possible values of an input.
+fn truncated(input: UncertainInput, key: &Key) -> Result<UncertainInput, InputError> {
+    key.bounds.map_or(Ok(input.clone()), |bounds| input.truncated(bounds.low, bounds.high))
+}
+
 /// Returns a stated distribution in SI.
-fn marginal(key: &UncertainKey, stated: &StatedDistribution, folder: &Path) -> Result<Marginal, String> {
-    let number = |value: &Value| key.parse(value);
+fn marginal(key: &Key, stated: &StatedDistribution, folder: &Path) -> Result<Marginal, String> {
+    let number = |value: &Value| parse(key, value);
     let plain = |value: &Value| match value {
         Value::Float(number) => Ok(*number),
         Value::Integer(number) => Ok(*number as f64),
@@ -219,13 +245,13 @@ fn marginal(key: &UncertainKey, stated: &StatedDistribution, folder: &Path) -> R
 /// Reads the text of a file of samples of a key.
 #[cfg(fuzzing)]
 pub fn read_samples(section: &str, name: &str, text: &str) -> Option<UncertainInput> {
-    let key = UncertainKey::find(section, name, &Value::Boolean(false))?;
+    let (key, _) = find(section, name, &Value::Boolean(false))?;
     let marginal = Marginal::empirical(samples(key, text, Path::new("samples.csv")).ok()?).ok()?;
-    UncertainInput::new(name, marginal, false).ok()?.truncated(key.low, key.high).ok()
+    truncated(UncertainInput::new(name, marginal, false).ok()?, key).ok()
 }
 
 /// Reads the samples of a CSV file.
-fn samples_of_file(key: &UncertainKey, file: &Path) -> Result<Vec<f64>, String> {
+fn samples_of_file(key: &Key, file: &Path) -> Result<Vec<f64>, String> {
     let text = asperity_formats::read_text(file).map_err(|error| match error.kind() {
         ErrorKind::NotFound => format!("{}: no such file", file.display()),
         ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
@@ -236,7 +262,7 @@ fn samples_of_file(key: &UncertainKey, file: &Path) -> Result<Vec<f64>, String> 
 
 /// Reads samples from the first column of the text of a CSV file: quantities with units, or numbers in SI. A first line that does not begin
 /// with a number names the columns. Errors name `file`.
-fn samples(key: &UncertainKey, text: &str, file: &Path) -> Result<Vec<f64>, String> {
+fn samples(key: &Key, text: &str, file: &Path) -> Result<Vec<f64>, String> {
     let text = text.trim_start_matches('\u{feff}');
     // Where another separator is used, a comma separates no columns.
     let is_separated = text.lines().any(|line| !line.trim_start().starts_with('#') && line.contains([';', '\t']));
@@ -261,7 +287,7 @@ fn samples(key: &UncertainKey, text: &str, file: &Path) -> Result<Vec<f64>, Stri
         }
         let value = match cell.parse() {
             Ok(number) => number,
-            Err(_) => key.parse(&Value::String(cell.into())).map_err(wrong)?,
+            Err(_) => parse(key, &Value::String(cell.into())).map_err(wrong)?,
         };
         if !f64::is_finite(value) {
             return Err(wrong(format!("`{cell}` is not a number")));

@@ -103,6 +103,7 @@ fn refined(heights_m: &Array2<f64>) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn strips_of_a_scan_without_short_waves_have_none_and_their_interval_covers_its_friction() {
     let heights_m = scan(4.0 * PIXEL_M);
     let folder = folder_with(heights_m.clone());
@@ -125,6 +126,7 @@ fn strips_of_a_scan_without_short_waves_have_none_and_their_interval_covers_its_
 }
 
 #[test]
+#[ignore = "slow"]
 fn waves_beyond_the_resolved_ones_are_in_the_interval_and_in_a_warning_unless_the_cut_off_is_stated() {
     let heights_m = scan(2.0 * PIXEL_M);
     let folder = folder_with(heights_m.clone());

@@ -1,5 +1,6 @@
 //! The card of the inputs of the verdict, by origin.
 
+use asperity_results::keys::{Default, DefaultValue, Key};
 use asperity_results::{InputKind, InputValue, ModelResult, RestsOn};
 
 use crate::markup::{Html, html};
@@ -63,15 +64,15 @@ fn value(input: &RestsOn) -> String {
 
 /// Returns a default value with its origin: the paper, or asperity.
 fn default(input: &RestsOn) -> String {
-    let name = named(&input.input);
-    let origin = match input.input.as_str() {
-        "material.hardness" => return "hardness: none, contact is elastic".into(),
-        "vibration.stribeck" => "the paper’s value, not measured",
-        "vibration.velocity_law" | "friction.law" => "the paper’s",
-        "vibration.kinetic_share" => "the paper’s value",
+    if input.input == "material.hardness" {
+        return "hardness: none, contact is elastic".into();
+    }
+    let origin = match Key::find(&input.input).and_then(|key| key.default) {
+        Some(Default { of_paper: true, value: DefaultValue::Word(_), .. }) => "the paper’s",
+        Some(Default { of_paper: true, .. }) => "the paper’s value, not measured",
         _ => "asperity’s default",
     };
-    format!("{name} {}: {origin}", value(input))
+    format!("{} {}: {origin}", named(&input.input), value(input))
 }
 
 /// Returns all inputs with their values.

@@ -1,7 +1,7 @@
 //! Checks of `[counterface]`, and which bodies of the contact are rough.
 
 use super::friction::FrictionStudy;
-use super::invalid_value::{InvalidValue, POSITIVE, invalid, positive, within};
+use super::invalid_value::{InvalidValue, invalid};
 use super::surface::SurfaceStudy;
 use super::vibration_study::{FrictionSource, VibrationStudy};
 use crate::friction::RoughBody;
@@ -14,7 +14,9 @@ impl StudyFile {
     /// Checks the section; returns the roughness of the counterface, `None` if it is smooth.
     pub(super) fn check_counterface(&self) -> Result<Option<SurfaceStudy>, InvalidValue> {
         let Some(counterface) = &self.counterface else { return Ok(None) };
-        counterface.check_material()?;
+        if counterface.poisson_ratio.is_some() && counterface.youngs_modulus.is_none() {
+            return Err(invalid(SECTION, "poisson_ratio", "a rigid counterface has none; state youngs_modulus"));
+        }
         let Some(surface) = &self.surface else {
             let message = "the counterface is pressed against a surface; add a [surface] section";
             return Err(invalid(SECTION, "file", message));
@@ -27,7 +29,9 @@ impl StudyFile {
             let message = "`rescale` in [surface] requires marginal = \"normal\" of both bodies";
             return Err(invalid(SECTION, "marginal", message));
         }
-        section.check().map(Some).map_err(|error| InvalidValue { section: SECTION, ..error })
+        let own = |error| InvalidValue { section: SECTION, ..error };
+        Self { surface: Some(section.clone()), ..self.clone() }.check_numbers().map_err(own)?;
+        section.check().map(Some).map_err(own)
     }
 
     /// Returns which bodies are rough.
@@ -66,24 +70,5 @@ impl StudyFile {
             return Err(invalid("friction", "boundary", message));
         }
         Ok(RoughBody::Both)
-    }
-}
-
-impl CounterfaceSection {
-    fn check_material(&self) -> Result<(), InvalidValue> {
-        if let Some(modulus) = self.youngs_modulus {
-            within(SECTION, "youngs_modulus", modulus, positive, POSITIVE)?;
-        }
-        if let Some(ratio) = self.poisson_ratio {
-            let expected = "a Poisson ratio above -1 and at most 0.5";
-            within(SECTION, "poisson_ratio", ratio, |nu| nu > -1.0 && nu <= 0.5, expected)?;
-            if self.youngs_modulus.is_none() {
-                return Err(invalid(SECTION, "poisson_ratio", "a rigid counterface has none; state youngs_modulus"));
-            }
-        }
-        if let Some(hardness) = self.hardness {
-            within(SECTION, "hardness", hardness, positive, POSITIVE)?;
-        }
-        Ok(())
     }
 }

@@ -123,7 +123,6 @@ impl StudyFile {
         }
         let levels = check_levels(f, &material)?;
         if let Some(area) = f.nominal_area {
-            within(SECTION, "nominal_area", area, positive, POSITIVE)?;
             if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
                 let message = format!("found {area}, but [vibration] states {other}; remove one of them");
                 return Err(invalid(SECTION, "nominal_area", message));
@@ -173,13 +172,11 @@ impl StudyFile {
                 let shear_strength_pa = shear()?.0;
                 let message = "law = \"pressure_dependent\" needs its α, such as 0.05";
                 let alpha = f.pressure_coefficient.ok_or_else(|| invalid(SECTION, "pressure_coefficient", message))?;
-                within(SECTION, "pressure_coefficient", alpha, |a| a >= 0.0, "zero or a positive value")?;
                 Ok(Arc::new(PressureDependent { shear_strength_pa, pressure_coefficient: alpha }))
             }
             WindowLawKind::Coulomb => {
                 let message = "law = \"coulomb\" needs its μ, such as 0.2";
                 let coefficient = f.coefficient.ok_or_else(|| invalid(SECTION, "coefficient", message))?;
-                within(SECTION, "coefficient", coefficient, positive, POSITIVE)?;
                 Ok(Arc::new(Coulomb { coefficient }))
             }
         }

@@ -70,15 +70,6 @@ impl StudyFile {
             }
             return Ok(None);
         };
-        within(SECTION, "youngs_modulus", material.youngs_modulus, positive, POSITIVE)?;
-        let ratio = "a Poisson ratio above -1 and at most 0.5";
-        within(SECTION, "poisson_ratio", material.poisson_ratio, |nu| nu > -1.0 && nu <= 0.5, ratio)?;
-        if let Some(hardness) = material.hardness {
-            within(SECTION, "hardness", hardness, positive, POSITIVE)?;
-        }
-        if let Some(shear) = material.shear_strength {
-            within(SECTION, "shear_strength", shear, positive, POSITIVE)?;
-        }
         let own_pa = contact_modulus_pa(material.youngs_modulus.0, material.poisson_ratio);
         let contact_modulus_pa = match self.counterface.as_ref().and_then(CounterfaceSection::elastic) {
             None => own_pa,

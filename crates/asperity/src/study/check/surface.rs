@@ -7,7 +7,7 @@ use asperity_formats::{Channel, FormatError, LengthUnit, ReadOptions, Scan};
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::correlation::{CorrelationFamily, CorrelationModel};
 use crate::distribution::DistributionError;
-use crate::map::{BoundaryKind, HEIGHT_RANGE_M, PITCH_RANGE_M};
+use crate::map::{BoundaryKind, PITCH_RANGE_M};
 use crate::study::file::{StudyFile, SurfaceSection};
 use crate::surface::model::{CovarianceRequest, Measurable, SurfaceRequest, TruncatedExpansion};
 use crate::surface::preparation::Preparation;
@@ -77,7 +77,7 @@ impl SurfaceSection {
         if let Some(outliers) = self.outliers {
             within(SECTION, "outliers", outliers, |k| k >= 1.0, "at least 1 standard deviation")?;
         }
-        for (key, cutoff) in [("s_filter", self.s_filter), ("l_filter", self.l_filter), ("cut_off", self.cut_off)] {
+        for (key, cutoff) in [("s_filter", self.s_filter), ("l_filter", self.l_filter)] {
             if let Some(cutoff) = cutoff {
                 within(SECTION, key, cutoff, positive, POSITIVE)?;
             }
@@ -85,33 +85,6 @@ impl SurfaceSection {
         if let (Some(short), Some(long)) = (self.s_filter, self.l_filter) {
             let expected = "a cutoff longer than `s_filter`, so that some wavelengths remain";
             within(SECTION, "l_filter", long, |cutoff| cutoff > short.0, expected)?;
-        }
-        if let Some(rms) = self.rms_height {
-            within(
-                SECTION,
-                "rms_height",
-                rms,
-                |rms| HEIGHT_RANGE_M.contains(&rms),
-                "a positive value between 1e-50 and 1e50 m",
-            )?;
-        }
-        for length in self.correlation_length.into_iter().flatten() {
-            within(SECTION, "correlation_length", length, positive, POSITIVE)?;
-        }
-        if let Some(hurst) = self.hurst {
-            within(SECTION, "hurst", hurst, |h| h > 0.0 && h < 1.0, "a Hurst exponent strictly between 0 and 1")?;
-        }
-        if let Some(smoothness) = self.smoothness {
-            within(SECTION, "smoothness", smoothness, positive, POSITIVE)?;
-        }
-        if let Some(dimension) = self.fractal_dimension {
-            within(
-                SECTION,
-                "fractal_dimension",
-                dimension,
-                |d| d > 2.0 && d < 3.0,
-                "a value strictly between 2 and 3",
-            )?;
         }
         at_least(SECTION, "modes", self.modes.unwrap_or(1), 1)?;
         let expanded = self.generator == SurfaceGenerator::KarhunenLoeve;

@@ -4,7 +4,7 @@ use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, 
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
 use crate::study::file::{Hold, RemedySection, VerdictSection};
-use crate::study::uncertain::{Place, Point, UncertainValue};
+use crate::study::uncertain::{Place, Point, UncertainValue, parse};
 
 const SECTION: &str = "verdict";
 /// Targets of remedies that the machines of their search resolve.
@@ -136,9 +136,10 @@ fn check_remedy(remedy: &RemedySection, central: &Point, is_computed: bool) -> R
             "`{input}` has no effect without [friction]; a remedy can change a key of [vibration]"
         )));
     }
-    let parse = |value| place.key().parse(value).map_err(|message| wrong(format!("range of `{input}`: {message}")));
-    let (low, high) = (parse(&range[0])?, parse(&range[1])?);
-    if !(low < high && place.key().contains(low) && place.key().contains(high)) {
+    let end = |value| parse(place.key(), value).map_err(|message| wrong(format!("range of `{input}`: {message}")));
+    let (low, high) = (end(&range[0])?, end(&range[1])?);
+    let possible = |value| place.key().bounds.is_some_and(|bounds| bounds.contain(value));
+    if !(low < high && possible(low) && possible(high)) {
         return Err(wrong(format!(
             "range of `{input}`: found {low} to {high}, expected possible values in rising order"
         )));

@@ -20,39 +20,22 @@ use crate::vibration::{
 const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
-const RATIO: &str = "a ratio above 0, at most 1";
 /// Default coefficient a of the Stribeck law, the paper's value.
 const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(4.2);
-
-fn ratio(value: f64) -> bool {
-    value > 0.0 && value <= 1.0
-}
 
 impl StudyFile {
     pub(in crate::study) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
         let Some(v) = &self.vibration else { return Ok(None) };
-        within(SECTION, "mass", v.mass, positive, POSITIVE)?;
-        within(SECTION, "natural_frequency", v.natural_frequency, positive, POSITIVE)?;
-        within(SECTION, "damping_ratio", v.damping_ratio, |z| z >= 0.0, "zero or a positive value")?;
-        within(SECTION, "normal_force", v.normal_force, positive, POSITIVE)?;
-        within(SECTION, "nominal_area", v.nominal_area, positive, POSITIVE)?;
         let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
             .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
         let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
-            (Some(velocity), None) => {
-                within(SECTION, "belt_velocity", velocity, positive, POSITIVE)?;
-                velocity.0 / scales.velocity_m_per_s()
-            }
-            (None, Some(value)) => {
-                within(SECTION, "dimensionless_belt_velocity", value, positive, POSITIVE)?;
-                value
-            }
+            (Some(velocity), None) => velocity.0 / scales.velocity_m_per_s(),
+            (None, Some(value)) => value,
             _ => {
                 let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
                 return Err(invalid(SECTION, "belt_velocity", message));
             }
         };
-        within(SECTION, "kinetic_share", v.kinetic_share, ratio, RATIO)?;
         let coupled = self.check_coupled(v)?;
         let (velocity_law, stribeck) = velocity_law(v, &scales)?;
         let forcing = forcing(v)?;
@@ -158,9 +141,6 @@ impl StudyFile {
             (None, None, true) => Ok(FrictionSource::Computed(v.level)),
             (None, Some(file), false) => Ok(FrictionSource::File(file.clone())),
             (Some((((mean, std), correlation_length), marginal)), None, false) => {
-                within(SECTION, "static_friction", mean, positive, POSITIVE)?;
-                within(SECTION, "friction_std", std, |s| s >= 0.0, "zero or a positive value")?;
-                within(SECTION, "friction_correlation_length", correlation_length, positive, POSITIVE)?;
                 let marginal = marginal
                     .parse()
                     .map_err(|error: DistributionError| invalid(SECTION, "friction_marginal", error.to_string()))?;
@@ -235,20 +215,16 @@ fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, O
         _ if v.model == MachineModel::ModeCoupling => Ok((VelocityLaw::Coulomb { kinetic: 1.0 }, None)),
         VelocityLawKind::Stribeck => {
             let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
-            within(SECTION, "stribeck", coefficient, |a| a >= 0.0, "zero or a positive value")?;
             let decay = coefficient.per_unit(scales.velocity_m_per_s());
             Ok((VelocityLaw::Stribeck { kinetic: 1.0, decay }, Some(coefficient)))
         }
         VelocityLawKind::Linear => {
             let slope = v.linear_weakening.ok_or_else(|| missing("linear_weakening"))?;
-            within(SECTION, "linear_weakening", slope, |b| b >= 0.0, "zero or a positive value")?;
             Ok((VelocityLaw::Linear { kinetic: 1.0, slope }, None))
         }
         VelocityLawKind::Exponential => {
             let velocity = v.stribeck_velocity.ok_or_else(|| missing("stribeck_velocity"))?;
             let high_speed_share = v.high_speed_share.ok_or_else(|| missing("high_speed_share"))?;
-            within(SECTION, "stribeck_velocity", velocity, positive, POSITIVE)?;
-            within(SECTION, "high_speed_share", high_speed_share, ratio, RATIO)?;
             let stribeck_velocity = velocity.0 / scales.velocity_m_per_s();
             Ok((VelocityLaw::Exponential { kinetic: 1.0, high_speed: high_speed_share, stribeck_velocity }, None))
         }

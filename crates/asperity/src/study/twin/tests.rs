@@ -156,6 +156,7 @@ fn a_scan_too_short_for_its_own_covariance_gets_twins_of_a_model_and_a_warning()
 }
 
 #[test]
+#[ignore = "slow"]
 fn twins_of_a_measured_map_have_its_height_without_their_form_and_its_correlation() {
     // A map of few correlation lengths: the plane removes about a tenth of the variance.
     let covariance = smooth(9e-6, 9e-6);

@@ -1,55 +1,84 @@
-//! Keys of a study file whose values may be uncertain, with their units and physical bounds.
+//! Access to the inputs of a study file, and their texts.
 
+use asperity_results::keys::{KEYS, Key};
+use asperity_results::study_keys;
 use toml::Value;
 
 use crate::quantity::{
-    AngularFrequency, Area, Compliance, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Time, Velocity,
+    AngularFrequency, Area, Dimension, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Velocity,
 };
 use crate::study::StudyFile;
 use crate::study::file::{ContactSpring, Stribeck};
 
-/// Key whose value may be uncertain.
+/// Access to the number of an input in SI. A unit tells numbers and quantities of the same name apart.
 #[derive(Debug)]
-pub(in crate::study) struct UncertainKey {
-    pub(in crate::study) section: &'static str,
-    pub(in crate::study) name: &'static str,
-    /// SI unit; empty for a number.
-    pub(in crate::study) unit: &'static str,
-    /// Physical bounds in SI.
-    pub(super) low: f64,
-    pub(super) high: f64,
-    /// Returns its number in SI, or that of one element of a list; `None` if the file does not state it.
-    pub(super) get: fn(&StudyFile, Option<usize>) -> Option<f64>,
-    /// Replaces its number in SI, or that of one element or of all of a list, if the file states it.
-    pub(super) set: fn(&mut StudyFile, Option<usize>, f64),
+pub(in crate::study) struct Access {
+    get: fn(&StudyFile, unit: &str, element: Option<usize>) -> Option<f64>,
+    set: fn(&mut StudyFile, unit: &str, element: Option<usize>, f64),
 }
 
-impl PartialEq for UncertainKey {
-    fn eq(&self, other: &Self) -> bool {
-        (self.section, self.name, self.unit) == (other.section, other.name, other.unit)
+impl Access {
+    /// Returns the number, or that of one element of a list; `None` if the file does not state it.
+    pub(in crate::study) fn get(&self, file: &StudyFile, key: &Key, element: Option<usize>) -> Option<f64> {
+        (self.get)(file, key.unit, element)
+    }
+
+    /// Replaces the number, or that of one element or of all of a list, if the file states it.
+    pub(in crate::study) fn set(&self, file: &mut StudyFile, key: &Key, element: Option<usize>, value: f64) {
+        (self.set)(file, key.unit, element, value);
     }
 }
 
-macro_rules! key {
-    ($section:ident.$name:ident, $unit:literal, $low:expr, $high:expr) => {
-        UncertainKey {
-            section: stringify!($section),
-            name: stringify!($name),
-            unit: $unit,
-            low: $low,
-            high: $high,
-            get: |file, element| file.$section.as_ref()?.$name.get($unit, element),
-            set: |file, element, value| {
+macro_rules! access {
+    ($section:ident.$name:ident: word $($facts:tt)*) => {
+        Access { get: |_, _, _| None, set: |_, _, _, _| {} }
+    };
+    ($section:ident.$name:ident: $($facts:tt)*) => {
+        Access {
+            get: |file, unit, element| file.$section.as_ref()?.$name.get(unit, element),
+            set: |file, unit, element, value| {
                 if let Some(section) = &mut file.$section {
-                    section.$name.set($unit, element, value);
+                    section.$name.set(unit, element, value);
                 }
             },
         }
     };
 }
 
-const fn latent(section: &'static str, name: &'static str) -> UncertainKey {
-    UncertainKey { section, name, unit: "", low: -UNBOUNDED, high: UNBOUNDED, get: |_, _| None, set: |_, _, _| {} }
+/// Access to each of [`KEYS`].
+const ACCESS: &[Access] = &study_keys!(access);
+
+/// Returns all numbers and quantities that may be uncertain, with their access.
+pub(in crate::study) fn numbers() -> impl Iterator<Item = (&'static Key, &'static Access)> {
+    KEYS.iter().zip(ACCESS).filter(|(key, _)| key.bounds.is_some())
+}
+
+/// Returns the number or quantity of this name; of one that may be either, the form of `value`.
+pub(super) fn find(section: &str, name: &str, value: &Value) -> Option<(&'static Key, &'static Access)> {
+    let mut found = numbers().filter(|(key, _)| (key.section, key.name) == (section, name));
+    let first = found.next()?;
+    let is_number = matches!(value, Value::Float(_) | Value::Integer(_));
+    let other = found.find(|(key, _)| key.unit.is_empty() == is_number);
+    Some(other.filter(|_| first.0.unit.is_empty() != is_number).unwrap_or(first))
+}
+
+/// Reads a number or quantity in SI.
+pub(in crate::study) fn parse(key: &Key, value: &Value) -> Result<f64, String> {
+    let quantity = |text: &str| {
+        let dimension = Dimension::of_unit(key.unit).ok_or_else(|| format!("`{text}` is not a number"))?;
+        dimension.parse(text).map_err(|error: QuantityError| error.to_string())
+    };
+    match value {
+        Value::Float(number) if key.unit.is_empty() => Ok(*number),
+        Value::Integer(number) if key.unit.is_empty() => Ok(*number as f64),
+        Value::String(text) => quantity(text),
+        other => quantity(&other.to_string()),
+    }
+}
+
+/// Returns a number in SI as a study file states it.
+pub(in crate::study) fn show(key: &Key, value: f64) -> Value {
+    if key.unit.is_empty() { Value::Float(value) } else { Value::String(format!("{value:?} {}", key.unit)) }
 }
 
 /// Number of a study file in SI, or a list of numbers.
@@ -145,134 +174,4 @@ impl Numbers for ContactSpring {
             number.set(unit, element, value);
         }
     }
-}
-
-const UNBOUNDED: f64 = f64::INFINITY;
-
-/// All keys whose values may be uncertain.
-pub(in crate::study) const KEYS: &[UncertainKey] = &[
-    key!(surface.rms_height, "m", 0.0, UNBOUNDED),
-    key!(surface.correlation_length, "m", 0.0, UNBOUNDED),
-    key!(surface.hurst, "", 0.0, 1.0),
-    key!(surface.smoothness, "", 0.0, UNBOUNDED),
-    key!(surface.fractal_dimension, "", 2.0, 3.0),
-    key!(surface.cut_off, "m", 0.0, UNBOUNDED),
-    key!(material.youngs_modulus, "Pa", 0.0, UNBOUNDED),
-    key!(material.poisson_ratio, "", -1.0, 0.5),
-    key!(material.hardness, "Pa", 0.0, UNBOUNDED),
-    key!(material.shear_strength, "Pa", 0.0, UNBOUNDED),
-    key!(counterface.youngs_modulus, "Pa", 0.0, UNBOUNDED),
-    key!(counterface.poisson_ratio, "", -1.0, 0.5),
-    key!(counterface.hardness, "Pa", 0.0, UNBOUNDED),
-    key!(friction.pressure_coefficient, "", 0.0, UNBOUNDED),
-    key!(friction.coefficient, "", 0.0, UNBOUNDED),
-    key!(friction.nominal_area, "m^2", 0.0, UNBOUNDED),
-    key!(vibration.mass, "kg", 0.0, UNBOUNDED),
-    key!(vibration.natural_frequency, "rad/s", 0.0, UNBOUNDED),
-    key!(vibration.damping_ratio, "", 0.0, UNBOUNDED),
-    key!(vibration.normal_force, "N", 0.0, UNBOUNDED),
-    key!(vibration.nominal_area, "m^2", 0.0, UNBOUNDED),
-    key!(vibration.belt_velocity, "m/s", 0.0, UNBOUNDED),
-    key!(vibration.dimensionless_belt_velocity, "", 0.0, UNBOUNDED),
-    key!(vibration.stribeck, "", 0.0, UNBOUNDED),
-    key!(vibration.stribeck, "s/m", 0.0, UNBOUNDED),
-    key!(vibration.linear_weakening, "", 0.0, UNBOUNDED),
-    key!(vibration.spring_angles, "", -UNBOUNDED, UNBOUNDED),
-    key!(vibration.springs, "", 0.0, UNBOUNDED),
-    key!(vibration.contact_spring, "", 0.0, UNBOUNDED),
-    key!(vibration.kinetic_share, "", 0.0, 1.0),
-    key!(vibration.stribeck_velocity, "m/s", 0.0, UNBOUNDED),
-    key!(vibration.high_speed_share, "", 0.0, 1.0),
-    key!(vibration.static_friction, "", 0.0, UNBOUNDED),
-    key!(vibration.friction_std, "", 0.0, UNBOUNDED),
-    key!(vibration.friction_correlation_length, "m", 0.0, UNBOUNDED),
-];
-
-/// Name of the differences between the parts of a rough slider.
-pub(in crate::study) const BETWEEN_PARTS: &str = "surface.between_parts";
-
-/// Name of the shortest wave of the surface. A study that does not state it may have it as a value that the scan leaves unknown.
-pub(in crate::study) const CUT_OFF: &str = "surface.cut_off";
-
-/// Standard normal values that no study file states: what the scans of either body leave uncertain, differences between scans and between
-/// the parts of a rough slider.
-pub(super) const LATENT: &[UncertainKey] = &[
-    latent("surface", "scan"),
-    latent("surface", "between_scans"),
-    latent("counterface", "scan"),
-    latent("counterface", "between_scans"),
-    latent("surface", "between_parts"),
-];
-
-impl UncertainKey {
-    /// Returns the key; of a key that takes numbers and quantities, the form of `value`.
-    pub(super) fn find(section: &str, name: &str, value: &Value) -> Option<&'static Self> {
-        let mut found = KEYS.iter().filter(|key| (key.section, key.name) == (section, name));
-        let first = found.next()?;
-        let is_number = matches!(value, Value::Float(_) | Value::Integer(_));
-        Some(
-            found
-                .find(|key| key.unit.is_empty() == is_number)
-                .filter(|_| first.unit.is_empty() != is_number)
-                .unwrap_or(first),
-        )
-    }
-
-    /// Returns whether a value in SI lies within the physical bounds.
-    pub(in crate::study) fn contains(&self, value: f64) -> bool {
-        value.is_finite() && (self.low..=self.high).contains(&value)
-    }
-
-    /// Reads a number or quantity in SI.
-    pub(in crate::study) fn parse(&self, value: &Value) -> Result<f64, String> {
-        let text = match value {
-            Value::Float(number) if self.unit.is_empty() => return Ok(*number),
-            Value::Integer(number) if self.unit.is_empty() => return Ok(*number as f64),
-            Value::String(text) if self.unit.is_empty() => return Err(format!("`{text}` is not a number")),
-            Value::String(text) => text.clone(),
-            other => other.to_string(),
-        };
-        quantity(self.unit, &text).map_err(|error| error.to_string())
-    }
-
-    /// Returns the name of its dimension and the regular expression of its units; `None` for a number.
-    pub(in crate::study) fn quantity(&self) -> Option<(&'static str, String)> {
-        Some(match self.unit {
-            "" => return None,
-            "m" => ("length", Length::unit_pattern()),
-            "m^2" => ("area", Area::unit_pattern()),
-            "Pa" => ("pressure", Pressure::unit_pattern()),
-            "kg" => ("mass", Mass::unit_pattern()),
-            "N" => ("force", Force::unit_pattern()),
-            "m/s" => ("velocity", Velocity::unit_pattern()),
-            "s/m" => ("inverse_velocity", InverseVelocity::unit_pattern()),
-            _ => ("angular_frequency", AngularFrequency::unit_pattern()),
-        })
-    }
-
-    /// Returns a number in SI as a study file states it.
-    pub(in crate::study) fn show(&self, value: f64) -> Value {
-        if self.unit.is_empty() { Value::Float(value) } else { Value::String(format!("{value:?} {}", self.unit)) }
-    }
-}
-
-/// Returns a quantity of any dimension in SI with its unit.
-pub(super) fn any_quantity(text: &str) -> Option<(f64, &'static str)> {
-    const UNITS: [&str; 10] = ["m", "m^2", "Pa", "kg", "N", "m/s", "s/m", "s", "m/Pa", "rad/s"];
-    UNITS.into_iter().find_map(|unit| Some((quantity(unit, text).ok()?, unit)))
-}
-
-fn quantity(unit: &str, text: &str) -> Result<f64, QuantityError> {
-    Ok(match unit {
-        "m" => text.parse::<Length>()?.0,
-        "m^2" => text.parse::<Area>()?.0,
-        "Pa" => text.parse::<Pressure>()?.0,
-        "kg" => text.parse::<Mass>()?.0,
-        "N" => text.parse::<Force>()?.0,
-        "m/s" => text.parse::<Velocity>()?.0,
-        "s/m" => text.parse::<InverseVelocity>()?.0,
-        "s" => text.parse::<Time>()?.0,
-        "m/Pa" => text.parse::<Compliance>()?.0,
-        _ => text.parse::<AngularFrequency>()?.0,
-    })
 }

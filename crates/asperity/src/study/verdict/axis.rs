@@ -1,22 +1,18 @@
 //! Values that change the contact, and the range of each.
 
+use asperity_results::keys::Link;
+
 use crate::chaos::Parameter;
 use crate::study::StudyError;
 use crate::study::check::VerdictStudy;
-use crate::study::uncertain::{BETWEEN_PARTS, Place, Point};
+use crate::study::uncertain::{Place, Point};
 
 /// Probability of values below and above the range on which friction is expanded.
 const TAIL: f64 = 1e-3;
 
-/// Keys of [vibration] that change the pressure of the contact.
-const LOADS: [&str; 2] = ["normal_force", "nominal_area"];
-
 /// Returns the values that change the contact, uncertain ones and those of remedies.
 pub(in crate::study) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
-    let changes_contact = |place: &Place| {
-        let key = place.key();
-        (key.section != "vibration" || LOADS.contains(&key.name)) && place.name() != BETWEEN_PARTS
-    };
+    let changes_contact = |place: &Place| matches!(place.key().link, Link::Surface | Link::Contact);
     let mut places: Vec<Place> = Vec::new();
     for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
         if changes_contact(&place) && !places.contains(&place) {
@@ -77,6 +73,7 @@ impl Axis {
 mod tests {
     use super::*;
     use crate::study::Study;
+    use crate::study::uncertain::BETWEEN_PARTS;
     use crate::study::verdict::rests_on::tests::STUDY;
 
     /// Returns the study with an uncertain load and remedies.

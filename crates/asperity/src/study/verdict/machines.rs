@@ -12,9 +12,10 @@ use crate::chaos::{Design, InputError, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
 use crate::friction::{MeanErrors, Upscaling, WindowFriction};
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
-use crate::study::file::{Hold, MachineModel, Stribeck, VibrationSection};
+use crate::study::StudyFile;
+use crate::study::file::{Hold, MachineModel};
 use crate::study::result::ModelResult;
-use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, Point};
+use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, Point, numbers};
 
 /// Number of samples that can be drawn.
 const MOST_SAMPLES: usize = u32::MAX as usize;
@@ -222,9 +223,7 @@ impl<'a> Machines<'a> {
             before = after;
         }
         let ratio = point.velocity_unit() / self.central.velocity_unit();
-        if let Some(section) = &mut point.file.vibration {
-            keep_velocities(section, ratio);
-        }
+        keep_velocities(&mut point.file, ratio);
         (point, ratio)
     }
 
@@ -308,15 +307,11 @@ impl Point {
 
 /// Converts the coefficients of the friction law per unit of dimensionless velocity, and the dimensionless velocity of the belt, to a unit
 /// that is `ratio` times as large, so that they stay the same in SI.
-fn keep_velocities(section: &mut VibrationSection, ratio: f64) {
-    if let Some(Stribeck::Dimensionless(decay)) = &mut section.stribeck {
-        *decay *= ratio;
-    }
-    if let Some(slope) = &mut section.linear_weakening {
-        *slope *= ratio;
-    }
-    if let Some(velocity) = &mut section.dimensionless_belt_velocity {
-        *velocity *= ratio.recip();
+fn keep_velocities(file: &mut StudyFile, ratio: f64) {
+    for (key, access) in numbers().filter(|(key, _)| key.velocity_power != 0) {
+        if let Some(value) = access.get(file, key, None) {
+            access.set(file, key, None, value * ratio.powi(key.velocity_power));
+        }
     }
 }
 

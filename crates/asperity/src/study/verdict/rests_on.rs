@@ -1,138 +1,64 @@
 //! Inputs of the verdict with their origin: measured, stated, uncertain, unknown, or a default.
 
+use asperity_results::keys::{Default, DefaultValue, KEYS, Key, Link};
 use toml::{Table, Value};
 
-use crate::contact::Elastic;
 use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
 use crate::study::result::{InputKind, InputValue, Pair, RestsOn};
 use crate::study::uncertain::{Place, Point};
 use crate::study::{Study, StudyFile};
-use crate::vibration::mode_coupling::CoupledParameters;
 
-/// Keys of a study file that decide the vibration, in the order of the chain.
-const INPUTS: [(&str, &str); 33] = [
-    ("surface", "rms_height"),
-    ("surface", "correlation_length"),
-    ("surface", "hurst"),
-    ("surface", "smoothness"),
-    ("surface", "fractal_dimension"),
-    ("material", "youngs_modulus"),
-    ("material", "poisson_ratio"),
-    ("material", "hardness"),
-    ("material", "shear_strength"),
-    ("counterface", "youngs_modulus"),
-    ("counterface", "poisson_ratio"),
-    ("counterface", "hardness"),
-    ("friction", "law"),
-    ("friction", "pressure_coefficient"),
-    ("friction", "coefficient"),
-    ("vibration", "static_friction"),
-    ("vibration", "friction_std"),
-    ("vibration", "friction_correlation_length"),
-    ("vibration", "velocity_law"),
-    ("vibration", "stribeck"),
-    ("vibration", "linear_weakening"),
-    ("vibration", "stribeck_velocity"),
-    ("vibration", "high_speed_share"),
-    ("vibration", "kinetic_share"),
-    ("vibration", "spring_angles"),
-    ("vibration", "springs"),
-    ("vibration", "contact_spring"),
-    ("vibration", "damping_ratio"),
-    ("vibration", "mass"),
-    ("vibration", "natural_frequency"),
-    ("vibration", "normal_force"),
-    ("vibration", "nominal_area"),
-    ("vibration", "upscaling"),
-];
-/// Keys of friction that falls with the velocity, or fluctuates.
-const FALLING: [&str; 8] = [
-    "friction_std",
-    "friction_correlation_length",
-    "velocity_law",
-    "stribeck",
-    "linear_weakening",
-    "stribeck_velocity",
-    "high_speed_share",
-    "kinetic_share",
-];
-/// The velocity of the belt, which a study states in one of two forms.
-const BELT: [(&str, &str); 2] = [("vibration", "belt_velocity"), ("vibration", "dimensionless_belt_velocity")];
-
-/// Key among the inputs that a study file may leave out.
-struct DefaultKey {
-    section: &'static str,
-    key: &'static str,
-    /// Value that stands for a key that is left out.
-    value: Value,
-    /// Range at whose ends the verdict states the probability, if it does.
-    range: Option<Pair>,
+/// Returns the inputs that a study file may leave out.
+fn defaults() -> impl Iterator<Item = (&'static Key, Default)> {
+    KEYS.iter().filter_map(|key| Some((key, key.default?)))
 }
 
-impl DefaultKey {
-    fn name(&self) -> String {
-        format!("{}.{}", self.section, self.key)
+/// Returns a default as a study file states it.
+fn in_file(value: DefaultValue) -> Value {
+    match value {
+        DefaultValue::Number(number) => Value::Float(number),
+        DefaultValue::Pair(pair) => Value::Array(pair.map(Value::Float).into()),
+        DefaultValue::Word(word) => word.into(),
     }
-}
-
-/// Returns the keys that a study file may leave out.
-fn defaults() -> [DefaultKey; 9] {
-    let coupled = CoupledParameters::default();
-    let pair = |pair: [f64; 2]| Value::Array(pair.map(Value::Float).into());
-    let exact = |section, key, value| DefaultKey { section, key, value, range: None };
-    let assumed =
-        |key, value, range| DefaultKey { section: "vibration", key, value: Value::Float(value), range: Some(range) };
-    [
-        exact("vibration", "spring_angles", pair(coupled.angles_deg)),
-        exact("vibration", "springs", pair(coupled.springs)),
-        exact("vibration", "contact_spring", Value::Float(coupled.contact_stiffness)),
-        exact("material", "poisson_ratio", Value::Float(Elastic::POISSON_RATIO)),
-        exact("friction", "law", "bowden_tabor".into()),
-        exact("vibration", "velocity_law", "stribeck".into()),
-        assumed("stribeck", 4.2, [2.1, 8.4]),
-        assumed("kinetic_share", 1.0, [0.9, 1.0]),
-        exact("vibration", "upscaling", "area".into()),
-    ]
 }
 
 /// Returns the range of a number that the study does not state; `None` for any other input.
 pub(super) fn assumed_range(input: &RestsOn) -> Option<Pair> {
-    let default = defaults().into_iter().find(|default| default.name() == input.input);
-    default.filter(|_| input.kind == InputKind::Default)?.range
+    let (_, default) = defaults().find(|(key, _)| key.path() == input.input)?;
+    default.range.filter(|_| input.kind == InputKind::Default)
 }
 
 /// Returns the number of ends of ranges, other than the default itself, of the values that a study file leaves out.
 pub(in crate::study) fn assumed_ends(unstated: &[String]) -> usize {
-    let of = |default: DefaultKey| {
+    let of = |(_, default): (&Key, Default)| {
         let ends = default.range.into_iter().flatten();
-        ends.filter(|end| unstated.contains(&default.name()) && Some(*end) != default.value.as_float()).count()
+        ends.filter(|end| default.value != DefaultValue::Number(*end)).count()
     };
-    defaults().into_iter().map(of).sum()
+    defaults().filter(|(key, _)| unstated.contains(&key.path())).map(of).sum()
 }
 
 impl StudyFile {
     /// Records which inputs of the verdict are defaults: those that the file `written` leaves out, and those that it lists as
     /// `defaults` and that still have the default value.
     pub(in crate::study) fn with_defaults_of(mut self, written: &Table) -> Result<Self, String> {
-        let known = defaults();
-        if let Some(other) = self.unstated.iter().find(|listed| !known.iter().any(|default| default.name() == **listed))
-        {
-            let known = known.iter().map(DefaultKey::name).collect::<Vec<_>>().join(", ");
+        let known: Vec<String> = defaults().map(|(key, _)| key.path()).collect();
+        if let Some(other) = self.unstated.iter().find(|listed| !known.contains(listed)) {
+            let known = known.join(", ");
             return Err(format!("unstated: `{other}` has no default that is listed here (known: {known})"));
         }
-        let is_default = |default: &&DefaultKey| {
-            let DefaultKey { section, key, value, .. } = *default;
-            let Some(section) = written.get(*section) else { return false };
-            match section.get(key) {
-                None if key.contains("spring") => section.get("model").and_then(Value::as_str) == Some("mode_coupling"),
+        let is_default = |(key, default): &(&Key, Default)| {
+            let Some(section) = written.get(key.section) else { return false };
+            match section.get(key.name) {
+                None if key.link == Link::Modes => section.get("model").and_then(Value::as_str) == Some("mode_coupling"),
                 None => {
-                    *key != "stribeck" || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
+                    key.name != "stribeck"
+                        || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
                 }
-                Some(stated) => stated == value && self.unstated.contains(&default.name()),
+                Some(stated) => *stated == in_file(default.value) && self.unstated.contains(&key.path()),
             }
         };
-        self.unstated = known.iter().filter(is_default).map(DefaultKey::name).collect();
+        self.unstated = defaults().filter(is_default).map(|(key, _)| key.path()).collect();
         Ok(self)
     }
 }
@@ -155,33 +81,38 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
     }
     let sheared = file.friction.as_ref().is_some_and(|friction| friction.law.is_sheared());
     let coupled = whole.vibration.as_ref().is_some_and(|vibration| vibration.coupled.is_some());
-    let matters = |section: &str, key: &str| match (section, key) {
-        ("vibration", key) if coupled && FALLING.contains(&key) => false,
-        ("vibration", "upscaling") => fluctuates,
-        ("vibration", "nominal_area") => fluctuates || window.computed,
-        ("vibration", _) => true,
-        ("material", "shear_strength") => window.computed && sheared,
+    let matters = |key: &&Key| match (key.section, key.name, key.link) {
+        (_, _, Link::Model) => false,
+        (_, _, Link::Fall) if coupled => false,
+        ("vibration", "upscaling", _) => fluctuates,
+        ("vibration", "nominal_area", _) => fluctuates || window.computed,
+        ("vibration", ..) => true,
+        ("material", "shear_strength", _) => window.computed && sheared,
         _ => window.computed,
     };
     let stated = Table::try_from(file).unwrap_or_default();
-    for (section, key) in INPUTS.into_iter().chain(BELT).filter(|(section, key)| matters(section, key)) {
-        let name = format!("{section}.{key}");
+    for key in KEYS.iter().filter(matters) {
+        let name = key.path();
+        // A number that may have a unit has two rows.
+        if inputs.iter().any(|input| is_of(&input.input, &name)) {
+            continue;
+        }
         let before = inputs.len();
         inputs.extend(uncertain(study, &name));
         if inputs.len() > before {
             continue;
         }
         let kind = if file.unstated.contains(&name) { InputKind::Default } else { InputKind::Stated };
-        match stated.get(section).and_then(|section| section.get(key)) {
+        match stated.get(key.section).and_then(|section| section.get(key.name)) {
             Some(Value::Array(list)) => {
                 let isotropic = list.windows(2).all(|pair| pair[0] == pair[1]);
                 let count = if isotropic { 1 } else { list.len() };
                 inputs.extend((0..count).filter_map(|place| number(&format!("{name}[{place}]"), &study.central, kind)));
             }
-            Some(Value::String(text)) if ["law", "velocity_law", "upscaling", "contact_spring"].contains(&key) => {
-                inputs.push(entry(&name, InputValue::Name(text.clone()), "", kind));
+            Some(value) => {
+                let word = value.as_str().map(|text| entry(&name, InputValue::Name(text.into()), "", kind));
+                inputs.extend(number(&name, &study.central, kind).or(word));
             }
-            Some(_) => inputs.extend(number(&name, &study.central, kind)),
             None => inputs.extend(left_out(&name, whole)),
         }
     }
@@ -196,11 +127,14 @@ fn entry(name: &str, value: InputValue, unit: &str, kind: InputKind) -> RestsOn 
     RestsOn { input: name.into(), value, unit: unit.into(), kind }
 }
 
+/// Returns whether an input is that of a key or an element of its list.
+fn is_of(input: &str, key: &str) -> bool {
+    input.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
+}
+
 /// Returns the uncertain values of a key: one, or one for each element of a list.
 fn uncertain<'a>(study: &'a VerdictStudy, name: &'a str) -> impl Iterator<Item = RestsOn> + 'a {
-    let of_key =
-        move |found: &str| found.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
-    study.inputs.inputs().iter().zip(&study.places).filter(move |(input, _)| of_key(input.name())).map(
+    study.inputs.inputs().iter().zip(&study.places).filter(move |(input, _)| is_of(input.name(), name)).map(
         |(input, place)| {
             let kind = if input.is_unknown() { InputKind::Unknown } else { InputKind::Uncertain };
             entry(input.name(), InputValue::Number(input.central()), place.key().unit, kind)
@@ -264,13 +198,12 @@ pub(super) mod tests {
     fn a_key_that_is_left_out_has_the_listed_default() {
         let coupled = STUDY.replace("[vibration]", "[vibration]\nmodel = \"mode_coupling\"");
         let studies = [STUDY, &coupled].map(|text| Study::parse(text, "study.toml").unwrap());
-        for DefaultKey { section, key, value, .. } in defaults() {
-            let is_spring = key.contains("spring");
+        for (key, default) in defaults() {
+            let is_spring = key.link == Link::Modes;
             let file = studies[usize::from(is_spring)].file();
-            assert_eq!(file.to_table().unwrap()[section][key], value, "{section}.{key}");
-            let [alone, coupled] =
-                studies.each_ref().map(|study| study.file().unstated.contains(&format!("{section}.{key}")));
-            assert!(alone != is_spring && coupled, "{section}.{key}");
+            assert_eq!(file.to_table().unwrap()[key.section][key.name], in_file(default.value), "{key:?}");
+            let [alone, coupled] = studies.each_ref().map(|study| study.file().unstated.contains(&key.path()));
+            assert!(alone != is_spring && coupled, "{key:?}");
         }
     }
 
@@ -298,11 +231,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn ranges_contain_their_default_and_end_at_other_values() {
-        for default in defaults().iter().filter(|default| default.range.is_some()) {
-            let ([low, high], value) = (default.range.unwrap(), default.value.as_float().unwrap());
-            assert!(low < high && low <= value && value <= high, "{}", default.name());
-        }
+    fn ends_of_ranges_that_are_the_default_do_not_count() {
         // Two ends of the Stribeck coefficient, and the low end of kinetic over static friction.
         for (stated, ends) in [("", 3), ("stribeck = 5\n", 1), ("kinetic_share = 0.95\n", 2)] {
             let text = STUDY.replace("[vibration]\n", &format!("[vibration]\n{stated}"));
