@@ -202,7 +202,7 @@ macro_rules! study_keys {
                 .usual(Pair([150.0, 30.0]))),
             $row!(vibration.springs: number("", NOT_NEGATIVE, Modes, "springs")
                 .elements(["first spring", "second spring"])
-                .usual(Pair([0.178_632_794_954_081_85, 2.488_033_871_712_585]))),
+                .usual(Pair([0.178_632_794_954_081_85, 2.488_033_871_712_584_5]))),
             $row!(vibration.contact_spring: number("", POSITIVE, Modes, "contact spring").usual(Number(4.0 / 3.0))),
             $row!(vibration.damping_ratio: number("", NOT_NEGATIVE, Machine, "damping ratio")),
             $row!(vibration.mass: number("kg", POSITIVE, Machine, "mass")),

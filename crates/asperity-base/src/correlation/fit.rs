@@ -193,9 +193,11 @@ pub fn fit_covariance(
         });
     }
     let (mut fits, mut failure) = (vec![], None);
-    let found: Vec<_> = crate::blocks::map(0..families.len(), |place| fit_family(families[place], spectra, std_m));
-    for fit in found {
-        match fit {
+    let searches: Vec<Search<'_>> = families.iter().map(|family| Search::new(*family, spectra, std_m)).collect();
+    let minima: Vec<_> =
+        crate::blocks::map(0..STARTS * families.len(), |place| searches[place / STARTS].from(place % STARTS));
+    for (search, minima) in searches.iter().zip(minima.chunks(STARTS)) {
+        match search.best(minima) {
             Ok(fit) => fits.push(fit),
             Err(error) => failure = Some(error),
         }
@@ -236,15 +238,33 @@ fn decay_lengths_m(covariance: Covariance) -> [f64; 2] {
     [covariance.length_x_m(), covariance.length_y_m()].map(|length_m| scale * length_m)
 }
 
-fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64) -> Result<CovarianceFit, FitError> {
-    let [pitch_m, size_m] = [spectra[0].pitch_m(), largest_size_m(spectra)];
-    let mut ranges: Vec<Range> =
-        (0..2).map(|axis| Range { low: SHORTEST * pitch_m[axis], high: LONGEST * size_m[axis] }).collect();
-    ranges.extend(family.shape().map(|(range, _)| range));
-    let covariance = |p: &[f64]| Covariance::new(family.model(p), std_m, p[0], p[1]);
-    // Ratios of measured to expected density, and effective degrees of freedom.
-    let ratios = |p: &[f64]| -> Vec<(f64, f64)> {
-        let Ok(covariance) = covariance(p) else { return vec![] };
+/// Search for the parameters of one family.
+struct Search<'a> {
+    family: CorrelationFamily,
+    spectra: &'a [&'a BlockSpectrum],
+    std_m: f64,
+    /// Bounds of two lengths and of the shape.
+    ranges: Vec<Range>,
+    pitch_m: [f64; 2],
+    size_m: [f64; 2],
+}
+
+impl<'a> Search<'a> {
+    fn new(family: CorrelationFamily, spectra: &'a [&'a BlockSpectrum], std_m: f64) -> Self {
+        let [pitch_m, size_m] = [spectra[0].pitch_m(), largest_size_m(spectra)];
+        let mut ranges: Vec<Range> =
+            (0..2).map(|axis| Range { low: SHORTEST * pitch_m[axis], high: LONGEST * size_m[axis] }).collect();
+        ranges.extend(family.shape().map(|(range, _)| range));
+        Self { family, spectra, std_m, ranges, pitch_m, size_m }
+    }
+
+    fn covariance(&self, parameters: &[f64]) -> Result<Covariance, CovarianceError> {
+        Covariance::new(self.family.model(parameters), self.std_m, parameters[0], parameters[1])
+    }
+
+    /// Returns ratios of measured to expected density, and effective degrees of freedom.
+    fn ratios(&self, parameters: &[f64]) -> Vec<(f64, f64)> {
+        let Ok(covariance) = self.covariance(parameters) else { return vec![] };
         let of = |spectrum: &&BlockSpectrum| {
             let blocks = spectrum.blocks();
             let ratio = |block| {
@@ -253,41 +273,43 @@ fn fit_family(family: CorrelationFamily, spectra: &[&BlockSpectrum], std_m: f64)
             };
             blocks.iter().map(ratio).collect()
         };
-        spectra.iter().map(of).collect::<Vec<Vec<(f64, f64)>>>().concat()
-    };
-    let residuals = |p: &[f64]| -> Vec<f64> {
+        self.spectra.iter().map(of).collect::<Vec<Vec<(f64, f64)>>>().concat()
+    }
+
+    /// Returns the parameters of the minimum that is found from one of the initial lengths, and its deviance.
+    fn from(&self, start: usize) -> (Vec<f64>, f64) {
         let residual = |(ratio, degrees): (f64, f64)| {
             let excess = (ratio - 1.0 - ratio.ln()).max(0.0);
             (degrees.min(MOST_DEGREES) * excess).sqrt().copysign(ratio - 1.0)
         };
-        ratios(p).into_iter().map(residual).collect()
-    };
-    let mut best: Option<(Vec<f64>, f64)> = None;
-    for start in 0..STARTS {
+        let residuals = |p: &[f64]| -> Vec<f64> { self.ratios(p).into_iter().map(residual).collect() };
         let fraction = (start as f64 + 1.0) / (STARTS as f64 + 1.0);
-        let length = |axis: usize| pitch_m[axis] * (size_m[axis] / pitch_m[axis]).powf(fraction);
+        let length = |axis: usize| self.pitch_m[axis] * (self.size_m[axis] / self.pitch_m[axis]).powf(fraction);
         let mut first: Vec<f64> = (0..2).map(length).collect();
-        first.extend(family.shape().map(|(_, value)| value));
-        let found = least_squares(&residuals, &first, &ranges);
-        let is_finite = found.1.is_finite() && found.0.iter().all(|value| value.is_finite());
-        if is_finite && best.as_ref().is_none_or(|(_, deviance)| found.1 < *deviance) {
-            best = Some(found);
+        first.extend(self.family.shape().map(|(_, value)| value));
+        least_squares(&residuals, &first, &self.ranges)
+    }
+
+    fn best(&self, minima: &[(Vec<f64>, f64)]) -> Result<CovarianceFit, FitError> {
+        let is_finite = |(values, deviance): &&(Vec<f64>, f64)| {
+            deviance.is_finite() && values.iter().all(|value| value.is_finite())
+        };
+        let best = minima.iter().filter(is_finite).min_by(|a, b| a.1.total_cmp(&b.1)).cloned();
+        // If there is no minimum, the constructor of the covariance rejects the parameters.
+        let (found, deviance) = best.unwrap_or_else(|| (vec![f64::NAN; self.ranges.len()], f64::NAN));
+        let (mut squares, mut weights) = (0.0, 0.0);
+        for (ratio, degrees) in self.ratios(&found) {
+            let weight = degrees.min(MOST_DEGREES);
+            squares += weight * (ratio.ln().powi(2) - 2.0 / degrees);
+            weights += weight;
         }
+        Ok(CovarianceFit {
+            covariance: self.covariance(&found)?,
+            misfit: (squares / weights).max(0.0).sqrt(),
+            parameters: found.len(),
+            deviance,
+        })
     }
-    // If there is no minimum, the constructor of the covariance rejects the parameters.
-    let (found, deviance) = best.unwrap_or_else(|| (vec![f64::NAN; ranges.len()], f64::NAN));
-    let (mut squares, mut weights) = (0.0, 0.0);
-    for (ratio, degrees) in ratios(&found) {
-        let weight = degrees.min(MOST_DEGREES);
-        squares += weight * (ratio.ln().powi(2) - 2.0 / degrees);
-        weights += weight;
-    }
-    Ok(CovarianceFit {
-        covariance: covariance(&found)?,
-        misfit: (squares / weights).max(0.0).sqrt(),
-        parameters: found.len(),
-        deviance,
-    })
 }
 
 /// Returns the largest sides of all maps along x and y, in metre.

@@ -85,10 +85,15 @@ impl CorrelationModel {
     }
 
     /// Returns ∬ ρ(|x|) e^{−ik·x} d²x at the scaled wavenumber k.
-    fn spectrum_2d(&self, k: f64) -> f64 {
+    fn spectrum_2d(&self, k_squared: f64) -> f64 {
         match self.order_and_corner() {
-            None => PI * (-k * k / 4.0).exp(),
-            Some((nu, corner)) => 4.0 * PI * nu / corner * (1.0 + k * k / corner).powf(-(nu + 1.0)),
+            None => PI * (-k_squared / 4.0).exp(),
+            Some((nu, corner)) => {
+                let above = 1.0 + k_squared / corner;
+                // Power −3/2 of exponential correlation.
+                let power = if nu == 0.5 { 1.0 / (above * above.sqrt()) } else { above.powf(-(nu + 1.0)) };
+                4.0 * PI * nu / corner * power
+            }
         }
     }
 
@@ -232,8 +237,8 @@ impl Covariance {
 
     /// Two-dimensional power spectral density P(q) = ∬ C e^{−iq·x} d²x in m⁴, at q in rad/m.
     pub fn psd_m4(&self, qx_rad_per_m: f64, qy_rad_per_m: f64) -> f64 {
-        let k = (qx_rad_per_m * self.length_x_m).hypot(qy_rad_per_m * self.length_y_m);
-        self.std_m * self.std_m * self.length_x_m * self.length_y_m * self.model.spectrum_2d(k)
+        let k_squared = (qx_rad_per_m * self.length_x_m).powi(2) + (qy_rad_per_m * self.length_y_m).powi(2);
+        self.std_m * self.std_m * self.length_x_m * self.length_y_m * self.model.spectrum_2d(k_squared)
     }
 
     /// Returns the power spectral density P₁(q) = ∫ C(x, 0) e^{−iqx} dx of profiles along x in m³, at q in rad/m.

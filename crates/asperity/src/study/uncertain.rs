@@ -13,8 +13,8 @@ use toml::{Table, Value};
 
 use asperity_results::keys::{Key, LATENT};
 
-pub(super) use self::keys::{numbers, parse};
 use self::keys::{Access, find, show};
+pub(super) use self::keys::{numbers, parse};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::{InputError, UncertainInput};
 use crate::distribution::Marginal;

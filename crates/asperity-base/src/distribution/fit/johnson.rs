@@ -20,7 +20,8 @@ const NEAREST: f64 = 1e-4;
 
 /// Returns the system with the larger likelihood; the lognormal and normal distributions are limits of both.
 pub(super) fn fit(sorted: &[f64]) -> Result<Fit, DistributionError> {
-    let candidates = [unbounded(sorted), bounded(sorted)];
+    let systems = [unbounded, bounded];
+    let candidates: Vec<Option<Fit>> = crate::blocks::map(0..systems.len(), |system| systems[system](sorted));
     candidates.into_iter().flatten().max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood)).ok_or(
         DistributionError::Sample {
             distribution: "johnson",

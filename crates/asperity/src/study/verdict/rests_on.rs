@@ -50,7 +50,9 @@ impl StudyFile {
         let is_default = |(key, default): &(&Key, Default)| {
             let Some(section) = written.get(key.section) else { return false };
             match section.get(key.name) {
-                None if key.link == Link::Modes => section.get("model").and_then(Value::as_str) == Some("mode_coupling"),
+                None if key.link == Link::Modes => {
+                    section.get("model").and_then(Value::as_str) == Some("mode_coupling")
+                }
                 None => {
                     key.name != "stribeck"
                         || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
