@@ -16,6 +16,7 @@ mod provenance;
 mod random_surface;
 mod references;
 pub(crate) mod section;
+mod stages;
 mod tables;
 pub(crate) mod verdict;
 mod vibration;
@@ -27,7 +28,6 @@ use sha2::{Digest, Sha256};
 use self::answer::Answer;
 use self::machine::Machine;
 use self::section::{Section, unordered};
-use crate::figures;
 use crate::markup::{Html, html};
 use crate::{Figure, ReportError, Run};
 
@@ -124,86 +124,28 @@ impl Page<'_> {
 /// The PNG encoder failed.
 pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let results = &run.results;
-    let (pressure, friction, vibration) =
-        (results.pressure.as_ref(), results.friction.as_ref(), results.vibration.as_ref());
     let [heights, methods, models] = appendix::entries(run)?;
-    let surface = Section::new(
-        "surface",
-        "Surface",
-        "Height statistics of the measured map, and the random surface fitted to it. Every statistic belongs to the bandwidth \
-         between field size and pixel size.",
-        tables::surface(run),
-        figures::surface::figures(run)?,
-    )
-    .map(|section| section.with_further(heights.as_ref()).with_answer(answers::of_surface(run)));
-    let contact = Section::new(
-        "pressure",
-        "Contact pressure",
-        format!(
-            "Probability that a point of the surface is in contact, and distribution of the pressure there, by independent methods. {}",
-            pressure.map_or_else(String::new, tables::refused_methods)
-        ),
-        pressure.map(tables::scalars).into_iter().collect(),
-        appendix::without_moved(figures::pressure::figures(run)?),
-    )
-    .map(|section| section.with_further(methods.as_ref()).with_answer(pressure.map(answers::of_pressure)));
-    let coefficient = Section::new(
-        "friction",
-        "Friction coefficient",
-        friction::lead(friction),
-        friction.map_or_else(Vec::new, friction::tables),
-        appendix::without_moved(figures::friction::figures(run)),
-    )
-    .map(|section| section.with_further(models.as_ref()).with_answer(friction.map(answers::of_friction)));
-    let quotient = Section::new(
-        "quotient",
-        "Quotient F/N of single windows",
-        friction::quotient_lead(friction),
-        friction.map_or_else(Vec::new, friction::quotient_tables),
-        figures::friction::quotient_figures(run)?,
-    )
-    .map(|section| section.with_answer(friction.and_then(answers::of_quotient)));
-    let motion = Section::new(
-        "vibration",
-        "Friction-induced vibration",
-        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement, time and \
-         velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.",
-        vibration.map_or_else(Vec::new, vibration::tables),
-        figures::vibration::figures(run)?,
-    )
-    .map(|section| section.with_answer(vibration.map(answers::of_vibration)));
-    let coupled = Section::new(
-        "mode-coupling",
-        "Mode coupling",
-        "Stability of steady sliding of a mass with two modes that friction couples, and the vibration that follows.",
-        results.mode_coupling.as_ref().map_or_else(Vec::new, mode_coupling::tables),
-        figures::vibration::coupled_figures(run),
-    )
-    .map(|section| section.with_answer(results.mode_coupling.as_ref().map(answers::of_mode_coupling)));
-    let judged = Section::new(
-        "verdict",
-        "Behind the verdict",
-        verdict::lead(results.verdict.as_ref().map(|verdict| verdict.model).unwrap_or_default()),
-        results.verdict.as_ref().map_or_else(Vec::new, verdict::tables),
-        figures::verdict::figures(run)?,
-    )
-    .map(|section| section.with_answer(results.verdict.as_ref().map(crate::verdict_sentence)));
-    let stages = [
+    let surface = stages::surface(run, heights.as_ref())?;
+    let contact = stages::contact(run, methods.as_ref())?;
+    let coefficient = stages::coefficient(run, models.as_ref());
+    let motion = stages::motion(run)?;
+    let coupled = stages::coupled(run);
+    let cited = [
         surface.is_some() || results.surface.is_some(),
-        contact.is_some() || pressure.is_some(),
-        coefficient.is_some() || friction.is_some(),
-        motion.is_some() || vibration.is_some(),
+        contact.is_some() || results.pressure.is_some(),
+        coefficient.is_some() || results.friction.is_some(),
+        motion.is_some() || results.vibration.is_some(),
         coupled.is_some(),
     ];
     let inputs = "The study with all defaults, and where each value comes from. Settings change the error of the computation, not the \
                   machine.";
     let assumptions = "Conventions and defaults behind the results above.";
     let sections = [
-        judged,
+        stages::judged(run)?,
         surface,
         contact,
         coefficient,
-        quotient,
+        stages::quotient(run)?,
         motion,
         coupled,
         Section::new(
@@ -215,15 +157,14 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
              Sku of slightly skewed heights (88 %). The percentage is 90 to 93 % for the shape of the friction tail and its return \
              levels, and 89 to 92 % for the correlation length of strongly skewed friction. In some cases it is 91 to 93 % for the \
              standard deviation and skewness of friction, the correlation at a lag, Svk, and quantiles of the pressure by Latin \
-             hypercubes. Nearly all intervals of small probabilities of vibration contain the truth, because they allow for regions \
-             that no draw reached.",
+             hypercubes.",
             vec![certainty::table(run)],
             Vec::new(),
         ),
         Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
         Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
         Section::provenance(run.provenance.as_ref()),
-        Some(Section::references(&references::references(stages)).with_citation(run.provenance.as_ref())),
+        Some(Section::references(&references::references(cited)).with_citation(run.provenance.as_ref())),
     ];
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let ids: Vec<&str> = sections.iter().map(|section| section.id).collect();

@@ -100,21 +100,29 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
             }
         }
     }
-    let mut caption = match over {
-        Some(_) if is_curves => "One point for each member.".to_owned(),
-        Some(_) => "One point for each member; the members differ in other values as well.".to_owned(),
-        None => "One point for each member, in the order of the table.".to_owned(),
+    let points = match over {
+        Some(_) if is_curves => "One point for each member.",
+        Some(_) => "One point for each member; the members differ in other values as well.",
+        None => "One point for each member, in the order of the table.",
     };
-    if title == MARGIN {
-        caption += " ζ is the damping ratio of the member, and ζ_v the limit above which no vibration persists.";
-    }
-    match members.iter().filter(|member| answer(member).is_none()).count() {
-        0 => {}
-        1 => caption += " One member has no value.",
-        failed => caption += &format!(" {} members have no value.", count(failed)),
-    }
+    let caption = caption(points, title, members.iter().filter(|member| answer(member).is_none()).count());
     let figure = CaptionedFigure::from_charts("members", title, caption, 1, &[chart], &[]);
     figure.map(|figure| CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
+}
+
+/// Returns the caption; `failed` members have no value.
+fn caption(points: &str, title: &str, failed: usize) -> String {
+    let margin = if title == MARGIN {
+        " ζ is the damping ratio of the member, and ζ_v the limit above which no vibration persists."
+    } else {
+        ""
+    };
+    let missing = match failed {
+        0 => String::new(),
+        1 => " One member has no value.".to_owned(),
+        failed => format!(" {} members have no value.", count(failed)),
+    };
+    format!("{points}{margin}{missing}")
 }
 
 /// Returns the name and colour of points without a curve. Points without a verdict need no name.

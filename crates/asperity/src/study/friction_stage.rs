@@ -15,7 +15,7 @@ use self::pitch::Pitch;
 use self::whole_error::WholeError;
 use crate::contact::Control;
 use crate::friction::strip::Strips;
-use crate::friction::{LevelControl, OperatingLevel, RoughBody, SolvedLevel, TwoBodyFriction};
+use crate::friction::{FrictionError, LevelControl, OperatingLevel, RoughBody, SolvedLevel, TwoBodyFriction};
 use crate::monitor::Monitor;
 use crate::quantity::Area;
 use crate::study::check::FrictionStudy;
@@ -82,8 +82,6 @@ pub(super) fn run(
     };
     let controls: Vec<Control> =
         stated.iter().map(|level| level.contact(|p| surface.model.height_quantile_m(p))).collect();
-    let mut output = StageOutput { warnings: generated.warnings.clone(), ..StageOutput::default() };
-    let failed = |control: LevelControl| move |error| StudyError::Friction { level: control.name(), error };
     let mut solved = Vec::with_capacity(stated.len());
     for (control, strips) in stated.into_iter().zip(strips.solve(&controls, monitor)?) {
         solved.push((control, strips.map_err(failed(control))?));
@@ -99,16 +97,11 @@ pub(super) fn run(
     let pitch = cutoffs.as_ref().and_then(pitch_of);
     let strips = Strips { pitch_factor: pitch.as_ref().map_or(1.0, |pitch| pitch.factor), ..strips };
     solved[lead].1.extrapolate(&problem, strips.pitch_factor);
-    let mut levels = Vec::with_capacity(solved.len());
-    for (control, strips) in solved {
-        let level = SolvedLevel::new(control, strips, &problem, seed).map_err(failed(control))?;
-        output.warnings.extend(words::level_warnings(&level));
-        levels.push(level);
-    }
+    let level = |(control, strips)| SolvedLevel::new(control, strips, &problem, seed).map_err(failed(control));
+    let mut levels = solved.into_iter().map(level).collect::<Result<Vec<_>, _>>()?;
     if study.body == RoughBody::Both {
         let found = TwoBodyFriction::solve(&strips, &levels[lead], controls[lead], monitor);
-        levels[lead].two_bodies =
-            found.map_err(|error| StudyError::Friction { level: levels[lead].control.name(), error })?;
+        levels[lead].two_bodies = found.map_err(failed(levels[lead].control))?;
     }
     if let Some(pitch) = &pitch {
         levels[lead].widen_fluctuation(pitch.fluctuation());
@@ -120,8 +113,13 @@ pub(super) fn run(
     let point = entries::operating_point(&levels[lead], nominal_area_m2);
     let whole = WholeError::new(study, surface, &levels[lead], point, (pitch.as_ref(), scan.as_ref()));
     levels[lead].mean_errors = whole.errors.clone();
+    let (uncertainty, of_uncertain) = uncertain.unzip();
     let window = &problem.window;
-    let mut result = FrictionResult {
+    let entry = |(index, level)| LevelResult {
+        leading: index == lead,
+        ..entries::level_result(level, study.body, nominal_area_m2)
+    };
+    let result = FrictionResult {
         body: rough_body(study.body),
         window_m: window.length_m(),
         window_width_m: window.width_m(),
@@ -129,26 +127,12 @@ pub(super) fn run(
         mean_compliance_m_per_pa,
         realisations: study.realisations,
         operating_point: whole.point,
-        levels: levels
-            .iter()
-            .enumerate()
-            .map(|(index, level)| LevelResult {
-                leading: index == lead,
-                ..entries::level_result(level, study.body, nominal_area_m2)
-            })
-            .collect(),
+        levels: levels.iter().enumerate().map(entry).collect(),
         cutoff,
         scan,
-        uncertainty: None,
+        uncertainty,
     };
-    output.tables = tables::of_levels(&levels, study.body);
-    output.tables.extend(tables::of_lead(&levels[lead], study.body));
-    let place = levels[lead].control.name();
-    output.warnings.extend(implausible_friction(levels[lead].mean).map(|warning| format!("at {place}, {warning}")));
-    if study.body == RoughBody::Track {
-        output.warnings.extend(words::drift(&levels[lead]));
-        output.warnings.extend(words::correlation(&levels[lead]));
-    }
+    let mut output = output_of_levels(&levels, lead, study.body, generated.warnings.clone());
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", map_field(grid, "Pa", pressure_pa.clone())));
     }
@@ -164,9 +148,26 @@ pub(super) fn run(
     output.extend(of_scan);
     output.warnings.extend(whole.warnings);
     output.assumptions.extend(whole.sentences);
-    if let Some((found, own)) = uncertain {
-        output.extend(own);
-        result.uncertainty = Some(found);
-    }
+    output.extend(of_uncertain.unwrap_or_default());
     Ok(FrictionStage { level: levels.swap_remove(lead), result, output })
+}
+
+/// Returns a function that names the level of an error.
+fn failed(control: LevelControl) -> impl Fn(FrictionError) -> StudyError {
+    move |error| StudyError::Friction { level: control.name(), error }
+}
+
+/// Returns the tables of all levels and of the operating level, with `warnings` and those of the levels.
+fn output_of_levels(levels: &[SolvedLevel], lead: usize, body: RoughBody, mut warnings: Vec<String>) -> StageOutput {
+    warnings.extend(levels.iter().flat_map(words::level_warnings));
+    let level = &levels[lead];
+    let place = level.control.name();
+    warnings.extend(implausible_friction(level.mean).map(|warning| format!("at {place}, {warning}")));
+    if body == RoughBody::Track {
+        warnings.extend(words::drift(level));
+        warnings.extend(words::correlation(level));
+    }
+    let mut tables = tables::of_levels(levels, body);
+    tables.extend(tables::of_lead(level, body));
+    StageOutput { tables, warnings, ..StageOutput::default() }
 }

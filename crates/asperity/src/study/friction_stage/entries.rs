@@ -83,7 +83,6 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
     let (strips, statistics) = (&solved.strips, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
     let study = solved.window_study.as_ref();
-    let process = &solved.process;
     // Without a variance no moment above the first exists, and no interval of a moment.
     let exists = solved.heavy_tail.is_none();
     let moment = |value: f64| finite(value).filter(|_| exists);
@@ -128,23 +127,7 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         no_variance: solved.heavy_tail.as_ref().map(no_variance),
         between_parts_std: None,
         between_parts_std_interval: None,
-        at_mean_load: AtMeanLoad {
-            mean: solved.mean,
-            mean_interval: self::interval(process.estimates.mean),
-            std: process.moments.std,
-            std_interval: self::interval(process.estimates.std),
-            skewness: finite(process.moments.skewness),
-            excess_kurtosis: finite(process.moments.excess_kurtosis),
-            correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
-            correlation_length_m_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
-            correlation_curves: correlation_curves(process),
-            correlation_models: correlation_models(&solved.analysis),
-            marginal: process.marginal().map(|fit| distribution_result(&fit.marginal)),
-            marginal_parameter_intervals: parameter_intervals(process),
-            gof: goodness(process),
-            laws: ranked(&process.marginals),
-            effective_windows: process.effective_windows,
-        },
+        at_mean_load: at_mean_load(solved),
         stationarity: solved.analysis.stationarity.as_ref().ok().map(stationarity),
         area_and_load: solved
             .analysis
@@ -158,6 +141,28 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         sparse_window_share: statistics.sparse_fraction,
         effective_windows: statistics.effective_windows,
         failed_samples: strips.failures.len(),
+    }
+}
+
+/// Returns the moments, marginal and correlation of friction at the mean load.
+fn at_mean_load(solved: &SolvedLevel) -> AtMeanLoad {
+    let process = &solved.process;
+    AtMeanLoad {
+        mean: solved.mean,
+        mean_interval: interval(process.estimates.mean),
+        std: process.moments.std,
+        std_interval: interval(process.estimates.std),
+        skewness: finite(process.moments.skewness),
+        excess_kurtosis: finite(process.moments.excess_kurtosis),
+        correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
+        correlation_length_m_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
+        correlation_curves: correlation_curves(process),
+        correlation_models: correlation_models(&solved.analysis),
+        marginal: process.marginal().map(|fit| distribution_result(&fit.marginal)),
+        marginal_parameter_intervals: parameter_intervals(process),
+        gof: goodness(process),
+        laws: ranked(&process.marginals),
+        effective_windows: process.effective_windows,
     }
 }
 

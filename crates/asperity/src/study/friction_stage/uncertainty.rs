@@ -60,17 +60,7 @@ pub(super) fn run(
             let replicates = points.iter().map(|point| point[place].as_ref().ok().map(|found| &found[which]));
             responses(&propagation, &replicates.collect::<Vec<_>>(), study.tolerance, seed)
         };
-        let (mut quotient, mut at_mean_load) = (of(0)?, of(1)?);
-        if let Some(tail) = &levels[place].heavy_tail {
-            let reason = format!("F/N has no variance: {}", no_variance(tail));
-            withdraw(&mut quotient, &reason, |name| name != "mean" || !tail.has_mean());
-        }
-        if study.body != RoughBody::Track {
-            for responses in [&mut quotient, &mut at_mean_load] {
-                let reason = "friction is a process along the path only if the track alone is rough";
-                withdraw(responses, reason, |name| name == "correlation_length_m");
-            }
-        }
+        let [quotient, at_mean_load] = defined([of(0)?, of(1)?], &levels[place], study.body);
         let failed = |(point, levels): (usize, &PointMoments)| {
             levels[place].as_ref().err().map(|reason| FailedPoint { point, reason: reason.clone() })
         };
@@ -105,6 +95,25 @@ pub(super) fn run(
         levels: results,
     };
     Ok(Some((result, output)))
+}
+
+/// Returns the responses of F/N and of friction at the mean load without those that are undefined for a level.
+fn defined(
+    [mut quotient, mut at_mean_load]: [Vec<UncertainResponse>; 2],
+    level: &SolvedLevel,
+    body: RoughBody,
+) -> [Vec<UncertainResponse>; 2] {
+    if let Some(tail) = &level.heavy_tail {
+        let reason = format!("F/N has no variance: {}", no_variance(tail));
+        withdraw(&mut quotient, &reason, |name| name != "mean" || !tail.has_mean());
+    }
+    if body != RoughBody::Track {
+        for responses in [&mut quotient, &mut at_mean_load] {
+            let reason = "friction is a process along the path only if the track alone is rough";
+            withdraw(responses, reason, |name| name == "correlation_length_m");
+        }
+    }
+    [quotient, at_mean_load]
 }
 
 /// Replaces the responses of some names by the reason why they are undefined.

@@ -81,17 +81,9 @@ impl WholeError {
                 }
                 scan_sampling = half(last.mean_interval);
                 errors.scan = scan_sampling / (NORMAL_95 * last.mean);
-                let difference = first.mean / mean - 1.0;
-                if difference.abs() > LIKE_THE_SCAN && difference.abs() > half(first.mean_interval) / mean {
-                    errors.resolved = false;
-                    warnings.push(unlike("friction coefficient", difference));
-                }
-                if let Some(ratio) = scan.and_then(|scan| scan.slope_ratio)
-                    && (ratio - 1.0).abs() > LIKE_THE_SCAN
-                {
-                    errors.resolved = false;
-                    warnings.push(unlike("rms slope", 1.0 / ratio - 1.0));
-                }
+                let differences = differences(first, mean, scan.and_then(|scan| scan.slope_ratio));
+                errors.resolved &= differences.is_empty();
+                warnings.extend(differences);
                 warnings.extend(shorter_waves(first, last));
             }
             sentences.push(side_by_side(first, last, mean));
@@ -110,6 +102,17 @@ impl WholeError {
         };
         Self { errors, point, warnings, sentences }
     }
+}
+
+/// Returns warnings if friction or slopes of the strips are not those of the scan. `slope_ratio` is the rms slope of the strips over that of the
+/// scan.
+fn differences(scan: &ScanCutoff, mean: f64, slope_ratio: Option<f64>) -> Vec<String> {
+    let [low, high] = scan.mean_interval;
+    let of_friction = Some(scan.mean / mean - 1.0).filter(|difference| difference.abs() > 0.5 * (high - low) / mean);
+    let of_slope = slope_ratio.filter(|ratio| (ratio - 1.0).abs() > LIKE_THE_SCAN).map(|ratio| 1.0 / ratio - 1.0);
+    let of_friction = of_friction.filter(|difference| difference.abs() > LIKE_THE_SCAN);
+    let of_friction = of_friction.map(|difference| unlike("friction coefficient", difference));
+    of_friction.into_iter().chain(of_slope.map(|difference| unlike("rms slope", difference))).collect()
 }
 
 /// Returns a sentence on the friction of the scan, without and with the waves beyond those of the strips, beside that of the strips.
