@@ -73,19 +73,11 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         }
         None => Axis::padded("Member", Unit::none(), x_ends, 0.03),
     };
-    let y = match title {
-        PROBABILITY => Axis::linear(title, Unit::none(), (0.0, 1.0)),
-        // Both sides of the limit are in the figure.
-        MARGIN => {
-            let reach = 0.2 * (high.max(0.0) - low.min(0.0));
-            Axis::padded("Margin ζ − ζ_v", Unit::none(), (low.min(-reach), high.max(reach)), 0.06)
-        }
-        _ => Axis::padded(title, Unit::none(), (low, high), 0.06),
-    };
-    let (x_ends, y_ends) = (x.ends(), y.ends());
+    let y = axis_of(title, low, high);
+    let ((x_low, x_high), y_ends) = (x.ends(), y.ends());
     let mut chart = Chart::new(x, y);
     if title == MARGIN {
-        let x = [x_ends.0, x_ends.1];
+        let x = [x_low, x_high];
         chart.band("ζ < ζ_v: vibrates", &x, [&[y_ends.0; 2], &[0.0; 2]], VERMILION);
         chart.band("ζ > ζ_v: quiet", &x, [&[0.0; 2], &[y_ends.1; 2]], BLUE);
     }
@@ -106,8 +98,21 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         None => "One point for each member, in the order of the table.",
     };
     let caption = caption(points, title, members.iter().filter(|member| answer(member).is_none()).count());
-    let figure = CaptionedFigure::from_charts("members", title, caption, 1, &[chart], &[]);
-    figure.map(|figure| CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
+    let figure = CaptionedFigure::from_charts("members", title, caption, 1, &[chart], &[])?;
+    Some(CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
+}
+
+/// Returns the axis of an answer.
+fn axis_of(title: &str, low: f64, high: f64) -> Axis {
+    match title {
+        PROBABILITY => Axis::linear(title, Unit::none(), (0.0, 1.0)),
+        // Both sides of the limit are in the figure.
+        MARGIN => {
+            let reach = 0.2 * (high.max(0.0) - low.min(0.0));
+            Axis::padded("Margin ζ − ζ_v", Unit::none(), (low.min(-reach), high.max(reach)), 0.06)
+        }
+        _ => Axis::padded(title, Unit::none(), (low, high), 0.06),
+    }
 }
 
 /// Returns the caption; `failed` members have no value.

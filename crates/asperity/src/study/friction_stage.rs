@@ -14,7 +14,7 @@ use self::cutoff::SolvedCutoffs;
 use self::pitch::Pitch;
 use self::whole_error::WholeError;
 use crate::contact::Control;
-use crate::friction::strip::Strips;
+use crate::friction::strip::{StripProblem, Strips};
 use crate::friction::{FrictionError, LevelControl, OperatingLevel, RoughBody, SolvedLevel, TwoBodyFriction};
 use crate::monitor::Monitor;
 use crate::quantity::Area;
@@ -69,11 +69,10 @@ pub(super) fn run(
     let (problem, mean_compliance_m_per_pa) = strip_problem(study)?;
     let grid = problem.grid();
     let generated = surface.model.strip(grid, problem.is_periodic(), XiOrder::Variance)?;
-    let nominal = match operating {
-        OperatingLevel::NominalPressure(pascal) => Some(LevelControl::Nominal(pascal)),
-        OperatingLevel::Deepest | OperatingLevel::Percentile(_) => None,
-    };
-    let stated: Vec<LevelControl> = study.levels.iter().copied().chain(nominal).collect();
+    let mut stated = study.levels.clone();
+    if let OperatingLevel::NominalPressure(pascal) = operating {
+        stated.push(LevelControl::Nominal(pascal));
+    }
     // Pressures rise with every prescribed quantity.
     let rising: Vec<_> = stated.iter().map(|level| (*level, level.value())).collect();
     let strips = Strips {
@@ -114,38 +113,24 @@ pub(super) fn run(
     let whole = WholeError::new(study, surface, &levels[lead], point, (pitch.as_ref(), scan.as_ref()));
     levels[lead].mean_errors = whole.errors.clone();
     let (uncertainty, of_uncertain) = uncertain.unzip();
-    let window = &problem.window;
-    let entry = |(index, level)| LevelResult {
-        leading: index == lead,
-        ..entries::level_result(level, study.body, nominal_area_m2)
-    };
     let result = FrictionResult {
-        body: rough_body(study.body),
-        window_m: window.length_m(),
-        window_width_m: window.width_m(),
-        strip_width_m: grid.height_m(),
         mean_compliance_m_per_pa,
-        realisations: study.realisations,
         operating_point: whole.point,
-        levels: levels.iter().enumerate().map(entry).collect(),
         cutoff,
         scan,
         uncertainty,
+        ..result_of_levels(study, &problem, &levels, lead, nominal_area_m2)
     };
     let mut output = output_of_levels(&levels, lead, study.body, generated.warnings.clone());
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", map_field(grid, "Pa", pressure_pa.clone())));
     }
-    if stated_area.is_none() {
-        let assumed =
-            format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
-        output.assumptions.push(assumed);
-    }
+    let assumed =
+        || format!("No nominal area is stated; friction is scaled up to {NOMINAL_AREA}, that of a brake pad.");
+    output.assumptions.extend(stated_area.is_none().then(assumed));
     output.assumptions.extend(words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]));
     output.assumptions.extend(generated.correction.clone());
-    output.extend(of_cutoffs);
-    output.extend(of_cutoff.unwrap_or_default());
-    output.extend(of_scan);
+    [of_cutoffs, of_cutoff.unwrap_or_default(), of_scan].into_iter().for_each(|part| output.extend(part));
     output.warnings.extend(whole.warnings);
     output.assumptions.extend(whole.sentences);
     output.extend(of_uncertain.unwrap_or_default());
@@ -155,6 +140,29 @@ pub(super) fn run(
 /// Returns a function that names the level of an error.
 fn failed(control: LevelControl) -> impl Fn(FrictionError) -> StudyError {
     move |error| StudyError::Friction { level: control.name(), error }
+}
+
+/// Returns the geometry of the strips and the results of all levels.
+fn result_of_levels(
+    study: &FrictionStudy,
+    problem: &StripProblem,
+    levels: &[SolvedLevel],
+    lead: usize,
+    nominal_area_m2: f64,
+) -> FrictionResult {
+    let result = |(index, level)| LevelResult {
+        leading: index == lead,
+        ..entries::level_result(level, study.body, nominal_area_m2)
+    };
+    FrictionResult {
+        body: rough_body(study.body),
+        window_m: problem.window.length_m(),
+        window_width_m: problem.window.width_m(),
+        strip_width_m: problem.grid().height_m(),
+        realisations: study.realisations,
+        levels: levels.iter().enumerate().map(result).collect(),
+        ..FrictionResult::default()
+    }
 }
 
 /// Returns the tables of all levels and of the operating level, with `warnings` and those of the levels.
