@@ -122,11 +122,10 @@ impl StudyFile {
             within(SECTION, "mean_compliance", compliance, positive, POSITIVE)?;
         }
         let levels = check_levels(f, &material)?;
-        if let Some(area) = f.nominal_area {
-            if let Some(other) = self.vibration.as_ref().map(|v| v.nominal_area).filter(|other| *other != area) {
-                let message = format!("found {area}, but [vibration] states {other}; remove one of them");
-                return Err(invalid(SECTION, "nominal_area", message));
-            }
+        let machine = self.vibration.as_ref().map(|vibration| vibration.nominal_area);
+        if let Some((area, other)) = f.nominal_area.zip(machine).filter(|(area, other)| area != other) {
+            let message = format!("found {area}, but [vibration] states {other}; remove one of them");
+            return Err(invalid(SECTION, "nominal_area", message));
         }
         at_least(SECTION, "realisations", f.realisations, 2)?;
         within(SECTION, "tolerance", f.tolerance, |t| t > 0.0 && t < 0.1, "a relative tolerance between 0 and 0.1")?;
