@@ -125,9 +125,10 @@ fmt:
 clippy:
     cargo clippy --workspace --all-targets -- -D warnings
 
+# With clippy's compiler and its arguments, documentation is made of what the recipe `clippy` has checked; otherwise all is checked again.
 # Documentation of the library, warnings denied.
 doc:
-    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+    RUSTDOCFLAGS="-D warnings" RUSTC_WORKSPACE_WRAPPER="$(rustup which clippy-driver)" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__" cargo doc --workspace --no-deps
 
 # Spelling.
 typos:
