@@ -20,7 +20,7 @@ pub struct Key {
     /// Names of both elements of a list for readers.
     pub elements: Option<[&'static str; 2]>,
     /// Value that stands for it where a study leaves it out.
-    pub default: Option<Default>,
+    pub default: Option<KeyDefault>,
     /// Power of the unit of velocity N/(mω₀) that a number is proportional to if its value in SI stays the same.
     pub velocity_power: i32,
 }
@@ -57,7 +57,7 @@ pub enum Link {
 
 /// Value of an input that a study leaves out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Default {
+pub struct KeyDefault {
     /// The value.
     pub value: DefaultValue,
     /// Whether it is the one of the paper, not of asperity.
@@ -114,11 +114,11 @@ const fn word(link: Link, label: &'static str) -> Key {
 
 impl Key {
     const fn usual(self, value: DefaultValue) -> Self {
-        Self { default: Some(Default { value, of_paper: false, range: None }), ..self }
+        Self { default: Some(KeyDefault { value, of_paper: false, range: None }), ..self }
     }
 
     const fn usual_in_paper(self, value: DefaultValue, range: Option<Pair>) -> Self {
-        Self { default: Some(Default { value, of_paper: true, range }), ..self }
+        Self { default: Some(KeyDefault { value, of_paper: true, range }), ..self }
     }
 
     const fn elements(self, names: [&'static str; 2]) -> Self {

@@ -1,6 +1,6 @@
 //! Tables of the page from `results.json`.
 
-use asperity_results::keys::{Default, Key};
+use asperity_results::keys::{Key, KeyDefault};
 use asperity_results::{CoarseEntry, PressureMethod, PressureResult, ScalarQuantile};
 
 use crate::cells::{DASH, plain, shown};
@@ -144,7 +144,7 @@ fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static 
     let default = known.filter(|_| unstated.contains(&path.as_str())).and_then(|known| known.default);
     match (section.as_str(), default) {
         ("surface" | "counterface", _) if is_measured => "measured",
-        (_, Some(Default { of_paper: true, .. })) => "the paper’s default",
+        (_, Some(KeyDefault { of_paper: true, .. })) => "the paper’s default",
         (_, Some(_)) => "asperity’s default",
         _ if known.is_none() => "setting",
         _ if key.contains('.') || ["±", "+/-", ".."].iter().any(|mark| value.contains(mark)) => "stated, uncertain",

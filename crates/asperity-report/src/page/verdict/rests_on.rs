@@ -1,6 +1,6 @@
 //! The card of the inputs of the verdict, by origin.
 
-use asperity_results::keys::{Default, DefaultValue, Key};
+use asperity_results::keys::{DefaultValue, Key, KeyDefault};
 use asperity_results::{InputKind, InputValue, ModelResult, RestsOn};
 
 use crate::markup::{Html, html};
@@ -68,8 +68,8 @@ fn default(input: &RestsOn) -> String {
         return "hardness: none, contact is elastic".into();
     }
     let origin = match Key::find(&input.input).and_then(|key| key.default) {
-        Some(Default { of_paper: true, value: DefaultValue::Word(_), .. }) => "the paper’s",
-        Some(Default { of_paper: true, .. }) => "the paper’s value, not measured",
+        Some(KeyDefault { of_paper: true, value: DefaultValue::Word(_), .. }) => "the paper’s",
+        Some(KeyDefault { of_paper: true, .. }) => "the paper’s value, not measured",
         _ => "asperity’s default",
     };
     format!("{} {}: {origin}", named(&input.input), value(input))

@@ -1,6 +1,6 @@
 //! Inputs of the verdict with their origin: measured, stated, uncertain, unknown, or a default.
 
-use asperity_results::keys::{Default, DefaultValue, KEYS, Key, Link};
+use asperity_results::keys::{DefaultValue, KEYS, Key, KeyDefault, Link};
 use toml::{Table, Value};
 
 use crate::friction::WindowFriction;
@@ -10,7 +10,7 @@ use crate::study::uncertain::{Place, Point};
 use crate::study::{Study, StudyFile};
 
 /// Returns the inputs that a study file may leave out.
-fn defaults() -> impl Iterator<Item = (&'static Key, Default)> {
+fn defaults() -> impl Iterator<Item = (&'static Key, KeyDefault)> {
     KEYS.iter().filter_map(|key| Some((key, key.default?)))
 }
 
@@ -31,7 +31,7 @@ pub(super) fn assumed_range(input: &RestsOn) -> Option<Pair> {
 
 /// Returns the number of ends of ranges, other than the default itself, of the values that a study file leaves out.
 pub(in crate::study) fn assumed_ends(unstated: &[String]) -> usize {
-    let of = |(_, default): (&Key, Default)| {
+    let of = |(_, default): (&Key, KeyDefault)| {
         let ends = default.range.into_iter().flatten();
         ends.filter(|end| default.value != DefaultValue::Number(*end)).count()
     };
@@ -47,7 +47,7 @@ impl StudyFile {
             let known = known.join(", ");
             return Err(format!("unstated: `{other}` has no default that is listed here (known: {known})"));
         }
-        let is_default = |(key, default): &(&Key, Default)| {
+        let is_default = |(key, default): &(&Key, KeyDefault)| {
             let Some(section) = written.get(key.section) else { return false };
             match section.get(key.name) {
                 None if key.link == Link::Modes => {
