@@ -19,6 +19,8 @@ pub struct Key {
     pub label: &'static str,
     /// Names of both elements of a list for readers.
     pub elements: Option<[&'static str; 2]>,
+    /// Word of its section, by name and value, without which it has no effect.
+    pub needs: Option<(&'static str, &'static str)>,
     /// Value that stands for it where a study leaves it out.
     pub default: Option<KeyDefault>,
     /// Power of the unit of velocity N/(mω₀) that a number is proportional to if its value in SI stays the same.
@@ -109,7 +111,18 @@ const fn number(unit: &'static str, bounds: Bounds, link: Link, label: &'static 
 
 const fn word(link: Link, label: &'static str) -> Key {
     let (section, name, unit) = ("", "", "");
-    Key { section, name, unit, bounds: None, link, label, elements: None, default: None, velocity_power: 0 }
+    Key {
+        section,
+        name,
+        unit,
+        bounds: None,
+        link,
+        label,
+        elements: None,
+        needs: None,
+        default: None,
+        velocity_power: 0,
+    }
 }
 
 impl Key {
@@ -123,6 +136,10 @@ impl Key {
 
     const fn elements(self, names: [&'static str; 2]) -> Self {
         Self { elements: Some(names), ..self }
+    }
+
+    const fn only_with(self, name: &'static str, word: &'static str) -> Self {
+        Self { needs: Some((name, word)), ..self }
     }
 
     const fn times_velocity(self, velocity_power: i32) -> Self {
@@ -179,8 +196,9 @@ macro_rules! study_keys {
             $row!(counterface.poisson_ratio: number("", POISSON_RATIO, Contact, "Poisson’s ratio of the counterface")),
             $row!(counterface.hardness: number("Pa", POSITIVE, Contact, "hardness of the counterface")),
             $row!(friction.law: word(Contact, "friction law").usual_in_paper(Word("bowden_tabor"), None)),
-            $row!(friction.pressure_coefficient: number("", NOT_NEGATIVE, Contact, "pressure coefficient")),
-            $row!(friction.coefficient: number("", POSITIVE, Contact, "coefficient")),
+            $row!(friction.pressure_coefficient: number("", NOT_NEGATIVE, Contact, "pressure coefficient")
+                .only_with("law", "pressure_dependent")),
+            $row!(friction.coefficient: number("", POSITIVE, Contact, "coefficient").only_with("law", "coulomb")),
             $row!(friction.nominal_area: number("m^2", POSITIVE, Contact, "nominal area")),
             $row!(vibration.model: word(Model, "model")),
             $row!(vibration.friction_process: word(Model, "friction process")),
@@ -189,21 +207,25 @@ macro_rules! study_keys {
             $row!(vibration.friction_correlation_length: number("m", POSITIVE, Fall, "friction correlation length")),
             $row!(vibration.velocity_law: word(Fall, "velocity law").usual_in_paper(Word("stribeck"), None)),
             $row!(vibration.stribeck: number("", NOT_NEGATIVE, Fall, "Stribeck coefficient")
-                .usual_in_paper(Number(4.2), Some([2.1, 8.4])).times_velocity(1)),
-            $row!(vibration.stribeck: number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")),
+                .usual_in_paper(Number(4.2), Some([2.1, 8.4])).only_with("velocity_law", "stribeck").times_velocity(1)),
+            $row!(vibration.stribeck: number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")
+                .only_with("velocity_law", "stribeck")),
             $row!(vibration.linear_weakening: number("", NOT_NEGATIVE, Fall, "weakening of friction with speed")
-                .times_velocity(1)),
-            $row!(vibration.stribeck_velocity: number("m/s", POSITIVE, Fall, "Stribeck speed")),
-            $row!(vibration.high_speed_share: number("", RATIO, Fall, "friction at high speed over kinetic friction")),
+                .only_with("velocity_law", "linear").times_velocity(1)),
+            $row!(vibration.stribeck_velocity: number("m/s", POSITIVE, Fall, "Stribeck speed")
+                .only_with("velocity_law", "exponential")),
+            $row!(vibration.high_speed_share: number("", RATIO, Fall, "friction at high speed over kinetic friction")
+                .only_with("velocity_law", "exponential")),
             $row!(vibration.kinetic_share: number("", RATIO, Fall, "kinetic over static friction")
                 .usual_in_paper(Number(1.0), Some([0.9, 1.0]))),
             $row!(vibration.spring_angles: number("", ANY, Modes, "angles of the springs in degrees")
                 .elements(["angle of the first spring in degrees", "angle of the second spring in degrees"])
-                .usual(Pair([150.0, 30.0]))),
+                .only_with("model", "mode_coupling").usual(Pair([150.0, 30.0]))),
             $row!(vibration.springs: number("", NOT_NEGATIVE, Modes, "springs")
                 .elements(["first spring", "second spring"])
-                .usual(Pair([0.178_632_794_954_081_85, 2.488_033_871_712_584_5]))),
-            $row!(vibration.contact_spring: number("", POSITIVE, Modes, "contact spring").usual(Number(4.0 / 3.0))),
+                .only_with("model", "mode_coupling").usual(Pair([0.178_632_794_954_081_85, 2.488_033_871_712_584_5]))),
+            $row!(vibration.contact_spring: number("", POSITIVE, Modes, "contact spring")
+                .only_with("model", "mode_coupling").usual(Number(4.0 / 3.0))),
             $row!(vibration.damping_ratio: number("", NOT_NEGATIVE, Machine, "damping ratio")),
             $row!(vibration.mass: number("kg", POSITIVE, Machine, "mass")),
             $row!(vibration.natural_frequency: number("rad/s", POSITIVE, Machine, "natural frequency")),

@@ -11,6 +11,8 @@ mod verdict;
 mod vibration;
 mod vibration_study;
 
+use asperity_results::keys::Key;
+
 use self::invalid_value::{invalid, within};
 use crate::quantity::Dimension;
 use crate::study::file::StudyFile;
@@ -96,6 +98,20 @@ impl StudyFile {
         Ok(())
     }
 
+    /// Returns the stated inputs that need another value of the word `name` of their section than `word`, with the value that they need.
+    fn unmet<'a>(
+        &'a self,
+        section: &'a str,
+        name: &'a str,
+        word: &'a str,
+    ) -> impl Iterator<Item = (&'static Key, &'static str)> + 'a {
+        let stated = numbers().filter(move |(key, access)| key.section == section && access.is_stated(self));
+        stated.filter_map(move |(key, _)| {
+            let (own, needed) = key.needs?;
+            (own == name && needed != word).then_some((key, needed))
+        })
+    }
+
     /// Returns the file with the default values that other keys determine; the study of a run folder states them.
     fn with_defaults(mut self, friction: Option<&FrictionStudy>, vibration: Option<&VibrationStudy>) -> Self {
         if let Some(section) = &mut self.friction {
@@ -121,8 +137,6 @@ impl StudyFile {
 
 #[cfg(test)]
 mod tests {
-    use asperity_results::keys::Key;
-
     use super::*;
     use crate::map::HEIGHT_RANGE_M;
 

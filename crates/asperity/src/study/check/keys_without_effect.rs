@@ -1,7 +1,7 @@
 //! Keys of a study that have no effect.
 
 use crate::map::BoundaryKind;
-use crate::study::file::{CounterfaceSection, FrictionSection, StudyFile, SurfaceSection, WindowLawKind};
+use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
 impl StudyFile {
@@ -29,27 +29,18 @@ impl StudyFile {
         if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryKind::Free && f.mean_compliance.is_some()) {
             keys.push(periodic_only("friction"));
         }
-        keys.extend(self.friction.iter().flat_map(FrictionSection::keys_without_effect));
+        if let Some(friction) = &self.friction {
+            let unmet = self.unmet("friction", "law", friction.law.name());
+            keys.extend(
+                unmet.map(|(key, law)| format!("[friction] {} has no effect without law = \"{law}\"", key.name)),
+            );
+        }
         if let Some(friction) = self.friction.as_ref().filter(|f| !f.law.is_sheared())
             && self.material.as_ref().is_some_and(|m| m.shear_strength.is_some())
         {
             keys.push(format!("[material] shear_strength has no effect with law = \"{}\"", friction.law));
         }
         keys
-    }
-}
-
-impl FrictionSection {
-    /// Returns a sentence for each stated key that has no effect.
-    fn keys_without_effect(&self) -> Vec<String> {
-        let stated = [
-            ("pressure_coefficient", self.pressure_coefficient.is_some()),
-            ("coefficient", self.coefficient.is_some()),
-        ];
-        let laws = WindowLawKind::ALL.iter().filter(|law| law.key() != self.law.key());
-        laws.filter_map(|law| law.key().filter(|key| stated.contains(&(*key, true))).map(|key| (law, key)))
-            .map(|(law, key)| format!("[friction] {key} has no effect without law = \"{law}\""))
-            .collect()
     }
 }
 

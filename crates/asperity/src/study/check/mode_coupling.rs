@@ -10,16 +10,11 @@ use crate::vibration::mode_coupling::CoupledParameters;
 impl StudyFile {
     /// Checks the keys of the model of the machine, and returns its springs; `None` for one degree of freedom.
     pub(super) fn check_coupled(&self, v: &VibrationSection) -> Result<Option<CoupledStudy>, InvalidValue> {
-        let own = [
-            ("spring_angles", v.spring_angles.is_some()),
-            ("springs", v.springs.is_some()),
-            ("contact_spring", v.contact_spring.is_some()),
-        ];
         let requires =
             |key, model: MachineModel| Err(invalid(SECTION, key, format!("this key requires model = \"{model}\"")));
         if v.model == MachineModel::StickSlip {
-            return match own.into_iter().find(|(_, stated)| *stated) {
-                Some((key, _)) => requires(key, MachineModel::ModeCoupling),
+            return match self.unmet(SECTION, "model", v.model.name()).next() {
+                Some((key, _)) => requires(key.name, MachineModel::ModeCoupling),
                 None => Ok(None),
             };
         }

@@ -37,6 +37,12 @@ impl StudyFile {
             }
         };
         let coupled = self.check_coupled(v)?;
+        let table = v.friction_table.as_ref().map(|_| ("friction_table", VelocityLawKind::Table.name()));
+        let table = table.filter(|_| v.velocity_law != VelocityLawKind::Table);
+        let of_other = self.unmet(SECTION, "velocity_law", v.velocity_law.name()).map(|(key, law)| (key.name, law));
+        if let Some((key, law)) = of_other.chain(table).next() {
+            return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
+        }
         let (velocity_law, stribeck) = velocity_law(v, &scales)?;
         let forcing = forcing(v)?;
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
@@ -197,19 +203,8 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
     deterministic_slips(&[oscillator], &settings).remove(0).map_or_else(of_key, |_| Ok(()))
 }
 
-/// Checks the velocity law and returns it for a kinetic friction coefficient of 1, with its Stribeck coefficient as stated. A key of
-/// another law is an error.
+/// Checks the velocity law and returns it for a kinetic friction coefficient of 1, with its Stribeck coefficient as stated.
 fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, Option<Stribeck>), InvalidValue> {
-    let keys = [
-        ("stribeck", v.stribeck.is_some(), VelocityLawKind::Stribeck),
-        ("linear_weakening", v.linear_weakening.is_some(), VelocityLawKind::Linear),
-        ("stribeck_velocity", v.stribeck_velocity.is_some(), VelocityLawKind::Exponential),
-        ("high_speed_share", v.high_speed_share.is_some(), VelocityLawKind::Exponential),
-        ("friction_table", v.friction_table.is_some(), VelocityLawKind::Table),
-    ];
-    if let Some((key, _, law)) = keys.into_iter().find(|(_, stated, law)| *stated && *law != v.velocity_law) {
-        return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
-    }
     let missing = |key| invalid(SECTION, key, format!("velocity_law = \"{}\" requires this key", v.velocity_law));
     match v.velocity_law {
         _ if v.model == MachineModel::ModeCoupling => Ok((VelocityLaw::Coulomb { kinetic: 1.0 }, None)),

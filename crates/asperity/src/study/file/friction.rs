@@ -35,15 +35,6 @@ impl WindowLawKind {
             Self::Coulomb => false,
         }
     }
-
-    /// Returns the key of `[friction]` that holds the parameter of the law, if it has one.
-    pub(in crate::study) fn key(self) -> Option<&'static str> {
-        match self {
-            Self::PressureDependent => Some("pressure_coefficient"),
-            Self::Coulomb => Some("coefficient"),
-            Self::BowdenTabor | Self::AdhesionPloughing => None,
-        }
-    }
 }
 
 choice! {

@@ -13,11 +13,17 @@ use crate::study::file::{ContactSpring, Stribeck};
 /// Access to the number of an input in SI. A unit tells numbers and quantities of the same name apart.
 #[derive(Debug)]
 pub(in crate::study) struct Access {
+    is_stated: fn(&StudyFile) -> bool,
     get: fn(&StudyFile, unit: &str, element: Option<usize>) -> Option<f64>,
     set: fn(&mut StudyFile, unit: &str, element: Option<usize>, f64),
 }
 
 impl Access {
+    /// Returns whether a file states the input, also by a word where it may be a number.
+    pub(in crate::study) fn is_stated(&self, file: &StudyFile) -> bool {
+        (self.is_stated)(file)
+    }
+
     /// Returns the number, or that of one element of a list; `None` if the file does not state it.
     pub(in crate::study) fn get(&self, file: &StudyFile, key: &Key, element: Option<usize>) -> Option<f64> {
         (self.get)(file, key.unit, element)
@@ -31,10 +37,11 @@ impl Access {
 
 macro_rules! access {
     ($section:ident.$name:ident: word $($facts:tt)*) => {
-        Access { get: |_, _, _| None, set: |_, _, _, _| {} }
+        Access { is_stated: |_| false, get: |_, _, _| None, set: |_, _, _, _| {} }
     };
     ($section:ident.$name:ident: $($facts:tt)*) => {
         Access {
+            is_stated: |file| file.$section.as_ref().is_some_and(|section| section.$name.is_stated()),
             get: |file, unit, element| file.$section.as_ref()?.$name.get(unit, element),
             set: |file, unit, element, value| {
                 if let Some(section) = &mut file.$section {
@@ -83,6 +90,10 @@ pub(in crate::study) fn show(key: &Key, value: f64) -> Value {
 
 /// Number of a study file in SI, or a list of numbers.
 trait Numbers {
+    fn is_stated(&self) -> bool {
+        true
+    }
+
     fn get(&self, unit: &str, element: Option<usize>) -> Option<f64>;
     fn set(&mut self, unit: &str, element: Option<usize>, value: f64);
 }
@@ -116,6 +127,10 @@ macro_rules! quantities {
 quantities!(AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Pressure, Velocity);
 
 impl<T: Numbers> Numbers for Option<T> {
+    fn is_stated(&self) -> bool {
+        self.is_some()
+    }
+
     fn get(&self, unit: &str, element: Option<usize>) -> Option<f64> {
         self.as_ref()?.get(unit, element)
     }

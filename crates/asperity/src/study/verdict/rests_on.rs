@@ -50,13 +50,11 @@ impl StudyFile {
         let is_default = |(key, default): &(&Key, KeyDefault)| {
             let Some(section) = written.get(key.section) else { return false };
             match section.get(key.name) {
-                None if key.link == Link::Modes => {
-                    section.get("model").and_then(Value::as_str) == Some("mode_coupling")
-                }
-                None => {
-                    key.name != "stribeck"
-                        || section.get("velocity_law").is_none_or(|law| law.as_str() == Some("stribeck"))
-                }
+                None => key.needs.is_none_or(|(name, word)| {
+                    let usual = Key::find(&format!("{}.{name}", key.section)).and_then(|key| key.default);
+                    let stated = section.get(name).and_then(Value::as_str);
+                    stated.map_or(usual.is_some_and(|usual| usual.value == DefaultValue::Word(word)), |own| own == word)
+                }),
                 Some(stated) => *stated == in_file(default.value) && self.unstated.contains(&key.path()),
             }
         };
