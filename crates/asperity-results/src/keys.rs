@@ -2,6 +2,11 @@
 
 use crate::Pair;
 
+/// Stribeck coefficient of the paper, per unit of dimensionless velocity.
+pub const STRIBECK: f64 = 4.2;
+/// Kinetic over static friction of the paper.
+pub const KINETIC_SHARE: f64 = 1.0;
+
 /// Value of a study that decides its answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key {
@@ -49,8 +54,6 @@ pub enum Link {
     Contact,
     /// Friction over time and velocity, which a machine with coupled modes does not have.
     Fall,
-    /// The springs of a machine with coupled modes.
-    Modes,
     /// The machine.
     Machine,
     /// Which model the study is of.
@@ -207,7 +210,7 @@ macro_rules! study_keys {
             $row!(vibration.friction_correlation_length: number("m", POSITIVE, Fall, "friction correlation length")),
             $row!(vibration.velocity_law: word(Fall, "velocity law").usual_in_paper(Word("stribeck"), None)),
             $row!(vibration.stribeck: number("", NOT_NEGATIVE, Fall, "Stribeck coefficient")
-                .usual_in_paper(Number(4.2), Some([2.1, 8.4])).only_with("velocity_law", "stribeck").times_velocity(1)),
+                .usual_in_paper(Number(STRIBECK), Some([2.1, 8.4])).only_with("velocity_law", "stribeck").times_velocity(1)),
             $row!(vibration.stribeck: number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")
                 .only_with("velocity_law", "stribeck")),
             $row!(vibration.linear_weakening: number("", NOT_NEGATIVE, Fall, "weakening of friction with speed")
@@ -217,14 +220,14 @@ macro_rules! study_keys {
             $row!(vibration.high_speed_share: number("", RATIO, Fall, "friction at high speed over kinetic friction")
                 .only_with("velocity_law", "exponential")),
             $row!(vibration.kinetic_share: number("", RATIO, Fall, "kinetic over static friction")
-                .usual_in_paper(Number(1.0), Some([0.9, 1.0]))),
-            $row!(vibration.spring_angles: number("", ANY, Modes, "angles of the springs in degrees")
+                .usual_in_paper(Number(KINETIC_SHARE), Some([0.9, 1.0]))),
+            $row!(vibration.spring_angles: number("", ANY, Machine, "angles of the springs in degrees")
                 .elements(["angle of the first spring in degrees", "angle of the second spring in degrees"])
                 .only_with("model", "mode_coupling").usual(Pair([150.0, 30.0]))),
-            $row!(vibration.springs: number("", NOT_NEGATIVE, Modes, "springs")
+            $row!(vibration.springs: number("", NOT_NEGATIVE, Machine, "springs")
                 .elements(["first spring", "second spring"])
                 .only_with("model", "mode_coupling").usual(Pair([0.178_632_794_954_081_85, 2.488_033_871_712_584_5]))),
-            $row!(vibration.contact_spring: number("", POSITIVE, Modes, "contact spring")
+            $row!(vibration.contact_spring: number("", POSITIVE, Machine, "contact spring")
                 .only_with("model", "mode_coupling").usual(Number(4.0 / 3.0))),
             $row!(vibration.damping_ratio: number("", NOT_NEGATIVE, Machine, "damping ratio")),
             $row!(vibration.mass: number("kg", POSITIVE, Machine, "mass")),
@@ -248,7 +251,7 @@ macro_rules! row {
 /// All inputs in the order of the chain.
 pub static KEYS: &[Key] = &{
     use DefaultValue::{Number, Pair, Word};
-    use Link::{Contact, Fall, Machine, Model, Modes, Surface};
+    use Link::{Contact, Fall, Machine, Model, Surface};
     study_keys!(row)
 };
 

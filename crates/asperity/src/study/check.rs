@@ -139,6 +139,7 @@ impl StudyFile {
 mod tests {
     use super::*;
     use crate::map::HEIGHT_RANGE_M;
+    use crate::study::file::{MachineModel, VelocityLawKind, WindowLawKind};
 
     /// Study in which every number of one degree of freedom is stated.
     const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = [\"20 um\", \"30 um\"]\n\
@@ -175,6 +176,19 @@ mod tests {
             wrong.check().unwrap_err().to_string(),
             "[material] youngs_modulus: found -2 GPa, expected a positive value"
         );
+    }
+
+    #[test]
+    fn words_that_inputs_need_are_words_of_their_section() {
+        for (key, name, word) in numbers().filter_map(|(key, _)| key.needs.map(|(name, word)| (key, name, word))) {
+            let is_known = match name {
+                "law" => word.parse::<WindowLawKind>().is_ok(),
+                "velocity_law" => word.parse::<VelocityLawKind>().is_ok(),
+                "model" => word.parse::<MachineModel>().is_ok(),
+                _ => false,
+            };
+            assert!(is_known && Key::find(&format!("{}.{name}", key.section)).is_some(), "{key:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Checks of `[vibration]`.
 
 use asperity_base::choice::ByName;
+use asperity_results::keys;
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use super::mode_coupling::check_springs;
@@ -21,7 +22,7 @@ const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
 /// Default coefficient a of the Stribeck law, the paper's value.
-const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(4.2);
+const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(keys::STRIBECK);
 
 impl StudyFile {
     pub(in crate::study) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {

@@ -176,7 +176,7 @@ pub struct VibrationSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forcing_frequency: Option<AngularFrequency>,
     /// Ratio of the kinetic friction coefficient at vanishing velocity to the static one.
-    #[serde(default = "one")]
+    #[serde(default = "kinetic_share")]
     pub kinetic_share: f64,
     /// Dependence of friction on the velocity.
     #[serde(default)]
@@ -260,7 +260,7 @@ impl VibrationSection {
             ("stribeck_velocity", self.stribeck_velocity.is_none()),
             ("high_speed_share", self.high_speed_share.is_none()),
             ("friction_table", self.friction_table.is_none()),
-            ("kinetic_share", self.kinetic_share == one()),
+            ("kinetic_share", self.kinetic_share == kinetic_share()),
             ("forcing", self.forcing.is_none()),
             ("forcing_frequency", self.forcing_frequency.is_none()),
             ("generator", self.generator.is_none()),
@@ -279,8 +279,8 @@ impl VibrationSection {
 fn map_depth() -> u32 {
     3
 }
-fn one() -> f64 {
-    1.0
+fn kinetic_share() -> f64 {
+    asperity_results::keys::KINETIC_SHARE
 }
 
 fn damping_sweep() -> (f64, f64, usize) {

@@ -84,6 +84,8 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
     let matters = |key: &&Key| match (key.section, key.name, key.link) {
         (_, _, Link::Model) => false,
         (_, _, Link::Fall) if coupled => false,
+        // It equals that of the machine.
+        ("friction", "nominal_area", _) => false,
         ("vibration", "upscaling", _) => fluctuates,
         ("vibration", "nominal_area", _) => fluctuates || window.computed,
         ("vibration", ..) => true,
@@ -199,7 +201,7 @@ pub(super) mod tests {
         let coupled = STUDY.replace("[vibration]", "[vibration]\nmodel = \"mode_coupling\"");
         let studies = [STUDY, &coupled].map(|text| Study::parse(text, "study.toml").unwrap());
         for (key, default) in defaults() {
-            let is_spring = key.link == Link::Modes;
+            let is_spring = key.needs == Some(("model", "mode_coupling"));
             let file = studies[usize::from(is_spring)].file();
             assert_eq!(file.to_table().unwrap()[key.section][key.name], in_file(default.value), "{key:?}");
             let [alone, coupled] = studies.each_ref().map(|study| study.file().unstated.contains(&key.path()));
