@@ -19,6 +19,8 @@ pub mod quantity;
 pub mod random;
 #[doc(hidden)]
 pub mod sentence;
+#[doc(hidden)]
+pub mod statement;
 pub mod stats;
 #[cfg(test)]
 mod testing;

@@ -6,6 +6,7 @@ mod coulomb;
 mod pressure_dependent;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 pub use adhesion_ploughing::AdhesionPloughing;
 pub use bowden_tabor::BowdenTabor;
@@ -13,7 +14,54 @@ pub use coulomb::Coulomb;
 pub use pressure_dependent::PressureDependent;
 
 use crate::WindowContact;
-use asperity_base::sentence;
+use asperity_base::statement::{Stated, Statement, StatementError};
+use asperity_base::{choice, sentence};
+
+choice! {
+    /// Friction law.
+    #[derive(Default)]
+    pub enum WindowLawKind: "friction law" {
+        /// F = τ_max A_c (the paper's law).
+        #[default]
+        BowdenTabor = "bowden_tabor",
+        /// F = τ_max A_c + αN.
+        PressureDependent = "pressure_dependent",
+        /// F = τ_max A_c plus the ploughing force of plastic contacts.
+        AdhesionPloughing = "adhesion_ploughing",
+        /// F = μN.
+        Coulomb = "coulomb",
+    }
+}
+
+impl WindowLawKind {
+    /// Returns whether the law depends on the shear strength of the contacts.
+    #[doc(hidden)]
+    pub fn is_sheared(self) -> bool {
+        self.statement().inputs.contains(&SHEAR_STRENGTH)
+    }
+
+    /// Returns how a study states it, in SI.
+    #[doc(hidden)]
+    pub fn statement(self) -> &'static Statement<Arc<dyn WindowLaw>> {
+        match self {
+            Self::BowdenTabor => BowdenTabor::STATEMENT,
+            Self::PressureDependent => PressureDependent::STATEMENT,
+            Self::AdhesionPloughing => AdhesionPloughing::STATEMENT,
+            Self::Coulomb => Coulomb::STATEMENT,
+        }
+    }
+}
+
+/// Shear strength of the contacts, an input of several laws.
+const SHEAR_STRENGTH: &str = "material.shear_strength";
+
+fn shear_strength_pa(stated: &dyn Stated) -> Result<f64, StatementError> {
+    required(stated, SHEAR_STRENGTH, "[friction] needs the shear strength of the contacts")
+}
+
+fn required(stated: &dyn Stated, input: &'static str, reason: &str) -> Result<f64, StatementError> {
+    stated.number(input).ok_or_else(|| StatementError { input, reason: reason.into() })
+}
 
 /// A friction law of windows: the force that resists sliding, from the contact in one window.
 pub trait WindowLaw: Debug + Send + Sync {

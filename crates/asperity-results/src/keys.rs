@@ -24,7 +24,7 @@ pub struct Key {
     pub label: &'static str,
     /// Names of both elements of a list for readers.
     pub elements: Option<[&'static str; 2]>,
-    /// Word of its section, by name and value, without which it has no effect.
+    /// Word of its section, by name and value, without which it has no effect; laws name their own inputs.
     pub needs: Option<(&'static str, &'static str)>,
     /// Value that stands for it where a study leaves it out.
     pub default: Option<KeyDefault>,
@@ -80,6 +80,16 @@ pub enum DefaultValue {
     Pair(Pair),
     /// A word.
     Word(&'static str),
+}
+
+impl DefaultValue {
+    /// Returns a number.
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(number),
+            Self::Pair(_) | Self::Word(_) => None,
+        }
+    }
 }
 
 const fn above(low: f64, high: f64, expected: &'static str) -> Bounds {
@@ -199,9 +209,8 @@ macro_rules! study_keys {
             $row!(counterface.poisson_ratio: number("", POISSON_RATIO, Contact, "Poisson’s ratio of the counterface")),
             $row!(counterface.hardness: number("Pa", POSITIVE, Contact, "hardness of the counterface")),
             $row!(friction.law: word(Contact, "friction law").usual_in_paper(Word("bowden_tabor"), None)),
-            $row!(friction.pressure_coefficient: number("", NOT_NEGATIVE, Contact, "pressure coefficient")
-                .only_with("law", "pressure_dependent")),
-            $row!(friction.coefficient: number("", POSITIVE, Contact, "coefficient").only_with("law", "coulomb")),
+            $row!(friction.pressure_coefficient: number("", NOT_NEGATIVE, Contact, "pressure coefficient")),
+            $row!(friction.coefficient: number("", POSITIVE, Contact, "coefficient")),
             $row!(friction.nominal_area: number("m^2", POSITIVE, Contact, "nominal area")),
             $row!(vibration.model: word(Model, "model")),
             $row!(vibration.friction_process: word(Model, "friction process")),
@@ -210,15 +219,11 @@ macro_rules! study_keys {
             $row!(vibration.friction_correlation_length: number("m", POSITIVE, Fall, "friction correlation length")),
             $row!(vibration.velocity_law: word(Fall, "velocity law").usual_in_paper(Word("stribeck"), None)),
             $row!(vibration.stribeck: number("", NOT_NEGATIVE, Fall, "Stribeck coefficient")
-                .usual_in_paper(Number(STRIBECK), Some([2.1, 8.4])).only_with("velocity_law", "stribeck").times_velocity(1)),
-            $row!(vibration.stribeck: number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")
-                .only_with("velocity_law", "stribeck")),
-            $row!(vibration.linear_weakening: number("", NOT_NEGATIVE, Fall, "weakening of friction with speed")
-                .only_with("velocity_law", "linear").times_velocity(1)),
-            $row!(vibration.stribeck_velocity: number("m/s", POSITIVE, Fall, "Stribeck speed")
-                .only_with("velocity_law", "exponential")),
-            $row!(vibration.high_speed_share: number("", RATIO, Fall, "friction at high speed over kinetic friction")
-                .only_with("velocity_law", "exponential")),
+                .usual_in_paper(Number(STRIBECK), Some([2.1, 8.4])).times_velocity(1)),
+            $row!(vibration.stribeck: number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")),
+            $row!(vibration.linear_weakening: number("", NOT_NEGATIVE, Fall, "weakening of friction with speed").times_velocity(1)),
+            $row!(vibration.stribeck_velocity: number("m/s", POSITIVE, Fall, "Stribeck speed")),
+            $row!(vibration.high_speed_share: number("", RATIO, Fall, "friction at high speed over kinetic friction")),
             $row!(vibration.kinetic_share: number("", RATIO, Fall, "kinetic over static friction")
                 .usual_in_paper(Number(KINETIC_SHARE), Some([0.9, 1.0]))),
             $row!(vibration.spring_angles: number("", ANY, Machine, "angles of the springs in degrees")

@@ -13,7 +13,7 @@ use std::ops::Range;
 use self::kernel::{Consts, Cuts, Expansion, LANES, NOISY, STEADY, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
-use super::{Drive, Event, EventKind, Integrator, Oscillator, Slips, TrajectorySettings, VelocityLaw, VibrationError};
+use super::{Drive, Event, EventKind, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::monitor::Silent;
 use asperity_process::{Cell, Fluctuation};
 
@@ -71,7 +71,7 @@ pub(super) fn simulate_many<F: Fluctuation, W: Observer>(
     for index in &mut waiting {
         match make(index).and_then(|task| LaneTrajectory::new(index, task, settings)) {
             Ok(Some(trajectory)) => {
-                let (noisy, exponential) = (trajectory.cell.length.is_finite(), trajectory.is_exponential());
+                let (noisy, exponential) = (trajectory.cell.length.is_finite(), trajectory.is_exponential);
                 let kind = 2 * usize::from(exponential) + usize::from(noisy);
                 let batch = batches[kind].get_or_insert_with(|| match (noisy, exponential) {
                     (true, false) => Box::new(Batch::<NOISY, false, F, W>::new(settings)),
@@ -151,6 +151,8 @@ struct LaneTrajectory<F, W> {
     observer: W,
     slips: Slips,
     oscillator: Oscillator,
+    /// Whether the law has an exponential part; an exponential law without weakening has none.
+    is_exponential: bool,
     velocity: f64,
     static_friction: f64,
     /// 2ζV.
@@ -177,10 +179,11 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
     /// Creates a trajectory at its start; returns none if batches do not support it.
     fn new(index: usize, task: Task<F, W>, settings: &TrajectorySettings) -> Result<Option<Self>, VibrationError> {
         let Task { oscillator, mut fluctuation, observer, swing_level } = task;
-        if oscillator.law().is_tabulated() || oscillator.forcing().is_some() || swing_level.is_finite() {
+        if oscillator.forcing().is_some() || swing_level.is_finite() {
             return Ok(None);
         }
         let velocity = oscillator.belt_velocity();
+        let Some(form) = oscillator.law().batch_form(velocity) else { return Ok(None) };
         let Some(cell) = fluctuation.next_cell() else { return Ok(None) };
         let mut trajectory = Self {
             index,
@@ -188,6 +191,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
             observer,
             slips: Slips::default(),
             oscillator: oscillator.clone(),
+            is_exponential: form.is_exponential,
             velocity,
             static_friction: oscillator.static_friction(),
             drag: 2.0 * oscillator.damping_ratio() * velocity,
@@ -203,16 +207,6 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
         let limit = trajectory.static_friction + cell.left;
         let sticks = trajectory.excess <= 0.0 && -trajectory.excess - 2.0 * limit / velocity <= 0.0 && limit > 0.0;
         Ok(sticks.then_some(trajectory))
-    }
-
-    /// Returns whether the law has an exponential part; an exponential law without weakening has none.
-    fn is_exponential(&self) -> bool {
-        match self.oscillator.law() {
-            VelocityLaw::Exponential { kinetic, high_speed, .. } => high_speed < kinetic,
-            VelocityLaw::Stribeck { .. } | VelocityLaw::Coulomb { .. } | VelocityLaw::Linear { .. } => false,
-            // Simulated alone, see `LaneTrajectory::new`.
-            VelocityLaw::Tabulated(_) => false,
-        }
     }
 
     /// Returns m at the scaled distance `passed` since the start of the cell.
@@ -396,6 +390,8 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::VelocityLaw;
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use crate::{Parameters, Trajectory};
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
@@ -439,7 +435,7 @@ mod tests {
     }
 
     fn exponential(kinetic: f64, high_speed: f64, stribeck_velocity: f64) -> VelocityLaw {
-        VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity }
+        VelocityLaw::Exponential(Exponential { kinetic, high_speed, stribeck_velocity })
     }
 
     fn machines() -> Vec<(Oscillator, f64)> {
@@ -448,19 +444,19 @@ mod tests {
             (Oscillator::new(parameters).unwrap(), std)
         };
         vec![
-            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.001),
-            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.25, 0.003, 0.001),
-            of(0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.17, 0.003, 0.006),
-            of(0.3, VelocityLaw::Stribeck { kinetic: 0.25, decay: 3.0 }, 0.05, 0.05, 0.01),
-            of(0.3, VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.05, 0.05, 0.005),
-            of(0.4, VelocityLaw::Coulomb { kinetic: 0.3 }, 0.02, 0.05, 0.005),
+            of(0.1, VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }), 0.17, 0.003, 0.001),
+            of(0.1, VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }), 0.25, 0.003, 0.001),
+            of(0.1, VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }), 0.17, 0.003, 0.006),
+            of(0.3, VelocityLaw::Stribeck(Stribeck { kinetic: 0.25, decay: 3.0 }), 0.05, 0.05, 0.01),
+            of(0.3, VelocityLaw::Linear(Linear { kinetic: 0.3, slope: 0.2 }), 0.05, 0.05, 0.005),
+            of(0.4, VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 }), 0.02, 0.05, 0.005),
             of(0.4, exponential(0.4, 0.3, 0.4), 0.05, 0.05, 0.005),
             of(0.3, exponential(0.25, 0.1, 0.03), 0.05, 0.1, 0.005),
             // Laws that fall within a small fraction of the velocity of the belt, and one that hardly falls.
             of(0.3, exponential(0.3, 0.2, 0.001), 0.05, 0.05, 0.004),
             of(0.3, exponential(0.3, 0.2, 300.0), 0.01, 0.05, 0.004),
             // Strong motion: the mass overtakes the belt.
-            of(0.17, VelocityLaw::Stribeck { kinetic: 0.14, decay: 5.0 }, 0.003, 1.7, 0.001),
+            of(0.17, VelocityLaw::Stribeck(Stribeck { kinetic: 0.14, decay: 5.0 }), 0.003, 1.7, 0.001),
         ]
     }
 
@@ -548,7 +544,7 @@ mod tests {
         let of = |index: usize| {
             let damping_ratio = 0.1 + 0.005 * (index % 20) as f64;
             let (static_friction, law, belt_velocity) = match index / 20 {
-                0 => (0.1, VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 }, 0.003),
+                0 => (0.1, VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }), 0.003),
                 1 => (0.3, exponential(0.3, 0.1, 0.2), 0.02),
                 _ => (0.4, exponential(0.35, 0.2, 0.004), 0.08),
             };

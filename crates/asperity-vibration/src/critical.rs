@@ -71,6 +71,7 @@ pub(super) fn limit_above(oscillator: &Oscillator, ends: &CriticalDamping) -> Re
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use crate::{FrictionTable, MotionKind, Parameters, VelocityLaw, limit_cycle, smallest_kick};
     use asperity_base::distribution::standard_normal_cdf;
     use asperity_base::numeric::try_root_between;
@@ -108,7 +109,7 @@ mod tests {
     #[test]
     fn linear_weakening_ends_at_half_its_slope() {
         for slope in [0.05, 0.3, 1.1] {
-            let law = VelocityLaw::Linear { kinetic: 0.4, slope };
+            let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope });
             let parameters =
                 Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
             let found = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap();
@@ -125,13 +126,13 @@ mod tests {
             let static_friction = 0.2 * g[0].exp();
             let kinetic = if g[1] > 0.0 { static_friction } else { static_friction * standard_normal_cdf(g[1] + 1.0) };
             let decay = 3.0 * (1.5 * g[2]).exp();
-            let stribeck = VelocityLaw::Stribeck { kinetic, decay };
+            let stribeck = VelocityLaw::Stribeck(Stribeck { kinetic, decay });
             let (high_speed, stribeck_velocity) = (0.5 * kinetic, 0.5 / decay);
             let points: Vec<_> =
                 (0..8).map(|i| 0.3 * f64::from(i) / decay).map(|v| [v, stribeck.coefficient(v)]).collect();
             let law = match i % 3 {
                 0 => stribeck,
-                1 => VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity },
+                1 => VelocityLaw::Exponential(Exponential { kinetic, high_speed, stribeck_velocity }),
                 _ => VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap()),
             };
             // On a belt faster than the last point of the table, friction is constant.
@@ -158,7 +159,7 @@ mod tests {
     #[test]
     fn without_weakening_any_damping_ends_the_cycle_but_a_jump_keeps_it() {
         let of = |static_friction| {
-            let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+            let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
             let parameters =
                 Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
             critical_damping(&Oscillator::new(parameters).unwrap()).unwrap().critical_damping_ratio
@@ -167,7 +168,7 @@ mod tests {
         let with_jump = of(0.4);
         // Independent check by the event-driven motion: the cycle exists just below the limit and not above it.
         for (factor, exists) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
-            let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+            let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
             let damping_ratio = with_jump * factor;
             let parameters =
                 Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None };
@@ -208,10 +209,10 @@ mod tests {
     #[test]
     fn the_last_vibration_of_a_falling_law_grazes_the_belt() {
         let laws = [
-            VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
-            VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.04, stribeck_velocity: 0.1 },
-            VelocityLaw::Linear { kinetic: 0.1, slope: 0.2 },
-            VelocityLaw::Coulomb { kinetic: 0.09 },
+            VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }),
+            VelocityLaw::Exponential(Exponential { kinetic: 0.1, high_speed: 0.04, stribeck_velocity: 0.1 }),
+            VelocityLaw::Linear(Linear { kinetic: 0.1, slope: 0.2 }),
+            VelocityLaw::Coulomb(Coulomb { kinetic: 0.09 }),
         ];
         for law in laws {
             let parameters =
@@ -223,8 +224,8 @@ mod tests {
         // Closed forms for a jump of .05 at V = .05: without weakening, and with a weakening b = .1, which shifts the
         // limit by b/2.
         for (law, wanted) in [
-            (VelocityLaw::Coulomb { kinetic: 0.25 }, 0.057_829_116_137_66),
-            (VelocityLaw::Linear { kinetic: 0.25, slope: 0.1 }, 0.107_829_116_137_66),
+            (VelocityLaw::Coulomb(Coulomb { kinetic: 0.25 }), 0.057_829_116_137_66),
+            (VelocityLaw::Linear(Linear { kinetic: 0.25, slope: 0.1 }), 0.107_829_116_137_66),
         ] {
             let parameters =
                 Parameters { static_friction: 0.3, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
@@ -244,8 +245,12 @@ mod tests {
             let bell = |v: f64| kinetic * (0.3 + 0.7 * (-(v / reach).powi(2)).exp());
             let points: Vec<_> = (0..40).map(|i| 0.1 * f64::from(i) * reach).map(|v| [v, bell(v)]).collect();
             let law = match i % 3 {
-                0 => VelocityLaw::Stribeck { kinetic, decay: 1.0 / reach },
-                1 => VelocityLaw::Exponential { kinetic, high_speed: 0.3 * kinetic, stribeck_velocity: reach },
+                0 => VelocityLaw::Stribeck(Stribeck { kinetic, decay: 1.0 / reach }),
+                1 => VelocityLaw::Exponential(Exponential {
+                    kinetic,
+                    high_speed: 0.3 * kinetic,
+                    stribeck_velocity: reach,
+                }),
                 _ => VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap()),
             };
             let belt_velocity = reach * (0.7 * g[3]).exp();
@@ -272,7 +277,7 @@ mod tests {
     #[test]
     fn a_critical_damping_above_the_largest_damping_ratio_is_named() {
         // ζ_H = μ_k·a/(2(1 + aV)²) is 1250.
-        let law = VelocityLaw::Stribeck { kinetic: 0.1, decay: 1e5 };
+        let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 1e5 });
         let parameters =
             Parameters { static_friction: 2.1, law, damping_ratio: 0.1, belt_velocity: 1e-5, forcing: None };
         let error = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap_err();

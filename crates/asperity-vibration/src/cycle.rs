@@ -278,6 +278,7 @@ fn repetition(detachments: &[(Phase, f64)], forcing_period: f64) -> Option<usize
 
 #[cfg(test)]
 mod tests {
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use std::f64::consts::PI;
 
     use super::*;
@@ -294,7 +295,7 @@ mod tests {
 
     #[test]
     fn coulomb_friction_has_its_closed_form_cycle() {
-        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
         let cycle =
             cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None });
         let ratio: f64 = 0.1 / 0.05;
@@ -311,7 +312,7 @@ mod tests {
 
     #[test]
     fn linear_weakening_has_its_closed_form_cycle() {
-        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.3 });
         let cycle =
             cycle_of(Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None });
         close(cycle.period, 6.439_474_890_105_244, 1e-13);
@@ -334,7 +335,8 @@ mod tests {
     #[test]
     fn exponential_and_tabulated_laws_give_the_cycles_of_an_independent_integrator() {
         // scipy 1.17.1, solve_ivp with DOP853 at rtol 3e-14, restarted at the points of the table: 11 digits.
-        let exponential = |kinetic| VelocityLaw::Exponential { kinetic, high_speed: 0.2, stribeck_velocity: 0.1 };
+        let exponential =
+            |kinetic| VelocityLaw::Exponential(Exponential { kinetic, high_speed: 0.2, stribeck_velocity: 0.1 });
         let points = [[0.0, 0.3], [0.05, 0.27], [0.2, 0.2], [0.3, 0.22], [0.5, 0.22], [0.9, 0.25]];
         let table = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
         for (law, static_friction, damping_ratio, belt_velocity, [period, slip, reattachment]) in [
@@ -397,7 +399,7 @@ mod tests {
             let (static_friction, belt_velocity) = (choices.one_of(&sizes), choices.one_of(&sizes));
             let (damping_ratio, decay) = (choices.one_of(&sizes), choices.one_of(&sizes));
             let kinetic = static_friction * choices.one_of(&[1.0, 0.3]);
-            let law = VelocityLaw::Stribeck { kinetic, decay };
+            let law = VelocityLaw::Stribeck(Stribeck { kinetic, decay });
             let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
             let oscillator = match Oscillator::new(parameters.clone()) {
                 Ok(oscillator) => oscillator,
@@ -428,7 +430,7 @@ mod tests {
     #[test]
     fn a_fast_belt_may_end_in_slip_and_over_slip_without_stick() {
         let oscillator = |forcing| {
-            let law = VelocityLaw::Stribeck { kinetic: 0.1415, decay: 4.98 };
+            let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.1415, decay: 4.98 });
             let static_friction = 0.1688;
             Oscillator::new(Parameters { static_friction, law, damping_ratio: 0.003, belt_velocity: 1.732, forcing })
                 .unwrap()

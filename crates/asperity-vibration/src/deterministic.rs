@@ -34,6 +34,7 @@ pub fn deterministic_slips(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Linear;
     use crate::{Drive, Forcing, Integrator, Parameters, Trajectory, VelocityLaw};
 
     #[test]
@@ -51,7 +52,7 @@ mod tests {
             assert_eq!(slips, Trajectory::simulate(machine, Steady, &settings).map(|t| t.slips));
         }
         // A linear law has no positive value at the speed of the mass, and a start may be no number.
-        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.3 });
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
         let fast = Oscillator::new(parameters).unwrap();

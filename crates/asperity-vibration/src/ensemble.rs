@@ -316,6 +316,7 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential, Stribeck};
     use crate::{Forcing, FrictionTable, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
@@ -394,10 +395,10 @@ mod tests {
         let process = FrictionProcess::new(model).unwrap();
         for drive in [Drive::Distance, Drive::Time] {
             for law in [
-                VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
-                VelocityLaw::Stribeck { kinetic: 0.08, decay: 2.0 },
-                VelocityLaw::Coulomb { kinetic: 0.1 },
-                VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 },
+                VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }),
+                VelocityLaw::Stribeck(Stribeck { kinetic: 0.08, decay: 2.0 }),
+                VelocityLaw::Coulomb(Coulomb { kinetic: 0.1 }),
+                VelocityLaw::Exponential(Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.02 }),
                 VelocityLaw::Tabulated(
                     FrictionTable::new(&[[0.0, 0.1], [0.01, 0.09], [0.03, 0.08], [0.05, 0.085]]).unwrap(),
                 ),

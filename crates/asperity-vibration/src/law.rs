@@ -1,44 +1,246 @@
 //! Velocity laws: the friction coefficient as a function of the relative velocity.
 
+mod coulomb;
+pub(crate) mod curve;
+mod exponential;
+mod linear;
+mod stribeck;
+mod table;
+
+pub use coulomb::Coulomb;
+pub use exponential::Exponential;
+pub use linear::Linear;
+pub use stribeck::Stribeck;
+pub use table::FrictionTable;
+
+use asperity_base::choice;
+use asperity_base::statement::{Statement, StatementError};
 use serde::{Deserialize, Serialize};
 
-use super::{FrictionTable, VibrationError, positive};
-use asperity_base::sentence::digits;
+use self::curve::Straight;
+use self::exponential::Decay;
+use self::stribeck::Quotient;
+use self::table::Cubic;
+use super::{VibrationError, non_negative, positive};
 
-/// Kinetic friction coefficient μ(|v|) of a sliding contact, at the dimensionless relative velocity v = v_rel·mω₀/N.
-///
-/// The stick limit is a separate parameter, [`super::Oscillator::static_friction`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum VelocityLaw {
-    /// Velocity weakening μ = μ_k/(1 + a|v|), the law of Gaus et al. 2016 (there μ_k is the static coefficient).
-    Stribeck {
-        /// μ_k, the coefficient at vanishing sliding velocity.
-        kinetic: f64,
-        /// a ≥ 0, per unit of dimensionless velocity.
-        decay: f64,
-    },
+choice! {
+    /// Dependence of friction on the sliding velocity.
+    #[derive(Default)]
+    pub enum VelocityLawKind: "velocity law" {
+        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law).
+        #[default]
+        Stribeck = "stribeck",
+        /// μ_k − b|v| with `linear_weakening` b.
+        Linear = "linear",
+        /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
+        Exponential = "exponential",
+        /// Monotone cubics between the points of `friction_table`.
+        Table = "table",
+    }
+}
+
+impl VelocityLawKind {
+    /// Returns how a study states it, with a kinetic friction coefficient of 1, in dimensionless units.
+    #[doc(hidden)]
+    pub fn statement(self) -> &'static Statement<VelocityLaw> {
+        match self {
+            Self::Stribeck => Stribeck::STATEMENT,
+            Self::Linear => Linear::STATEMENT,
+            Self::Exponential => Exponential::STATEMENT,
+            Self::Table => FrictionTable::STATEMENT,
+        }
+    }
+
+    /// Returns the error of a study without an input of the law.
+    fn requires(self, input: &'static str) -> StatementError {
+        StatementError { input, reason: format!("velocity_law = \"{self}\" requires this key") }
+    }
+}
+
+/// A velocity law: its formula over the speed |v| ≥ 0, and its form in slip.
+pub(crate) trait Law: Sized {
+    /// Returns the coefficient.
+    fn coefficient(&self, speed: f64) -> f64;
+
+    /// Returns the weakening rate −dμ/d|v|; at the last point of a table, the rate beyond it.
+    fn weakening(&self, speed: f64) -> f64;
+
+    /// Returns the coefficient at vanishing sliding velocity, μ_k.
+    fn kinetic(&self) -> f64;
+
+    /// Returns the law μ(f|v|), f > 0.
+    fn rescaled(&self, factor: f64) -> Self;
+
+    /// Returns the law with `map` applied to its friction coefficients. Weakening rates and velocities stay equal.
+    fn with_coefficients(&self, map: impl Fn(f64) -> f64) -> Result<Self, VibrationError>;
+
+    /// Returns the weakening rate as a parameter of the law.
+    fn rate(&self) -> Option<f64> {
+        None
+    }
+
+    /// Returns the law with another weakening rate.
+    fn with_rate(&self, _rate: f64) -> Option<Self> {
+        None
+    }
+
+    /// Checks parameters other than μ_k and the weakening rate.
+    fn validate(&self) -> Result<(), VibrationError> {
+        Ok(())
+    }
+
+    /// Returns whether the coefficient depends linearly on the velocity.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
+    /// Returns whether the fall −dμ/d|v| is a convex function of the velocity that nowhere increases.
+    fn has_convex_fall(&self) -> bool {
+        false
+    }
+
+    /// Returns whether the coefficient is positive at every speed.
+    fn is_positive(&self) -> bool {
+        true
+    }
+
+    /// Returns the least coefficient at speeds up to this one: that at it, where friction falls.
+    fn least_coefficient(&self, speed: f64) -> f64 {
+        self.coefficient(speed)
+    }
+
+    /// Returns an upper bound of |dμ/d|v||.
+    fn steepest(&self) -> f64;
+
+    /// Returns whether the coefficient is the same at all speeds.
+    fn is_constant(&self) -> bool {
+        self.steepest() == 0.0
+    }
+
+    /// Returns b of the linear part of (μ_k − μ(VW))/V = bW + r(W).
+    fn linear_part(&self) -> f64 {
+        0.0
+    }
+
+    /// Returns r(W) at the belt velocity V.
+    fn curve(&self, _velocity: f64) -> Curve {
+        Curve::Straight(Straight)
+    }
+
+    /// Returns the form of the law in batches; without one, machines are simulated one by one.
+    fn batch_form(&self, _velocity: f64) -> Option<BatchForm> {
+        None
+    }
+
+    /// Returns the rate c of a law with e^{−c|v|}; 0 for other laws.
+    fn exponent(&self) -> f64 {
+        0.0
+    }
+
+    /// Returns the Taylor coefficient k > 0 of μ(w(t)) from those of w up to k and those of μ before it.
+    fn term(&self, before: &[f64], w: &[f64], k: usize) -> f64;
+
+    /// Returns the table of a law of pieces.
+    fn table(&self) -> Option<&FrictionTable> {
+        None
+    }
+
+    /// Describes the law with its parameters.
+    fn describe(&self) -> String;
+
+    /// Returns laws that show all it can do, for tests.
+    #[cfg(test)]
+    fn examples() -> Vec<Self>;
+}
+
+/// Nonlinear part of any law.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Curve {
+    Straight(Straight),
+    Quotient(Quotient),
+    Decay(Decay),
+    Cubic(Cubic),
+}
+
+/// Does the same with each kind of curve.
+macro_rules! with_curve {
+    ($value:expr, $curve:ident => $body:expr) => {
+        match $value {
+            $crate::law::Curve::Straight($curve) => $body,
+            $crate::law::Curve::Quotient($curve) => $body,
+            $crate::law::Curve::Decay($curve) => $body,
+            $crate::law::Curve::Cubic($curve) => $body,
+        }
+    };
+}
+pub(crate) use with_curve;
+
+/// Law of one of the two families that batches simulate, with the variables of [`curve::CurveShape`]: bW + gW/(1 + cW), which
+/// includes linear and constant laws, or (g/c)(1 − e^{−cW}).
+pub(crate) struct BatchForm {
+    /// g.
+    pub(crate) gain: f64,
+    /// c.
+    pub(crate) curvature: f64,
+    pub(crate) is_exponential: bool,
+    /// With a fluctuation m ≤ 0, friction is positive if `floor` + m > W(`loss` − m·c), with c = 0 for exponentials.
+    pub(crate) floor: f64,
+    /// See `floor`.
+    pub(crate) loss: f64,
+}
+
+impl BatchForm {
+    pub(crate) fn constant(floor: f64) -> Self {
+        Self { gain: 0.0, curvature: 0.0, is_exponential: false, floor, loss: 0.0 }
+    }
+}
+
+macro_rules! laws {
+    ($dollar:tt $(#[$about:meta])* pub enum $name:ident; $($(#[$doc:meta])* $variant:ident($law:ty),)+) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name {
+            $($(#[$doc])* $variant($law),)+
+        }
+
+        $(impl From<$law> for $name {
+            fn from(law: $law) -> Self {
+                Self::$variant(law)
+            }
+        })+
+
+        /// Returns the examples of each law.
+        #[cfg(test)]
+        pub(crate) fn examples() -> Vec<$name> {
+            let all = [$(<$law as Law>::examples().into_iter().map($name::from).collect::<Vec<_>>(),)+];
+            all.into_iter().flatten().collect()
+        }
+
+        /// Does the same with each law.
+        macro_rules! with_law {
+            ($dollar of:expr, $dollar law:ident => $dollar body:expr) => {
+                match $dollar of {
+                    $($name::$variant($dollar law) => $dollar body,)+
+                }
+            };
+        }
+    };
+}
+
+laws! {$
+    /// Kinetic friction coefficient μ(|v|) of a sliding contact, at the dimensionless relative velocity v = v_rel·mω₀/N.
+    ///
+    /// The stick limit is a separate parameter, [`super::Oscillator::static_friction`].
+    pub enum VelocityLaw;
+    /// The law of the paper.
+    Stribeck(Stribeck),
     /// Constant coefficient.
-    Coulomb {
-        /// μ_k.
-        kinetic: f64,
-    },
-    /// Linear weakening μ = μ_k − b|v|. The law is invalid from |v| = μ_k/b on, which is reported as an error.
-    Linear {
-        /// μ_k, the coefficient at vanishing sliding velocity.
-        kinetic: f64,
-        /// b ≥ 0, per unit of dimensionless velocity.
-        slope: f64,
-    },
-    /// Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v_0}.
-    Exponential {
-        /// μ_k, the coefficient at vanishing sliding velocity.
-        kinetic: f64,
-        /// 0 < μ_∞ ≤ μ_k, the coefficient at high velocity.
-        high_speed: f64,
-        /// v_0 > 0, the Stribeck velocity.
-        stribeck_velocity: f64,
-    },
+    Coulomb(Coulomb),
+    /// Linear weakening.
+    Linear(Linear),
+    /// Exponential weakening.
+    Exponential(Exponential),
     /// Monotone cubics between given points.
     Tabulated(FrictionTable),
 }
@@ -46,72 +248,27 @@ pub enum VelocityLaw {
 impl VelocityLaw {
     /// Returns the coefficient at the speed |v| ≥ 0.
     pub fn coefficient(&self, speed: f64) -> f64 {
-        match self {
-            Self::Stribeck { kinetic, decay } => kinetic / (1.0 + decay * speed),
-            Self::Coulomb { kinetic } => *kinetic,
-            Self::Linear { kinetic, slope } => kinetic - slope * speed,
-            Self::Exponential { kinetic, high_speed, stribeck_velocity } => {
-                high_speed + (kinetic - high_speed) * (-speed / stribeck_velocity).exp()
-            }
-            Self::Tabulated(table) => table.coefficient(speed),
-        }
+        with_law!(self, law => law.coefficient(speed))
     }
 
     /// Returns the weakening rate −dμ/d|v| at the speed |v| ≥ 0; at the last point of a table, the rate beyond it.
     pub fn weakening(&self, speed: f64) -> f64 {
-        match self {
-            Self::Stribeck { kinetic, decay } => kinetic * decay / (1.0 + decay * speed).powi(2),
-            Self::Coulomb { .. } => 0.0,
-            Self::Linear { slope, .. } => *slope,
-            Self::Exponential { kinetic, high_speed, stribeck_velocity } => {
-                (kinetic - high_speed) / stribeck_velocity * (-speed / stribeck_velocity).exp()
-            }
-            Self::Tabulated(table) => table.weakening(speed),
-        }
-    }
-
-    /// Returns the law μ(f|v|), f > 0. It is the same law in SI when the unit of velocity N/(mω₀) grows by the factor
-    /// f, for example under another load.
-    pub(super) fn rescaled(&self, factor: f64) -> Self {
-        match self {
-            Self::Stribeck { kinetic, decay } => Self::Stribeck { kinetic: *kinetic, decay: decay * factor },
-            Self::Coulomb { kinetic } => Self::Coulomb { kinetic: *kinetic },
-            Self::Linear { kinetic, slope } => Self::Linear { kinetic: *kinetic, slope: slope * factor },
-            Self::Exponential { kinetic, high_speed, stribeck_velocity } => Self::Exponential {
-                kinetic: *kinetic,
-                high_speed: *high_speed,
-                stribeck_velocity: stribeck_velocity / factor,
-            },
-            Self::Tabulated(table) => Self::Tabulated(table.rescaled(factor)),
-        }
+        with_law!(self, law => law.weakening(speed))
     }
 
     /// Returns the coefficient at vanishing sliding velocity, μ_k.
     pub fn kinetic(&self) -> f64 {
-        match self {
-            Self::Stribeck { kinetic, .. }
-            | Self::Coulomb { kinetic }
-            | Self::Linear { kinetic, .. }
-            | Self::Exponential { kinetic, .. } => *kinetic,
-            Self::Tabulated(table) => table.kinetic(),
-        }
+        with_law!(self, law => law.kinetic())
     }
 
     /// Returns the weakening rate as a parameter: a of the Stribeck law, b of the linear law; `None` for other laws.
     pub fn weakening_rate(&self) -> Option<f64> {
-        match self {
-            Self::Stribeck { decay: rate, .. } | Self::Linear { slope: rate, .. } => Some(*rate),
-            Self::Coulomb { .. } | Self::Exponential { .. } | Self::Tabulated(_) => None,
-        }
+        with_law!(self, law => law.rate())
     }
 
     /// Returns the law with another weakening rate; `None` for laws without one.
     pub fn with_weakening_rate(&self, rate: f64) -> Option<Self> {
-        match *self {
-            Self::Stribeck { kinetic, .. } => Some(Self::Stribeck { kinetic, decay: rate }),
-            Self::Linear { kinetic, .. } => Some(Self::Linear { kinetic, slope: rate }),
-            Self::Coulomb { .. } | Self::Exponential { .. } | Self::Tabulated(_) => None,
-        }
+        with_law!(self, law => law.with_rate(rate).map(Self::from))
     }
 
     /// Returns the law with `map` applied to its friction coefficients. Weakening rates and velocities stay equal.
@@ -119,153 +276,166 @@ impl VelocityLaw {
     /// # Errors
     /// A table with these coefficients is invalid.
     pub fn with_coefficients(&self, map: impl Fn(f64) -> f64) -> Result<Self, VibrationError> {
-        Ok(match self {
-            Self::Stribeck { kinetic, decay } => Self::Stribeck { kinetic: map(*kinetic), decay: *decay },
-            Self::Coulomb { kinetic } => Self::Coulomb { kinetic: map(*kinetic) },
-            Self::Linear { kinetic, slope } => Self::Linear { kinetic: map(*kinetic), slope: *slope },
-            Self::Exponential { kinetic, high_speed, stribeck_velocity } => Self::Exponential {
-                kinetic: map(*kinetic),
-                high_speed: map(*high_speed),
-                stribeck_velocity: *stribeck_velocity,
-            },
-            Self::Tabulated(table) => {
-                let points: Vec<[f64; 2]> = table.points().map(|[v, mu]| [v, map(mu)]).collect();
-                Self::Tabulated(FrictionTable::new(&points)?)
-            }
-        })
+        with_law!(self, law => law.with_coefficients(map).map(Self::from))
     }
 
     /// Describes the law with its parameters.
     pub fn describe(&self) -> String {
-        match self {
-            Self::Coulomb { kinetic } => digits(*kinetic),
-            Self::Stribeck { kinetic, decay } => {
-                format!("{}/(1 + a|v|), a = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*decay))
-            }
-            Self::Linear { kinetic, slope } => {
-                format!("{} − b|v|, b = {} per unit of dimensionless velocity,", digits(*kinetic), digits(*slope))
-            }
-            Self::Exponential { kinetic, high_speed, stribeck_velocity } => format!(
-                "{} + {}·exp(−|v|/{})",
-                digits(*high_speed),
-                digits(kinetic - high_speed),
-                digits(*stribeck_velocity)
-            ),
-            Self::Tabulated(_) => "a tabulated law".into(),
-        }
+        with_law!(self, law => law.describe())
     }
 
-    /// Returns [c, b] such that friction with a fluctuation m ≤ 0 is positive at the speed |v| if c + m > |v|(b − am), with a of
-    /// the Stribeck law and a = 0 for other laws. For a table the condition holds at |v| = 0 only.
-    pub(super) fn floor_and_slope(&self) -> [f64; 2] {
-        match self {
-            Self::Exponential { high_speed, .. } => [*high_speed, 0.0],
-            Self::Linear { kinetic, slope } => [*kinetic, *slope],
-            Self::Stribeck { .. } | Self::Coulomb { .. } | Self::Tabulated(_) => [self.kinetic(), 0.0],
-        }
-    }
-
-    /// Returns whether the coefficient depends linearly on the velocity.
-    pub(super) fn is_linear(&self) -> bool {
-        matches!(self, Self::Coulomb { .. } | Self::Linear { .. })
-    }
-
-    /// Returns whether the fall −dμ/d|v| is a convex function of the velocity that nowhere increases.
-    pub(super) fn has_convex_fall(&self) -> bool {
-        !self.is_tabulated()
-    }
-
-    /// Returns whether a table defines the law.
-    pub(super) fn is_tabulated(&self) -> bool {
-        matches!(self, Self::Tabulated(_))
-    }
-
-    /// Returns the least coefficient at speeds up to this one.
-    pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
-        match self {
-            Self::Tabulated(table) => table.least_coefficient(speed),
-            falling @ (Self::Stribeck { .. }
-            | Self::Coulomb { .. }
-            | Self::Linear { .. }
-            | Self::Exponential { .. }) => falling.coefficient(speed),
-        }
-    }
-
-    /// Returns whether the coefficient is positive at every speed.
-    pub(super) fn is_positive(&self) -> bool {
-        match self {
-            Self::Linear { slope, .. } => *slope <= 0.0,
-            Self::Coulomb { .. } | Self::Stribeck { .. } | Self::Exponential { .. } | Self::Tabulated(_) => true,
-        }
-    }
-
-    /// Returns an upper bound of |dμ/d|v||.
-    pub(super) fn steepest(&self) -> f64 {
-        match self {
-            Self::Tabulated(table) => table.steepest(),
-            falling @ (Self::Stribeck { .. }
-            | Self::Coulomb { .. }
-            | Self::Linear { .. }
-            | Self::Exponential { .. }) => falling.weakening(0.0),
-        }
-    }
-
-    /// Returns whether the coefficient is the same at all speeds.
-    pub(super) fn is_constant(&self) -> bool {
-        match self {
-            Self::Tabulated(table) => table.is_constant(),
-            falling @ (Self::Stribeck { .. }
-            | Self::Coulomb { .. }
-            | Self::Linear { .. }
-            | Self::Exponential { .. }) => falling.weakening(0.0) == 0.0,
-        }
+    /// Returns the law μ(f|v|), f > 0. It is the same law in SI when the unit of velocity N/(mω₀) grows by the factor
+    /// f, for example under another load.
+    pub(super) fn rescaled(&self, factor: f64) -> Self {
+        with_law!(self, law => law.rescaled(factor).into())
     }
 
     pub(super) fn validate(&self) -> Result<(), VibrationError> {
         positive("kinetic_friction", self.kinetic())?;
-        match *self {
-            Self::Stribeck { decay: rate, .. } | Self::Linear { slope: rate, .. } => {
-                super::non_negative("velocity weakening of the friction law", rate)
-            }
-            Self::Exponential { kinetic, high_speed, stribeck_velocity } => {
-                positive("stribeck_velocity", stribeck_velocity)?;
-                positive("high-speed friction", high_speed)?;
-                if high_speed > kinetic {
-                    let wanted = "at most the kinetic friction";
-                    return Err(VibrationError::Parameter {
-                        parameter: "high-speed friction",
-                        value: high_speed,
-                        wanted,
-                    });
-                }
-                Ok(())
-            }
-            Self::Coulomb { .. } | Self::Tabulated(_) => Ok(()),
+        if let Some(rate) = self.weakening_rate() {
+            non_negative("velocity weakening of the friction law", rate)?;
         }
+        with_law!(self, law => law.validate())
+    }
+}
+
+/// See [`Law`].
+impl VelocityLaw {
+    pub(super) fn is_linear(&self) -> bool {
+        with_law!(self, law => law.is_linear())
+    }
+
+    pub(super) fn has_convex_fall(&self) -> bool {
+        with_law!(self, law => law.has_convex_fall())
+    }
+
+    pub(super) fn is_positive(&self) -> bool {
+        with_law!(self, law => law.is_positive())
+    }
+
+    pub(super) fn is_constant(&self) -> bool {
+        with_law!(self, law => law.is_constant())
+    }
+
+    pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
+        with_law!(self, law => law.least_coefficient(speed))
+    }
+
+    pub(super) fn steepest(&self) -> f64 {
+        with_law!(self, law => law.steepest())
+    }
+
+    pub(super) fn linear_part(&self) -> f64 {
+        with_law!(self, law => law.linear_part())
+    }
+
+    pub(super) fn curve(&self, velocity: f64) -> Curve {
+        with_law!(self, law => law.curve(velocity))
+    }
+
+    pub(super) fn batch_form(&self, velocity: f64) -> Option<BatchForm> {
+        with_law!(self, law => law.batch_form(velocity))
+    }
+
+    pub(super) fn exponent(&self) -> f64 {
+        with_law!(self, law => law.exponent())
+    }
+
+    pub(super) fn table(&self) -> Option<&FrictionTable> {
+        with_law!(self, law => law.table())
+    }
+
+    pub(super) fn term(&self, before: &[f64], w: &[f64], k: usize) -> f64 {
+        with_law!(self, law => law.term(before, w, k))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use curve::{CurveShape, Recurrence};
 
     #[test]
-    fn the_weakening_is_the_negative_derivative_of_the_coefficient() {
-        for law in [
-            VelocityLaw::Stribeck { kinetic: 0.3, decay: 4.2 },
-            VelocityLaw::Coulomb { kinetic: 0.3 },
-            VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 },
-            VelocityLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 },
-            VelocityLaw::Tabulated(FrictionTable::new(&[[0.0, 0.4], [0.1, 0.3], [0.5, 0.2]]).unwrap()),
-        ] {
-            let (speed, h) = (0.2, 1e-5);
-            let difference = (law.coefficient(speed - h) - law.coefficient(speed + h)) / (2.0 * h);
-            assert!((law.weakening(speed) - difference).abs() < 1e-9);
-            let rescaled = law.rescaled(2.5);
-            for speed in [0.0, 0.01, 0.05, 0.1, 0.13, 0.3, 1.0] {
+    fn every_law_is_what_its_methods_say() {
+        for law in examples() {
+            let (h, steps) = (1e-5, 400);
+            let speeds: Vec<f64> = (1..=steps).map(|i| 1.003 * f64::from(i) / f64::from(steps)).collect();
+            let (mut least, mut before) = (law.kinetic(), law.weakening(0.0));
+            let [rescaled, scaled] =
+                [law.rescaled(2.5), law.with_coefficients(|coefficient| 2.0 * coefficient).unwrap()];
+            assert!((scaled.kinetic() - 2.0 * law.kinetic()).abs() < 1e-15 && law.coefficient(0.0) == law.kinetic());
+            for speed in speeds {
+                let difference = (law.coefficient(speed - h) - law.coefficient(speed + h)) / (2.0 * h);
+                let rate = law.weakening(speed);
+                assert!((rate - difference).abs() < 1e-6, "{law:?} at {speed}: {rate}, {difference}");
+                assert!(rate.abs() <= law.steepest() * (1.0 + 1e-12), "{law:?}");
+                assert!(!law.has_convex_fall() || rate <= before * (1.0 + 1e-12), "{law:?}");
+                assert!(!law.is_linear() || rate == before, "{law:?}");
+                assert!(!law.is_positive() || law.coefficient(speed) > 0.0, "{law:?}");
                 assert!((rescaled.coefficient(speed) - law.coefficient(2.5 * speed)).abs() < 1e-15);
+                least = law.coefficient(speed).min(least);
+                assert!((law.least_coefficient(speed) - least).abs() < 1e-4 * law.kinetic(), "{law:?}");
+                before = rate;
             }
-            assert_eq!(law.coefficient(0.0), law.kinetic());
+            assert_eq!(law.is_constant(), law.steepest() == 0.0, "{law:?}");
+        }
+    }
+
+    #[test]
+    fn the_form_of_every_law_in_slip_is_its_formula() {
+        let v = 0.07;
+        for law in examples() {
+            for i in 1..200 {
+                let w = 0.01 * f64::from(i);
+                let wanted = (law.kinetic() - law.coefficient(v * w)) / v;
+                let linear = law.linear_part() * w;
+                if let Some(BatchForm { gain, curvature, is_exponential, .. }) = law.batch_form(v) {
+                    let rest = match is_exponential {
+                        true => (gain / curvature) * (1.0 - (-curvature * w).exp()),
+                        false => gain * w / (1.0 + curvature * w),
+                    };
+                    assert!((linear + rest - wanted).abs() < 1e-13, "{law:?}: {rest}");
+                }
+                let curve = match (law.curve(v), law.table()) {
+                    (Curve::Cubic(cubic), Some(table)) => Curve::Cubic(cubic.at(table, v, w)),
+                    (curve, _) => curve,
+                };
+                let [value, slope] = with_curve!(&curve, curve => [curve.value(w), curve.slope(w)]);
+                assert!((linear + value - wanted).abs() < 1e-13, "{law:?}: {value}");
+                assert!((law.linear_part() + slope - law.weakening(v * w)).abs() < 1e-12, "{law:?}: {slope}");
+            }
+        }
+    }
+
+    /// Returns the Taylor coefficients of r(W(t)) − r(W₀).
+    fn terms_of<const N: usize>(mut recurrence: impl Recurrence<N>, w: &[f64; N]) -> Vec<f64> {
+        let term = |n| if n == 0 { 0.0 } else { recurrence.slope() * w[n] + recurrence.rest(w, n) };
+        (0..N).map(term).collect()
+    }
+
+    #[test]
+    fn the_series_of_every_law_follow_its_formula() {
+        // W(t) = 0.8 + 0.3t − 0.2t² + 0.1t³, at t = 0.01.
+        const N: usize = 12;
+        let (mut w, t, v) = ([0.0; N], 0.01, 0.07);
+        w[..4].copy_from_slice(&[0.8, 0.3, -0.2, 0.1]);
+        let sum = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| sum * t + term);
+        for law in examples() {
+            let at = |w: f64| law.coefficient(v * w);
+            if law.table().is_none() {
+                let speeds = w.map(|term| v * term);
+                let mut terms = vec![at(w[0])];
+                (1..N).for_each(|k| terms.push(law.term(&terms, &speeds, k)));
+                assert!((sum(&terms) - at(sum(&w))).abs() < 1e-15, "{law:?}");
+            }
+            let curve = match (law.curve(v), law.table()) {
+                (Curve::Cubic(cubic), Some(table)) => Curve::Cubic(cubic.at(table, v, w[0])),
+                (curve, _) => curve,
+            };
+            let change = with_curve!(&curve, curve => {
+                sum(&terms_of(curve.terms::<N>(w[0]), &w)) - (curve.value(sum(&w)) - curve.value(w[0]))
+            });
+            assert!(change.abs() < 1e-15, "{law:?}: {change}");
         }
     }
 
@@ -282,7 +452,9 @@ mod tests {
     #[test]
     fn an_exponential_that_rises_is_refused() {
         for (kinetic, high_speed, stribeck_velocity) in [(0.3, 0.4, 0.1), (0.3, 0.0, 0.1), (0.3, 0.2, 0.0)] {
-            assert!(VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity }.validate().is_err());
+            assert!(
+                VelocityLaw::Exponential(Exponential { kinetic, high_speed, stribeck_velocity }).validate().is_err()
+            );
         }
     }
 }

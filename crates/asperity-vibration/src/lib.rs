@@ -34,7 +34,7 @@ mod deterministic;
 mod ensemble;
 mod events;
 mod kind;
-mod law;
+pub mod law;
 mod locked;
 mod margin;
 pub mod mode_coupling;
@@ -56,7 +56,6 @@ mod sound;
 mod stability_map;
 mod structure;
 mod sweep;
-mod table;
 mod tableau;
 mod trajectory;
 mod waveform;
@@ -72,7 +71,7 @@ pub use deterministic::deterministic_slips;
 pub use ensemble::{Ensemble, EnsembleSettings, FailedTrajectory, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use kind::MotionKind;
-pub use law::VelocityLaw;
+pub use law::{FrictionTable, VelocityLaw};
 pub use locked::locked_boundary;
 pub use margin::DampingMargins;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
@@ -92,7 +91,6 @@ pub use structure::{
     bifurcation_diagram, critical_curve, forced_cycles, locked_curve, separatrix, slip_cycles, smallest_kick,
 };
 pub use sweep::{Crossing, DampingSweep, crossings_without_fluctuation, damping_sweep};
-pub use table::FrictionTable;
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 pub use waveform::{Waveform, WaveformSettings};
 

@@ -30,12 +30,13 @@ impl DampingMargins {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Linear;
     use crate::{Parameters, VelocityLaw, limit_damping};
 
     #[test]
     fn a_jump_of_friction_separates_the_margins() {
         // Closed form for a jump of .05 at V = .05 and a weakening b = .1: ζ_v = .05782911613766 + b/2, ζ_H = b/2.
-        let law = VelocityLaw::Linear { kinetic: 0.25, slope: 0.1 };
+        let law = VelocityLaw::Linear(Linear { kinetic: 0.25, slope: 0.1 });
         let of = |damping_ratio| {
             let law = law.clone();
             Oscillator::new(Parameters { static_friction: 0.3, law, damping_ratio, belt_velocity: 0.05, forcing: None })

@@ -130,6 +130,7 @@ impl Oracle<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use crate::{Forcing, FrictionTable, Integrator, Parameters, VelocityLaw};
     use asperity_process::{Fluctuation, FrictionProcess, Generator, ProcessModel};
 
@@ -178,7 +179,7 @@ mod tests {
     fn fast_and_slow_integration_agree_on_every_event() {
         let base = Parameters {
             static_friction: 0.3,
-            law: VelocityLaw::Stribeck { kinetic: 0.25, decay: 3.0 },
+            law: VelocityLaw::Stribeck(Stribeck { kinetic: 0.25, decay: 3.0 }),
             damping_ratio: 0.05,
             belt_velocity: 0.05,
             forcing: None,
@@ -186,14 +187,19 @@ mod tests {
         for drive in [Drive::Distance, Drive::Time] {
             let [detach, restick, _] = compare(base.clone(), 0.01, 0.05, drive);
             assert!(detach >= 4 && restick >= 4);
-            compare(Parameters { law: VelocityLaw::Coulomb { kinetic: 0.2 }, ..base.clone() }, 0.005, 0.1, drive);
             compare(
-                Parameters { law: VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, ..base.clone() },
+                Parameters { law: VelocityLaw::Coulomb(Coulomb { kinetic: 0.2 }), ..base.clone() },
                 0.005,
                 0.1,
                 drive,
             );
-            let law = VelocityLaw::Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 };
+            compare(
+                Parameters { law: VelocityLaw::Linear(Linear { kinetic: 0.3, slope: 0.2 }), ..base.clone() },
+                0.005,
+                0.1,
+                drive,
+            );
+            let law = VelocityLaw::Exponential(Exponential { kinetic: 0.28, high_speed: 0.2, stribeck_velocity: 0.05 });
             compare(Parameters { law, ..base.clone() }, 0.005, 0.1, drive);
             // Monotone cubics through points on a line are the line. The oracle ignores the points; the fast
             // integration stops at them.
@@ -204,7 +210,7 @@ mod tests {
             // micro-slips.
             let paper = Parameters {
                 static_friction: 0.1,
-                law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+                law: VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }),
                 damping_ratio: 0.17,
                 belt_velocity: 0.02,
                 forcing: None,
@@ -217,7 +223,7 @@ mod tests {
     fn fast_and_slow_integration_agree_under_forcing_through_over_slip() {
         let base = Parameters {
             static_friction: 0.1,
-            law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
+            law: VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 3.0 }),
             damping_ratio: 0.1,
             belt_velocity: 0.05,
             forcing: Some(Forcing { amplitude: 0.4, frequency: 0.6 }),
@@ -235,7 +241,7 @@ mod tests {
     fn fast_and_slow_integration_agree_where_friction_jumps() {
         let base = Parameters {
             static_friction: 0.3,
-            law: VelocityLaw::Coulomb { kinetic: 0.25 },
+            law: VelocityLaw::Coulomb(Coulomb { kinetic: 0.25 }),
             damping_ratio: 0.0,
             belt_velocity: 0.05,
             forcing: None,
@@ -244,11 +250,11 @@ mod tests {
             let jumping = |parameters, std, length| compare_made(Generator::Renewal, parameters, std, length, drive);
             let [detach, restick, _] = jumping(base.clone(), 0.02, 0.1);
             assert!(detach >= 4 && restick >= 4);
-            let law = VelocityLaw::Stribeck { kinetic: 0.3, decay: 3.0 };
+            let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.3, decay: 3.0 });
             jumping(Parameters { law, damping_ratio: 0.05, ..base.clone() }, 0.03, 0.05);
             let forced = Parameters {
                 static_friction: 0.1,
-                law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 3.0 },
+                law: VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 3.0 }),
                 damping_ratio: 0.1,
                 forcing: Some(Forcing { amplitude: 0.4, frequency: 0.6 }),
                 ..base.clone()

@@ -1,5 +1,6 @@
 //! Mass on the belt in dimensionless form, and its scales.
 
+use crate::law::Stribeck;
 use serde::{Deserialize, Serialize};
 
 use super::{VelocityLaw, VibrationError, positive};
@@ -106,7 +107,7 @@ impl Oscillator {
         damping_ratio: f64,
         belt_velocity: f64,
     ) -> Result<Self, VibrationError> {
-        let law = VelocityLaw::Stribeck { kinetic: static_friction, decay };
+        let law = VelocityLaw::Stribeck(Stribeck { kinetic: static_friction, decay });
         Self::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
     }
 
@@ -215,6 +216,7 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential};
 
     #[test]
     fn the_paper_s_belt_and_correlation_length_belong_to_one_kilogram() {
@@ -227,7 +229,7 @@ mod tests {
     #[test]
     fn under_another_load_a_machine_is_the_same_in_si() {
         let (light, heavy) = (Scales::new(2.0, 300.0, 500.0).unwrap(), Scales::new(2.0, 300.0, 1500.0).unwrap());
-        let law = VelocityLaw::Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 };
+        let law = VelocityLaw::Exponential(Exponential { kinetic: 0.4, high_speed: 0.3, stribeck_velocity: 0.2 });
         let forcing = Some(Forcing { amplitude: 0.03, frequency: 0.9 });
         let parameters = Parameters { static_friction: 0.5, law, damping_ratio: 0.1, belt_velocity: 0.06, forcing };
         let before = Oscillator::new(parameters).unwrap();
@@ -270,7 +272,7 @@ mod tests {
         for (static_friction, decay, damping, velocity) in [(1e3, 1e6, 1e3, 1e6), (1e-12, 0.0, 0.0, 1e-12)] {
             assert!(Oscillator::with_stribeck(static_friction, decay, damping, velocity).is_ok());
         }
-        let law = VelocityLaw::Coulomb { kinetic: 0.5 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.5 });
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
         assert!(matches!(

@@ -10,6 +10,7 @@ mod reader;
 
 #[cfg(test)]
 mod tests {
+    use crate::law::Exponential;
     use rayon::prelude::*;
 
     use super::super::{
@@ -192,7 +193,7 @@ mod tests {
     fn a_late_steep_weakening_is_not_stepped_over() {
         // Belts of many Stribeck velocities: the whole weakening acts in the last few hundredths of a slip.
         for (belt_velocity, stribeck_velocity) in [(0.24, 0.012), (0.24, 0.003), (0.05, 0.002), (0.8, 0.005)] {
-            let law = VelocityLaw::Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity };
+            let law = VelocityLaw::Exponential(Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity });
             let parameters =
                 Parameters { static_friction: 0.8, law, damping_ratio: 0.01, belt_velocity, forcing: None };
             let oscillator = Oscillator::new(parameters).unwrap();

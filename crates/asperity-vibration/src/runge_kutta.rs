@@ -153,6 +153,7 @@ impl Stepper {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use crate::{
         Drive, EventKind, Forcing, FrictionTable, Oscillator, Parameters, Trajectory, TrajectorySettings, VelocityLaw,
     };
@@ -260,7 +261,7 @@ mod tests {
     fn all_methods_find_the_same_events() {
         let base = Parameters {
             static_friction: 0.1,
-            law: VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 },
+            law: VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }),
             damping_ratio: 0.02,
             belt_velocity: 0.05,
             forcing: None,
@@ -268,9 +269,9 @@ mod tests {
         let table = FrictionTable::new(&[[0.0, 0.1], [0.03, 0.08], [0.06, 0.075], [0.1, 0.08]]).unwrap();
         let laws = [
             base.law.clone(),
-            VelocityLaw::Coulomb { kinetic: 0.05 },
-            VelocityLaw::Linear { kinetic: 0.09, slope: 0.1 },
-            VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 },
+            VelocityLaw::Coulomb(Coulomb { kinetic: 0.05 }),
+            VelocityLaw::Linear(Linear { kinetic: 0.09, slope: 0.1 }),
+            VelocityLaw::Exponential(Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 }),
             VelocityLaw::Tabulated(table),
         ];
         let model =

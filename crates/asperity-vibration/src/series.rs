@@ -8,8 +8,10 @@
 //! No nearly equal numbers are subtracted when W and e are small: μ_st − μ(VW) is a jump plus aμ_kVW/(1 + aVW). Every
 //! detachment is the state (0, 0).
 
+use super::law::curve::{CurveShape, Recurrence};
+use super::law::with_curve;
 use super::polynomial::{self, CAPACITY, RECIPROCAL, hermite};
-use super::weakening::{CubicTerms, Curve, ExponentialTerms, Loading, NoTerms, QuotientTerms, Recurrence, Weakening};
+use super::weakening::{Loading, Weakening};
 use asperity_base::wide::{Kernel, wide};
 
 /// Number of coefficients of unshortened steps.
@@ -198,12 +200,7 @@ impl Series {
 
     #[inline(always)]
     fn expand_to<const N: usize>(&mut self, weakening: &Weakening, loading: &Loading, w: f64, e: f64) {
-        match &weakening.curve {
-            Curve::Straight => self.expand_with::<N, _>(|| NoTerms, weakening, loading, w, e),
-            Curve::Quotient(q) => self.expand_with::<N, _>(|| QuotientTerms::new(q, w), weakening, loading, w, e),
-            Curve::Exponential(x) => self.expand_with::<N, _>(|| ExponentialTerms::new(x, w), weakening, loading, w, e),
-            Curve::Cubic(c) => self.expand_with::<N, _>(|| CubicTerms::new(c, w), weakening, loading, w, e),
-        }
+        with_curve!(&weakening.curve, curve => self.expand_with::<N, _>(|| curve.terms::<N>(w), weakening, loading, w, e));
     }
 
     /// Computes the recurrence with N coefficients, compiled for several instruction sets only if N is large.

@@ -130,6 +130,7 @@ fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Coulomb;
     use crate::{Drive, Integrator, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
@@ -147,7 +148,7 @@ mod tests {
     #[test]
     fn the_coulomb_cycle_has_the_mean_square_of_its_arcs() {
         // Slip is X = μ_k + A cos with the duration 2π − 2 atan(Δ/V); stick lasts 2Δ/V at the velocity V.
-        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
         let found = cycle_rms(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();

@@ -268,6 +268,7 @@ pub fn damping_sweep(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Coulomb;
     use crate::{Forcing, Parameters, VelocityLaw};
     use asperity_base::distribution::standard_normal_quantile;
     use asperity_base::monitor::Silent;
@@ -369,7 +370,7 @@ mod tests {
         let forced = forced.with_forcing(Some(Forcing { amplitude: 0.01, frequency: 0.98 })).unwrap();
         let found = crossings(&forced);
         assert!((found.damping_ratio.unwrap() - 0.270_299_774_5).abs() < 1.4e-4, "{found:?}");
-        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
         let quiet = Parameters { static_friction: 0.3, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None };
         let found = crossings(&Oscillator::new(quiet).unwrap());
         assert!(found.damping_ratio.is_none() && found.reason.unwrap().contains("no vibration"));

@@ -192,6 +192,7 @@ impl Slips {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Linear;
     use crate::{Parameters, VelocityLaw, limit_cycle, trajectory_portrait};
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
@@ -276,7 +277,7 @@ mod tests {
             assert!(matches!(error, Err(VibrationError::Parameter { parameter: "start", .. })), "{start}: {error:?}");
         }
         // A linear law has no positive value at the speed of the mass.
-        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.3 });
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
         let fast = limit_cycle(&Oscillator::new(parameters).unwrap());

@@ -3,8 +3,9 @@
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::Histogram;
 use asperity_process::{FrictionProcess, ProcessModel};
+use asperity_vibration::law::Stribeck;
 use asperity_vibration::{
-    Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales, VelocityLaw,
+    Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales,
     VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, phase_cloud, smallest_kick,
 };
 use serde::Deserialize;
@@ -69,10 +70,7 @@ pub(crate) fn scaled(machine: &str) -> Result<Answer, Failure> {
     let (length_m, velocity_m_per_s) = (scales.length_m(), scales.velocity_m_per_s());
     let parameters = Parameters {
         static_friction: machine.static_friction,
-        law: VelocityLaw::Stribeck {
-            kinetic: machine.static_friction,
-            decay: machine.stribeck_s_per_m * velocity_m_per_s,
-        },
+        law: Stribeck { kinetic: machine.static_friction, decay: machine.stribeck_s_per_m * velocity_m_per_s }.into(),
         damping_ratio: machine.damping_ratio,
         belt_velocity: machine.belt_velocity_m_per_s / velocity_m_per_s,
         forcing: None,

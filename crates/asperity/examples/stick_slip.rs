@@ -7,10 +7,11 @@
 
 use std::error::Error;
 
-use asperity::vibration::{Oscillator, Parameters, VelocityLaw, critical_damping, limit_cycle};
+use asperity::vibration::law::Stribeck;
+use asperity::vibration::{Oscillator, Parameters, critical_damping, limit_cycle};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let law = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+    let law = Stribeck { kinetic: 0.1, decay: 4.2 }.into();
     let machine = Parameters { static_friction: 0.1, law, damping_ratio: 0.17, belt_velocity: 0.003, forcing: None };
     let oscillator = Oscillator::new(machine)?;
     let motion = limit_cycle(&oscillator)?;

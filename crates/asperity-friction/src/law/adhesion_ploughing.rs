@@ -1,7 +1,11 @@
 //! Friction by shear and ploughing: F = τ_max A_c + Σ p |∂z/∂x| dA over plastic cells.
 
+use std::sync::Arc;
+
+use asperity_base::statement::Statement;
+
 use crate::WindowContact;
-use crate::law::{WindowLaw, describe_shear};
+use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, required, shear_strength_pa};
 
 /// Sheared contacts whose asperities also plough through a plastic counterface.
 ///
@@ -24,6 +28,20 @@ use crate::law::{WindowLaw, describe_shear};
 pub struct AdhesionPloughing {
     /// Shear strength τ_max of the contacts in pascal.
     pub shear_strength_pa: f64,
+}
+
+const HARDNESS: &str = "material.hardness";
+
+impl AdhesionPloughing {
+    pub(super) const STATEMENT: &Statement<Arc<dyn WindowLaw>> = &Statement {
+        inputs: &[SHEAR_STRENGTH, HARDNESS],
+        law: |stated| {
+            let shear_strength_pa = shear_strength_pa(stated)?;
+            let reason = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
+            required(stated, HARDNESS, reason)?;
+            Ok(Arc::new(Self { shear_strength_pa }))
+        },
+    };
 }
 
 impl WindowLaw for AdhesionPloughing {

@@ -1,7 +1,11 @@
 //! Friction by shear of the contacts: F = τ_max A_c.
 
+use std::sync::Arc;
+
+use asperity_base::statement::Statement;
+
 use crate::WindowContact;
-use crate::law::{WindowLaw, describe_shear};
+use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, shear_strength_pa};
 
 /// Shear-dominated friction of contacts that yield in shear at τ_max: F = τ_max A_c, μ = τ_max A_c/N.
 ///
@@ -14,6 +18,13 @@ use crate::law::{WindowLaw, describe_shear};
 pub struct BowdenTabor {
     /// Shear strength τ_max of the contacts in pascal.
     pub shear_strength_pa: f64,
+}
+
+impl BowdenTabor {
+    pub(super) const STATEMENT: &Statement<Arc<dyn WindowLaw>> = &Statement {
+        inputs: &[SHEAR_STRENGTH],
+        law: |stated| Ok(Arc::new(Self { shear_strength_pa: shear_strength_pa(stated)? })),
+    };
 }
 
 impl WindowLaw for BowdenTabor {

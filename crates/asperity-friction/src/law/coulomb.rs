@@ -1,13 +1,29 @@
 //! Friction proportional to the load: F = μN.
 
+use std::sync::Arc;
+
+use asperity_base::statement::Statement;
+
 use crate::WindowContact;
-use crate::law::WindowLaw;
+use crate::law::{WindowLaw, required};
 
 /// A constant friction coefficient, independent of the contact. It does not vary along the strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
     /// Friction coefficient μ.
     pub coefficient: f64,
+}
+
+const COEFFICIENT: &str = "friction.coefficient";
+
+impl Coulomb {
+    pub(super) const STATEMENT: &Statement<Arc<dyn WindowLaw>> = &Statement {
+        inputs: &[COEFFICIENT],
+        law: |stated| {
+            let reason = "law = \"coulomb\" needs its μ, such as 0.2";
+            Ok(Arc::new(Self { coefficient: required(stated, COEFFICIENT, reason)? }))
+        },
+    };
 }
 
 impl WindowLaw for Coulomb {

@@ -1,7 +1,11 @@
 //! Friction of contacts whose shear strength grows with the pressure: F = τ₀ A_c + αN.
 
+use std::sync::Arc;
+
+use asperity_base::statement::Statement;
+
 use crate::WindowContact;
-use crate::law::{WindowLaw, describe_shear};
+use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, required, shear_strength_pa};
 
 /// Shear strength τ = τ₀ + αp in every point of contact, so that F = ∫τ dA = τ₀ A_c + αN and μ = τ₀ A_c/N + α.
 ///
@@ -16,6 +20,20 @@ pub struct PressureDependent {
     pub shear_strength_pa: f64,
     /// α = dτ/dp.
     pub pressure_coefficient: f64,
+}
+
+const PRESSURE_COEFFICIENT: &str = "friction.pressure_coefficient";
+
+impl PressureDependent {
+    pub(super) const STATEMENT: &Statement<Arc<dyn WindowLaw>> = &Statement {
+        inputs: &[SHEAR_STRENGTH, PRESSURE_COEFFICIENT],
+        law: |stated| {
+            let shear_strength_pa = shear_strength_pa(stated)?;
+            let reason = "law = \"pressure_dependent\" needs its α, such as 0.05";
+            let pressure_coefficient = required(stated, PRESSURE_COEFFICIENT, reason)?;
+            Ok(Arc::new(Self { shear_strength_pa, pressure_coefficient }))
+        },
+    };
 }
 
 impl WindowLaw for PressureDependent {

@@ -3,10 +3,11 @@
 use std::f64::consts::{LOG2_E, PI};
 
 use super::super::Oscillator;
+use super::super::law::BatchForm;
 use super::super::polynomial;
 use super::super::polynomial::RECIPROCAL;
 use super::super::series::exponential_step;
-use super::super::weakening::{Curve, Weakening};
+use super::super::weakening::Weakening;
 use asperity_base::wide::{Kernel, wide};
 use asperity_process::Cell;
 
@@ -109,19 +110,14 @@ impl Consts {
     };
 
     pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
-        let Weakening { jump, linear, curve, .. } = Weakening::new(oscillator);
-        let [gain, curvature] = curve.gain_and_curvature().unwrap_or_default();
+        let Weakening { jump, linear, .. } = Weakening::new(oscillator);
+        let form = oscillator.law().batch_form(oscillator.belt_velocity());
+        let BatchForm { gain, curvature, is_exponential, floor, loss } = form.unwrap_or(BatchForm::constant(1.0));
         // r″ is at most twice gain × curvature for a quotient, and once that for an exponential law.
-        let (bend, thinning) = match curve {
-            Curve::Quotient(_) => (1.0, curvature),
-            Curve::Exponential(_) => (0.5, 0.0),
-            // No curvature. Machines with a table are simulated alone.
-            Curve::Straight | Curve::Cubic(_) => (1.0, 0.0),
-        };
+        let (bend, thinning) = if is_exponential { (0.5, 0.0) } else { (1.0, curvature) };
         (self.jump[lane], self.linear[lane], self.gain[lane], self.curvature[lane]) = (jump, linear, gain, curvature);
         self.softening[lane] = bend * gain * curvature;
-        let [floor, slope] = oscillator.law().floor_and_slope();
-        (self.floor[lane], self.loss[lane]) = (floor, slope * oscillator.belt_velocity());
+        (self.floor[lane], self.loss[lane]) = (floor, loss);
         self.thinning[lane] = thinning;
     }
 }

@@ -221,9 +221,10 @@ mod tests {
     use super::super::{CoupledParameters, CoupledTrajectory, CoupledTrajectorySettings, Damping, critical_friction};
     use super::*;
     use crate::VelocityLaw;
+    use crate::law::{Coulomb, Linear, Stribeck};
 
     fn model(friction: f64, ratio: f64, belt_velocity: f64) -> Model {
-        let law = VelocityLaw::Coulomb { kinetic: friction };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: friction });
         let damping = Damping::Modal { ratios: [ratio; 2] };
         let parameters = CoupledParameters {
             law,
@@ -277,9 +278,9 @@ mod tests {
         // periods and extremes of x come from 30-digit integration; with Coulomb friction from the closed form.
         let (drop, v) = (0.1_f64, 0.05_f64);
         let closed = std::f64::consts::TAU - 2.0 * (drop / v).atan() + 2.0 * drop / v;
-        let coulomb = VelocityLaw::Coulomb { kinetic: 0.3 };
-        let paper = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
-        let linear = VelocityLaw::Linear { kinetic: 0.4, slope: 0.3 };
+        let coulomb = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
+        let paper = VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 });
+        let linear = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.3 });
         for (static_friction, law, ratio, belt_velocity, period, extremes) in [
             (0.4, coulomb, 0.0, v, closed, None),
             (0.4, linear, 0.1, 0.1, 6.439_474_890_105_244, None),
@@ -291,7 +292,7 @@ mod tests {
                 6.372_163_483_739_709,
                 Some([0.095_239_651_620_418_22, 0.101_931_013_749_859_67]),
             ),
-            (1.0, VelocityLaw::Stribeck { kinetic: 1.0, decay: 3.0 }, 0.0, 0.2, 12.001_031, None),
+            (1.0, VelocityLaw::Stribeck(Stribeck { kinetic: 1.0, decay: 3.0 }), 0.0, 0.2, 12.001_031, None),
         ] {
             let model = Model::new(CoupledParameters {
                 angles_deg: [0.0, 90.0],
@@ -360,7 +361,7 @@ mod tests {
     fn a_motion_that_spirals_into_its_cycle_has_the_period_of_one_turn() {
         // Periods of an independent simulation; the motion first comes close to itself after several turns.
         for (friction, period) in [(0.85, 4.989_417_7), (0.9, 5.027_113_47), (1.0, 5.092_547_6)] {
-            let law = crate::VelocityLaw::Coulomb { kinetic: friction };
+            let law = crate::VelocityLaw::Coulomb(Coulomb { kinetic: friction });
             let damping = Damping::Modal { ratios: [0.01, 0.02] };
             let parameters = CoupledParameters {
                 law,

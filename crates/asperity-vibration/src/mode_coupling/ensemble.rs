@@ -204,11 +204,12 @@ mod tests {
     use super::super::{CoupledParameters, Damping, limit_cycle};
     use super::*;
     use crate::VelocityLaw;
+    use crate::law::Coulomb;
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
 
     fn model(friction: f64) -> Model {
-        let law = VelocityLaw::Coulomb { kinetic: friction };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: friction });
         let damping = Damping::Modal { ratios: [0.05; 2] };
         Model::new(CoupledParameters { law, static_friction: friction, damping, ..CoupledParameters::default() })
             .unwrap()

@@ -226,6 +226,7 @@ impl Linear {
 
 #[cfg(test)]
 mod tests {
+    use crate::law::Stribeck;
     use std::f64::consts::TAU;
 
     use super::super::{CoupledParameters, CoupledTrajectory, CoupledTrajectorySettings, Damping, Mode, State};
@@ -242,7 +243,7 @@ mod tests {
     #[test]
     fn without_fluctuation_the_rate_is_the_real_part_of_the_eigenvalue() {
         let damping = Damping::Modal { ratios: [0.02, 0.08] };
-        let law = VelocityLaw::Stribeck { kinetic: 0.9, decay: 0.2 };
+        let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.9, decay: 0.2 });
         let model =
             Model::new(CoupledParameters { damping, law, static_friction: 0.9, ..CoupledParameters::default() })
                 .unwrap();

@@ -1,5 +1,6 @@
 //! Model with two degrees of freedom and its state of steady sliding.
 
+use crate::law::Coulomb;
 use serde::{Deserialize, Serialize};
 
 use super::super::{VelocityLaw, VibrationError, non_negative, positive};
@@ -67,7 +68,7 @@ impl Default for CoupledParameters {
             contact_stiffness: 4.0 / 3.0,
             damping: Damping::Axes { tangential: 0.0, normal: 0.0 },
             static_friction: 0.8,
-            law: VelocityLaw::Coulomb { kinetic: 0.8 },
+            law: VelocityLaw::Coulomb(Coulomb { kinetic: 0.8 }),
             belt_velocity: 0.5,
         }
     }
@@ -138,11 +139,11 @@ impl Model {
             bounded(name, value)?;
         }
         law.validate()?;
-        if law.is_tabulated() {
+        if law.table().is_some() {
             let reason = "mode coupling does not support friction tables; use a law with a formula";
             return Err(VibrationError::NotFound { what: "series of the friction law", reason });
         }
-        bounded("velocity weakening of the friction law", law.weakening(0.0))?;
+        bounded("velocity weakening of the friction law", law.steepest())?;
         if law.kinetic() > static_friction {
             let value = law.kinetic();
             let wanted = "at most the static friction";
@@ -281,7 +282,7 @@ mod tests {
     #[test]
     fn invalid_parameters_are_refused() {
         let fine = CoupledParameters::default();
-        let law = VelocityLaw::Coulomb { kinetic: 0.9 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.9 });
         for parameters in [
             CoupledParameters { angles_deg: [f64::NAN, 30.0], ..fine.clone() },
             CoupledParameters { springs: [-1.0, 1.0], ..fine.clone() },

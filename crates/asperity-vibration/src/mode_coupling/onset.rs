@@ -36,12 +36,13 @@ pub fn scan_end(model: &Model, of_interest: Option<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::VelocityLaw;
+    use crate::law::Coulomb;
     use crate::mode_coupling::CoupledParameters;
 
     #[test]
     fn the_margin_changes_its_sign_where_the_modes_of_the_undamped_machine_meet() {
         for (friction, wanted) in [(0.5, None), (1.0, Some(Instability::Flutter))] {
-            let law = VelocityLaw::Coulomb { kinetic: friction };
+            let law = VelocityLaw::Coulomb(Coulomb { kinetic: friction });
             let parameters = CoupledParameters { static_friction: friction, law, ..CoupledParameters::default() };
             let model = Model::new(parameters).unwrap();
             let coalescence = model.coalescence().unwrap();

@@ -254,6 +254,7 @@ mod tests {
     use super::super::{CoupledParameters, Damping};
     use super::*;
     use crate::VelocityLaw;
+    use crate::law::{Coulomb, Linear, Stribeck};
 
     fn damped(damping: Damping) -> Model {
         Model::new(CoupledParameters { damping, ..CoupledParameters::default() }).unwrap()
@@ -325,13 +326,16 @@ mod tests {
 
     #[test]
     fn the_onset_is_where_the_largest_growth_rate_vanishes() {
-        let stribeck = VelocityLaw::Stribeck { kinetic: 0.5, decay: 0.3 };
+        let stribeck = VelocityLaw::Stribeck(Stribeck { kinetic: 0.5, decay: 0.3 });
         for (damping, law) in [
-            (Damping::Axes { tangential: 0.1, normal: 0.02 }, VelocityLaw::Coulomb { kinetic: 0.5 }),
-            (Damping::Proportional { mass: 0.02, stiffness: 0.03 }, VelocityLaw::Coulomb { kinetic: 0.5 }),
-            (Damping::Modal { ratios: [0.03, 0.01] }, VelocityLaw::Coulomb { kinetic: 0.5 }),
+            (Damping::Axes { tangential: 0.1, normal: 0.02 }, VelocityLaw::Coulomb(Coulomb { kinetic: 0.5 })),
+            (Damping::Proportional { mass: 0.02, stiffness: 0.03 }, VelocityLaw::Coulomb(Coulomb { kinetic: 0.5 })),
+            (Damping::Modal { ratios: [0.03, 0.01] }, VelocityLaw::Coulomb(Coulomb { kinetic: 0.5 })),
             (Damping::Modal { ratios: [0.05, 0.05] }, stribeck),
-            (Damping::Axes { tangential: 0.05, normal: 0.05 }, VelocityLaw::Linear { kinetic: 0.5, slope: 0.05 }),
+            (
+                Damping::Axes { tangential: 0.05, normal: 0.05 },
+                VelocityLaw::Linear(Linear { kinetic: 0.5, slope: 0.05 }),
+            ),
         ] {
             let model = Model::new(CoupledParameters { damping, law, ..CoupledParameters::default() }).unwrap();
             let critical = critical_friction(&model, 2.0).unwrap().unwrap();

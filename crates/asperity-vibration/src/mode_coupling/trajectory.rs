@@ -130,6 +130,7 @@ pub(super) fn started<'a, F: Fluctuation>(
 
 #[cfg(test)]
 mod tests {
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use std::f64::consts::TAU;
 
     use super::super::{CoupledEventKind, CoupledParameters, Damping, modes};
@@ -147,7 +148,7 @@ mod tests {
         Model::new(CoupledParameters {
             damping: Damping::Axes { tangential: 0.02, normal: 0.02 },
             static_friction: 1.3,
-            law: VelocityLaw::Stribeck { kinetic: 1.2, decay: 0.3 },
+            law: VelocityLaw::Stribeck(Stribeck { kinetic: 1.2, decay: 0.3 }),
             belt_velocity: 0.2,
             ..CoupledParameters::default()
         })
@@ -224,10 +225,10 @@ mod tests {
         // With Coulomb friction growth is exactly linear; under a weakening law the nonlinear part is of the order of
         // the amplitude.
         for (law, a, tolerance) in [
-            (VelocityLaw::Coulomb { kinetic: 0.4 }, 1e-3, 1e-12),
-            (VelocityLaw::Coulomb { kinetic: 0.9 }, 1e-3, 1e-12),
-            (VelocityLaw::Stribeck { kinetic: 0.9, decay: 0.3 }, 1e-6, 1e-6),
-            (VelocityLaw::Linear { kinetic: 0.6, slope: 0.1 }, 1e-6, 1e-6),
+            (VelocityLaw::Coulomb(Coulomb { kinetic: 0.4 }), 1e-3, 1e-12),
+            (VelocityLaw::Coulomb(Coulomb { kinetic: 0.9 }), 1e-3, 1e-12),
+            (VelocityLaw::Stribeck(Stribeck { kinetic: 0.9, decay: 0.3 }), 1e-6, 1e-6),
+            (VelocityLaw::Linear(Linear { kinetic: 0.6, slope: 0.1 }), 1e-6, 1e-6),
         ] {
             let model = Model::new(CoupledParameters {
                 damping,
@@ -350,7 +351,7 @@ mod tests {
     fn without_coupling_events_match_one_degree_of_freedom() {
         let stribeck = vibration::Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         // The weakening acts in the last hundredth of a slip.
-        let law = VelocityLaw::Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 };
+        let law = VelocityLaw::Exponential(Exponential { kinetic: 0.09, high_speed: 0.06, stribeck_velocity: 0.0004 });
         let steep =
             vibration::Parameters { law, belt_velocity: 0.04, damping_ratio: 0.005, ..stribeck.parameters().clone() };
         for (oscillator, length) in [(stribeck, 0.01), (vibration::Oscillator::new(steep).unwrap(), 20.0)] {
@@ -396,8 +397,11 @@ mod tests {
             let static_friction = 0.7 * (0.5 * z[0]).exp();
             let decay = z[1].exp();
             let kinetic = static_friction * (1.0 - 0.2 * z[2].abs()).max(0.2);
-            let law =
-                if z[3] > 0.0 { VelocityLaw::Stribeck { kinetic, decay } } else { VelocityLaw::Coulomb { kinetic } };
+            let law = if z[3] > 0.0 {
+                VelocityLaw::Stribeck(Stribeck { kinetic, decay })
+            } else {
+                VelocityLaw::Coulomb(Coulomb { kinetic })
+            };
             let model = Model::new(CoupledParameters {
                 angles_deg: [180.0 * z[4], 180.0 * z[5]],
                 springs: [z[6].exp(), z[7].exp()],

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Parameters;
+use crate::law::{Coulomb, Exponential, Stribeck};
 
 const STATIC: f64 = 0.4;
 const KINETIC: f64 = 0.3;
@@ -21,7 +22,7 @@ fn events(jump_at: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<
         Cell { end: jump_at, length: jump_at, left: 0.0, right: 0.0 },
         Cell { end: f64::INFINITY, length: f64::INFINITY, left: m, right: m },
     ];
-    let law = VelocityLaw::Coulomb { kinetic: KINETIC };
+    let law = VelocityLaw::Coulomb(Coulomb { kinetic: KINETIC });
     let parameters =
         Parameters { static_friction: STATIC, law, damping_ratio: 0.0, belt_velocity: BELT, forcing: None };
     let oscillator = Oscillator::new(parameters).unwrap();
@@ -129,8 +130,8 @@ fn no_extreme_of_a_step_is_missed() {
     for (amplitude, frequency, belt_velocity) in [(0.3, 0.9, 0.05), (0.6, 3.0, 0.2), (2.0, 8.0, 0.5), (0.01, 11.0, 2.0)]
     {
         for law in [
-            VelocityLaw::Stribeck { kinetic: KINETIC, decay: 2.0 },
-            VelocityLaw::Exponential { kinetic: KINETIC, high_speed: 0.2, stribeck_velocity: 0.1 },
+            VelocityLaw::Stribeck(Stribeck { kinetic: KINETIC, decay: 2.0 }),
+            VelocityLaw::Exponential(Exponential { kinetic: KINETIC, high_speed: 0.2, stribeck_velocity: 0.1 }),
         ] {
             let forcing = Some(crate::Forcing { amplitude, frequency });
             let parameters = Parameters { static_friction: STATIC, law, damping_ratio: 0.01, belt_velocity, forcing };

@@ -2,7 +2,7 @@
 //! process.
 
 use super::super::motion::Motion;
-use super::super::{Drive, Event, EventKind, Forcing, Oscillator, Phase, Slips, VelocityLaw, VibrationError};
+use super::super::{Drive, Event, EventKind, Forcing, Oscillator, Phase, Slips, VibrationError};
 use super::draw::Case;
 use super::reader::ProcessReader;
 use asperity_base::numeric::golden_section;
@@ -147,12 +147,9 @@ impl Checker<'_> {
 
     /// Returns the largest friction coefficient so far.
     fn strongest(&self) -> f64 {
-        let law = match self.oscillator.law() {
-            VelocityLaw::Tabulated(table) => table.points().map(|point| point[1]).fold(0.0, f64::max),
-            falling @ (VelocityLaw::Stribeck { .. }
-            | VelocityLaw::Coulomb { .. }
-            | VelocityLaw::Linear { .. }
-            | VelocityLaw::Exponential { .. }) => falling.kinetic(),
+        let law = match self.oscillator.law().table() {
+            Some(table) => table.points().map(|point| point[1]).fold(0.0, f64::max),
+            None => self.oscillator.law().kinetic(),
         };
         law.max(self.oscillator.static_friction()) + self.largest
     }

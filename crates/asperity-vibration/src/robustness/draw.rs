@@ -1,6 +1,7 @@
 //! Random machines, friction processes and starts, including unusual values. Every fourth case draws friction, damping
 //! and belt velocity over the whole allowed range, the others over the range of real machines.
 
+use crate::law::{Coulomb, Exponential, Linear, Stribeck};
 use rand::RngExt;
 
 use super::super::{
@@ -25,22 +26,9 @@ impl Case {
     /// range.
     pub(super) fn scaled(&self, factor: f64) -> Option<Self> {
         let old = self.oscillator.parameters();
-        let law = match &old.law {
-            VelocityLaw::Stribeck { kinetic, decay } => {
-                VelocityLaw::Stribeck { kinetic: factor * kinetic, decay: decay / factor }
-            }
-            VelocityLaw::Coulomb { kinetic } => VelocityLaw::Coulomb { kinetic: factor * kinetic },
-            VelocityLaw::Linear { kinetic, slope } => VelocityLaw::Linear { kinetic: factor * kinetic, slope: *slope },
-            VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity } => VelocityLaw::Exponential {
-                kinetic: factor * kinetic,
-                high_speed: factor * high_speed,
-                stribeck_velocity: factor * stribeck_velocity,
-            },
-            VelocityLaw::Tabulated(table) => {
-                let points: Vec<_> = table.points().map(|point| point.map(|value| factor * value)).collect();
-                VelocityLaw::Tabulated(FrictionTable::new(&points).ok()?)
-            }
-        };
+        // f·μ(|v|/f).
+        let law = old.law.with_coefficients(|coefficient| factor * coefficient).ok()?;
+        let law = if law.is_linear() { law } else { law.rescaled(1.0 / factor) };
         let parameters = Parameters {
             static_friction: factor * old.static_friction,
             law,
@@ -109,21 +97,21 @@ impl Draw {
 
     fn law(&mut self, kinetic: f64, fastest: f64) -> VelocityLaw {
         match self.one_of(&[0, 1, 2, 2, 3, 4]) {
-            0 => VelocityLaw::Coulomb { kinetic },
+            0 => VelocityLaw::Coulomb(Coulomb { kinetic }),
             1 => {
                 let slope = if self.chance(0.1) { 0.0 } else { kinetic / fastest * self.decades(-2.0, 0.1) };
-                VelocityLaw::Linear { kinetic, slope }
+                VelocityLaw::Linear(Linear { kinetic, slope })
             }
             2 => {
                 let unit = if self.wide { kinetic } else { 1.0 };
                 let decay = if self.chance(0.1) { 0.0 } else { (self.decades(-1.0, 3.0) / unit).min(1e6) };
-                VelocityLaw::Stribeck { kinetic, decay }
+                VelocityLaw::Stribeck(Stribeck { kinetic, decay })
             }
-            3 => VelocityLaw::Exponential {
+            3 => VelocityLaw::Exponential(Exponential {
                 kinetic,
                 high_speed: kinetic * self.between(0.1, 1.0),
                 stribeck_velocity: fastest * self.decades(-2.0, 0.5),
-            },
+            }),
             _ => {
                 let mut speed = 0.0;
                 let points: Vec<_> = (0..self.one_of(&[2, 3, 5, 9]))

@@ -348,6 +348,7 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential, Stribeck};
     use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping, limit_cycle, limit_damping};
     use asperity_base::monitor::Silent;
     use asperity_base::random;
@@ -359,7 +360,7 @@ mod tests {
     }
 
     fn coulomb(damping_ratio: f64) -> Oscillator {
-        let law = VelocityLaw::Coulomb { kinetic: 0.3 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
         Oscillator::new(Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None })
             .unwrap()
     }
@@ -482,7 +483,7 @@ mod tests {
     #[test]
     fn the_kick_over_a_jump_of_friction_is_the_closed_form_of_a_damped_oscillation() {
         let (damping, belt, kinetic) = (0.05_f64, 0.05_f64, 0.25);
-        let law = VelocityLaw::Coulomb { kinetic };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic });
         let parameters =
             Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
         let machine = Oscillator::new(parameters).unwrap();
@@ -570,8 +571,12 @@ mod tests {
             let reach = 0.8 * belt_velocity * (0.3 * g[3]).exp();
             let bell = |v: f64| 0.7 * kinetic + 0.3 * kinetic * (-(v / reach).powi(2)).exp();
             let law = match i % 4 {
-                0 | 1 => VelocityLaw::Stribeck { kinetic, decay: 1.5 / reach },
-                2 => VelocityLaw::Exponential { kinetic, high_speed: 0.6 * kinetic, stribeck_velocity: reach },
+                0 | 1 => VelocityLaw::Stribeck(Stribeck { kinetic, decay: 1.5 / reach }),
+                2 => VelocityLaw::Exponential(Exponential {
+                    kinetic,
+                    high_speed: 0.6 * kinetic,
+                    stribeck_velocity: reach,
+                }),
                 _ => {
                     let points: Vec<_> = (0..60).map(|i| 0.1 * reach * f64::from(i)).map(|v| [v, bell(v)]).collect();
                     VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap())

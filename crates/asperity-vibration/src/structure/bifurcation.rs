@@ -413,6 +413,7 @@ fn marks(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Coulomb;
     use crate::{Forcing, forced_cycles};
     use asperity_base::monitor::Silent;
 
@@ -510,7 +511,7 @@ mod tests {
     #[test]
     fn a_slowly_settling_motion_is_followed_until_it_repeats() {
         // Slip under a force, without stick, loses the effect of its start as e^{−ζτ}: to 1 % in 100 forcing periods.
-        let law = crate::VelocityLaw::Coulomb { kinetic: 0.2 };
+        let law = crate::VelocityLaw::Coulomb(Coulomb { kinetic: 0.2 });
         let forcing = Some(Forcing { amplitude: 0.01, frequency: 0.7 });
         let (damping_ratio, belt_velocity) = (0.005, 0.5);
         let parameters = crate::Parameters { static_friction: 0.2, law, damping_ratio, belt_velocity, forcing };

@@ -195,6 +195,7 @@ pub fn critical_curve(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Linear;
     use crate::{Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
 
@@ -225,7 +226,7 @@ mod tests {
 
     #[test]
     fn the_curve_of_the_linear_law_is_half_its_slope_and_missing_parameters_are_errors() {
-        let law = VelocityLaw::Linear { kinetic: 0.4, slope: 0.1 };
+        let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.1 });
         let parameters =
             Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
         let oscillator = Oscillator::new(parameters).unwrap();

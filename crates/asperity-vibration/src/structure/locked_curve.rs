@@ -248,13 +248,14 @@ fn cross(a: Point, b: Point) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Stribeck;
     use crate::{Forcing, Parameters, VelocityLaw, locked_boundary};
     use asperity_base::monitor::Silent;
 
     fn forced(kinetic: f64) -> Oscillator {
         Oscillator::new(Parameters {
             static_friction: 0.2,
-            law: VelocityLaw::Stribeck { kinetic, decay: 4.2 },
+            law: VelocityLaw::Stribeck(Stribeck { kinetic, decay: 4.2 }),
             damping_ratio: 0.0,
             belt_velocity: 0.1,
             forcing: Some(Forcing { amplitude: 0.01, frequency: 0.98 }),

@@ -64,6 +64,7 @@ impl CurveParameter {
 mod tests {
     use super::*;
     use crate::VelocityLaw;
+    use crate::law::Coulomb;
 
     #[test]
     fn setting_a_parameter_changes_nothing_else() {
@@ -88,7 +89,7 @@ mod tests {
         }
         let friction = CurveParameter::StaticFriction.set(&forced, 0.7).unwrap();
         assert_eq!(friction.law().kinetic(), 0.7);
-        let law = VelocityLaw::Coulomb { kinetic: 0.2 };
+        let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.2 });
         let coulomb = Oscillator::new(Parameters { law, forcing: None, ..forced.parameters().clone() }).unwrap();
         let scaled = CurveParameter::StaticFriction.set(&coulomb, 0.6).unwrap();
         assert!((scaled.law().kinetic() - 0.4).abs() < 1e-15);

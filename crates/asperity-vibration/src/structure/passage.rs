@@ -93,6 +93,7 @@ pub(super) fn passage(oscillator: &Oscillator, tau: f64) -> Result<Option<Passag
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{self, Coulomb, Stribeck};
     use crate::{Forcing, Parameters, VelocityLaw};
 
     /// Returns dP/dτ by fourth-order differences.
@@ -104,15 +105,15 @@ mod tests {
 
     #[test]
     fn the_derivative_passes_through_stick_over_slip_and_reversals() {
-        let stribeck = VelocityLaw::Stribeck { kinetic: 0.09, decay: 3.0 };
+        let stribeck = VelocityLaw::Stribeck(Stribeck { kinetic: 0.09, decay: 3.0 });
         let (mut several, mut count) = (0, 0);
         for (law, amplitude, frequency) in [
             (stribeck.clone(), 0.01, 0.98),
             (stribeck.clone(), 0.15, 0.5),
             (stribeck, 0.4, 0.6),
-            (VelocityLaw::Stribeck { kinetic: 0.1, decay: 3.0 }, 0.4, 0.6),
-            (VelocityLaw::Coulomb { kinetic: 0.08 }, 0.3, 0.3),
-            (VelocityLaw::Linear { kinetic: 0.1, slope: 0.05 }, 0.2, 1.4),
+            (VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 3.0 }), 0.4, 0.6),
+            (VelocityLaw::Coulomb(Coulomb { kinetic: 0.08 }), 0.3, 0.3),
+            (VelocityLaw::Linear(law::Linear { kinetic: 0.1, slope: 0.05 }), 0.2, 1.4),
         ] {
             let oscillator = Oscillator::new(Parameters {
                 static_friction: 0.1,

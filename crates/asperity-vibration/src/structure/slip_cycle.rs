@@ -310,6 +310,7 @@ fn cycle(oscillator: &Oscillator, rest: f64, r: f64, lap: &Lap) -> SlipCycle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping};
 
     #[test]
@@ -359,11 +360,11 @@ mod tests {
     #[test]
     fn laws_without_isolated_cycles_have_none() {
         for (law, damping_ratio) in [
-            (VelocityLaw::Coulomb { kinetic: 0.3 }, 0.0),
-            (VelocityLaw::Coulomb { kinetic: 0.3 }, 0.01),
-            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1),
-            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.09),
-            (VelocityLaw::Linear { kinetic: 0.3, slope: 0.2 }, 0.1001),
+            (VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 }), 0.0),
+            (VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 }), 0.01),
+            (VelocityLaw::Linear(Linear { kinetic: 0.3, slope: 0.2 }), 0.1),
+            (VelocityLaw::Linear(Linear { kinetic: 0.3, slope: 0.2 }), 0.09),
+            (VelocityLaw::Linear(Linear { kinetic: 0.3, slope: 0.2 }), 0.1001),
         ] {
             for static_friction in [0.3, 0.31] {
                 let law = law.clone();
@@ -381,9 +382,9 @@ mod tests {
             let kinetic = 0.5 * g[0].exp();
             let reach = 0.1 * (2.0 * g[1]).exp();
             let law = if i % 2 == 0 {
-                VelocityLaw::Stribeck { kinetic, decay: 1.0 / reach }
+                VelocityLaw::Stribeck(Stribeck { kinetic, decay: 1.0 / reach })
             } else {
-                VelocityLaw::Exponential { kinetic, high_speed: 0.1 * kinetic, stribeck_velocity: reach }
+                VelocityLaw::Exponential(Exponential { kinetic, high_speed: 0.1 * kinetic, stribeck_velocity: reach })
             };
             let (static_friction, belt_velocity) = (kinetic * (1.0 + 0.3 * g[3].max(0.0)), reach * (1.5 * g[2]).exp());
             let parameters = Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity, forcing: None };
@@ -426,7 +427,7 @@ mod tests {
 
     #[test]
     fn a_repelling_node_has_no_cycle_around_it() {
-        let law = VelocityLaw::Stribeck { kinetic: 2.2, decay: 3.6 };
+        let law = VelocityLaw::Stribeck(Stribeck { kinetic: 2.2, decay: 3.6 });
         let parameters =
             Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };
         let map = return_map(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();

@@ -3,6 +3,7 @@
 //!
 //! `ASPERITY_TRAJECTORIES` sets the number of trajectories of each mean of cycles (about a thousand by default).
 
+use asperity_vibration::law::{Coulomb, Exponential, Stribeck};
 use std::f64::consts::TAU;
 
 use asperity_base::monitor::Silent;
@@ -119,9 +120,9 @@ fn single_simulations_have_the_same_bytes_on_any_number_of_threads() {
         Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio: 0.1, belt_velocity: 0.003, forcing })
             .unwrap()
     };
-    let exponential = VelocityLaw::Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.03 };
+    let exponential = VelocityLaw::Exponential(Exponential { kinetic: 0.1, high_speed: 0.08, stribeck_velocity: 0.03 });
     let table = FrictionTable::new(&[[0.0, 0.1], [0.004, 0.098], [0.02, 0.09], [0.1, 0.08]]).unwrap();
-    let stribeck = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+    let stribeck = VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 });
     let forcing = Some(Forcing { amplitude: 0.002, frequency: 0.9 });
     let settings = EnsembleSettings::new(300, 60.0, 5);
     for oscillator in [of(exponential, None), of(VelocityLaw::Tabulated(table), None), of(stribeck.clone(), forcing)] {
@@ -144,7 +145,7 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
         let kinetic = 10.0_f64.powf(rng.random_range(-1.0..0.5));
         let parameters = Parameters {
             static_friction: kinetic + jump,
-            law: VelocityLaw::Coulomb { kinetic },
+            law: VelocityLaw::Coulomb(Coulomb { kinetic }),
             damping_ratio: 0.0,
             belt_velocity: velocity,
             forcing: None,

@@ -413,7 +413,7 @@ impl Campaign {
         let varied = SCALES.iter().find(|key| names.contains(key))?;
         let study = (0..self.members()).find_map(|member| self.member(member).ok())?;
         let vibration = study.vibration.as_ref().filter(|vibration| vibration.coupled.is_none())?;
-        let law = vibration.dimensionless_law().filter(|_| !matches!(vibration.friction, FrictionSource::File(_)));
+        let law = vibration.dimensionless_rate.filter(|_| !matches!(vibration.friction, FrictionSource::File(_)));
         let velocity = study.file().vibration.as_ref().and_then(|file| file.dimensionless_belt_velocity.as_ref());
         let keys = law.map(|(key, _)| key).into_iter().chain(velocity.map(|_| "dimensionless_belt_velocity"));
         let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();

@@ -6,6 +6,7 @@ mod invalid_value;
 mod keys_without_effect;
 mod mode_coupling;
 mod pressure;
+mod stated_law;
 mod surface;
 mod verdict;
 mod vibration;
@@ -16,7 +17,7 @@ use asperity_results::keys::Key;
 use self::invalid_value::{invalid, within};
 use crate::quantity::Dimension;
 use crate::study::file::StudyFile;
-use crate::study::uncertain::numbers;
+use crate::study::uncertain::{needs, numbers};
 pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub use invalid_value::InvalidValue;
 pub(super) use pressure::PressureStudy;
@@ -98,7 +99,7 @@ impl StudyFile {
         Ok(())
     }
 
-    /// Returns the stated inputs that need another value of the word `name` of their section than `word`, with the value that they need.
+    /// Returns the stated inputs that need another value of the word `name` of their section than `word`, with one that they need.
     fn unmet<'a>(
         &'a self,
         section: &'a str,
@@ -107,8 +108,8 @@ impl StudyFile {
     ) -> impl Iterator<Item = (&'static Key, &'static str)> + 'a {
         let stated = numbers().filter(move |(key, access)| key.section == section && access.is_stated(self));
         stated.filter_map(move |(key, _)| {
-            let (own, needed) = key.needs?;
-            (own == name && needed != word).then_some((key, needed))
+            let (own, needed) = needs(key)?;
+            (own == name && !needed.contains(&word)).then(|| (key, needed[0]))
         })
     }
 
@@ -138,8 +139,10 @@ impl StudyFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::law::WindowLawKind;
     use crate::map::HEIGHT_RANGE_M;
-    use crate::study::file::{MachineModel, VelocityLawKind, WindowLawKind};
+    use crate::study::file::MachineModel;
+    use crate::vibration::law::VelocityLawKind;
 
     /// Study in which every number of one degree of freedom is stated.
     const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = [\"20 um\", \"30 um\"]\n\
@@ -179,15 +182,14 @@ mod tests {
     }
 
     #[test]
-    fn words_that_inputs_need_are_words_of_their_section() {
+    fn inputs_need_known_words_and_laws_known_inputs() {
         for (key, name, word) in numbers().filter_map(|(key, _)| key.needs.map(|(name, word)| (key, name, word))) {
-            let is_known = match name {
-                "law" => word.parse::<WindowLawKind>().is_ok(),
-                "velocity_law" => word.parse::<VelocityLawKind>().is_ok(),
-                "model" => word.parse::<MachineModel>().is_ok(),
-                _ => false,
-            };
-            assert!(is_known && Key::find(&format!("{}.{name}", key.section)).is_some(), "{key:?}");
+            assert!(name == "model" && word.parse::<MachineModel>().is_ok(), "{key:?}");
+        }
+        let velocity = VelocityLawKind::ALL.iter().flat_map(|law| law.statement().inputs);
+        let window = WindowLawKind::ALL.iter().flat_map(|law| law.statement().inputs);
+        for input in velocity.chain(window).filter(|input| **input != "vibration.friction_table") {
+            assert!(Key::find(input).is_some(), "{input}");
         }
     }
 

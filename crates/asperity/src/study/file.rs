@@ -21,12 +21,12 @@ use crate::study::uncertain::UncertainValue;
 pub use counterface::CounterfaceSection;
 pub(super) use fixed_list::fixed_list;
 pub(super) use friction::usual_window_m;
-pub use friction::{FrictionSection, UncertaintySection, WindowLawKind, WindowShape};
+pub use friction::{FrictionSection, UncertaintySection, WindowShape};
 pub use mode_coupling::{ContactSpring, MachineModel};
 pub use pressure::{MaterialSection, PressureSection};
 pub use surface::{ScanFiles, SurfaceSection};
 pub use verdict::{Hold, JointSection, RemedySection, VerdictSection};
-pub use vibration::{MapSection, Stribeck, VelocityLawKind, VibrationSection};
+pub use vibration::{MapSection, Stribeck, VibrationSection};
 
 /// Study file: scan or surface model, stages, and the seed of every random draw.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,9 +1,9 @@
 //! Warnings about values that are possible but implausible.
 
+use crate::friction::law::WindowLawKind;
 use crate::friction::process::IMPLAUSIBLE_FRICTION;
 use crate::study::Study;
 use crate::study::check::FrictionSource;
-use crate::study::file::WindowLawKind;
 use crate::study::sentence::{digits, si};
 
 /// Ratio of Young's modulus to hardness below which a material is implausible: metals have 50 to 300, ceramics and

@@ -14,7 +14,7 @@ use toml::{Table, Value};
 use asperity_results::keys::{Key, LATENT};
 
 use self::keys::{Access, find, show};
-pub(super) use self::keys::{numbers, parse};
+pub(super) use self::keys::{needs, numbers, parse};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::{InputError, UncertainInput};
 use crate::distribution::Marginal;

@@ -6,6 +6,7 @@ use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
 use asperity::monitor::Silent;
 use asperity::study::Study;
 use asperity::study::result::{KindResult, VibrationResult};
+use asperity::vibration::law::Stribeck;
 use asperity::vibration::{Drive, Ensemble, EnsembleSettings, Integrator, Oscillator, Parameters, VelocityLaw};
 
 use crate::support::run_all;
@@ -114,7 +115,7 @@ fn overtaking_counts_as_vibration_in_every_result_of_a_study() {
 }
 
 fn machine(damping_ratio: f64, belt_velocity: f64) -> Oscillator {
-    let law = VelocityLaw::Stribeck { kinetic: 0.1, decay: 4.2 };
+    let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 });
     Oscillator::new(Parameters { static_friction: 0.1, law, damping_ratio, belt_velocity, forcing: None }).unwrap()
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use asperity::study::{implausible_damping, implausible_friction};
+use asperity::vibration::law::{Exponential, Linear, Stribeck};
 use asperity::vibration::{Forcing, FrictionTable, MotionKind, Oscillator, Parameters, VelocityLaw};
 use asperity_formats::read_text;
 use clap::Args;
@@ -96,15 +97,15 @@ impl Friction {
         if let Some(path) = friction_table {
             let points = table(path)?;
             let table = FrictionTable::new(&points).map_err(|e| Failure::data(path.display(), &e))?;
-            return Ok(VelocityLaw::Tabulated(table));
+            return Ok(table.into());
         }
         if let Some(slope) = *linear_weakening {
-            return Ok(VelocityLaw::Linear { kinetic, slope });
+            return Ok(Linear { kinetic, slope }.into());
         }
         if let Some((stribeck_velocity, high_speed)) = stribeck_velocity.zip(self.high_speed_friction) {
-            return Ok(VelocityLaw::Exponential { kinetic, high_speed, stribeck_velocity });
+            return Ok(Exponential { kinetic, high_speed, stribeck_velocity }.into());
         }
-        Ok(VelocityLaw::Stribeck { kinetic, decay: stribeck.unwrap_or(0.0) })
+        Ok(Stribeck { kinetic, decay: stribeck.unwrap_or(0.0) }.into())
     }
 }
 

@@ -1,6 +1,5 @@
 //! Taylor series of the motion between two events.
 
-use super::super::super::VelocityLaw;
 use super::super::super::polynomial::{self, CAPACITY};
 use super::super::super::series::exponential_step;
 use super::super::Model;
@@ -69,21 +68,18 @@ impl Series {
         // In flight the contact spring does not act and the static load remains.
         let (across, mut load) = if now.contact == Contact::Flight { (k22 - contact, 1.0) } else { (k22, 0.0) };
         let direction = now.contact.direction();
-        self.decay = match parameters.law {
-            VelocityLaw::Exponential { stribeck_velocity, .. } if direction != 0.0 => stribeck_velocity.recip(),
-            VelocityLaw::Stribeck { .. }
-            | VelocityLaw::Coulomb { .. }
-            | VelocityLaw::Linear { .. }
-            | VelocityLaw::Exponential { .. }
-            | VelocityLaw::Tabulated(_) => 0.0,
-        };
+        self.decay = if direction == 0.0 { 0.0 } else { parameters.law.exponent() };
         (self.x[0], self.u[0], self.y[0], self.v[0]) = (now.x, now.u, now.y, now.v);
         (self.w[0], self.s[0], self.normal[0]) = (now.speed(model), 0.0, now.normal(model));
         for k in 0..self.len {
             self.holding[k] = holding(model, [self.x[k], self.u[k], self.y[k], self.v[k]]);
             let mut force = 0.0;
             if direction != 0.0 {
-                self.law[k] = law_term(&parameters.law, &self.law, &self.w, k);
+                self.law[k] = if k == 0 {
+                    parameters.law.coefficient(self.w[0])
+                } else {
+                    parameters.law.term(&self.law, &self.w, k)
+                };
                 self.friction[k] = self.law[k] + if k == 0 { now.m } else { slope * self.s[k] };
                 for j in 0..=k {
                     force += self.friction[j] * self.normal[k - j];
@@ -184,33 +180,6 @@ impl Series {
 /// Returns the friction force required for x″ = 0: k₁₁x + k₁₂y + c₁₁x′ + c₁₂y′.
 pub(super) fn holding(model: &Model, [x, u, y, v]: [f64; 4]) -> f64 {
     model.stiffness[0] * x + model.stiffness[1] * y + model.damping[0] * u + model.damping[1] * v
-}
-
-/// Returns the coefficient k of μ(w(t)), given the previous ones.
-fn law_term(law: &VelocityLaw, before: &Coefficients, w: &Coefficients, k: usize) -> f64 {
-    match law {
-        _ if k == 0 => law.coefficient(w[0]),
-        VelocityLaw::Coulomb { .. } => 0.0,
-        VelocityLaw::Linear { slope, .. } => -slope * w[k],
-        VelocityLaw::Stribeck { decay, .. } => {
-            // μ·(1 + aw) = μ_k.
-            let mut sum = 0.0;
-            for j in 1..=k {
-                sum += w[j] * before[k - j];
-            }
-            -decay * sum / (1.0 + decay * w[0])
-        }
-        VelocityLaw::Exponential { high_speed, stribeck_velocity, .. } => {
-            // v₀μ′ = −(μ − μ_∞)w′.
-            let mut sum = k as f64 * w[k] * (before[0] - high_speed);
-            for j in 1..k {
-                sum += j as f64 * w[j] * before[k - j];
-            }
-            -sum / (k as f64 * stribeck_velocity)
-        }
-        // `Model::new` refuses tables.
-        VelocityLaw::Tabulated(_) => f64::NAN,
-    }
 }
 
 /// Returns the first zero in (0, h] of ±p, which is positive just after 0 and may be exactly zero at 0. Returns 0 if ±p

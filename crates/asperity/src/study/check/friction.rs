@@ -6,12 +6,12 @@ use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, o
 use super::pressure::Material;
 use crate::chaos::Propagation;
 use crate::friction::cutoff::CutoffPlan;
-use crate::friction::law::{AdhesionPloughing, BowdenTabor, Coulomb, PressureDependent, WindowLaw};
+use crate::friction::law::WindowLaw;
 use crate::friction::window::{Window, WindowError};
 use crate::friction::{LevelControl, RoughBody};
 use crate::map::{BoundaryKind, Grid};
 use crate::quantity::{Area, Compliance};
-use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowLawKind, WindowShape};
+use crate::study::file::{FrictionSection, StudyFile, SurfaceSection, UncertaintySection, WindowShape};
 use crate::study::standard_deviation::{LengthStd, NumberStd};
 use crate::surface::SurfaceGenerator;
 
@@ -105,7 +105,7 @@ impl StudyFile {
         let (Some(f), Some(&material), Some(surface)) = (&self.friction, material, &self.surface) else {
             return Ok(None);
         };
-        let law = self.check_window_law(f)?;
+        let law = self.stated_law(f.law.statement(), 1.0)?;
         let (strip, points, window) = f.sizes(None);
         for side in strip {
             within(SECTION, "strip", side, positive, POSITIVE)?;
@@ -149,36 +149,6 @@ impl StudyFile {
         };
         study.strip()?;
         Ok(Some(study))
-    }
-
-    fn check_window_law(&self, f: &FrictionSection) -> Result<Arc<dyn WindowLaw>, InvalidValue> {
-        let material = self.material.as_ref();
-        let shear = || {
-            let message = "[friction] needs the shear strength of the contacts";
-            material.and_then(|m| m.shear_strength).ok_or_else(|| invalid("material", "shear_strength", message))
-        };
-        match f.law {
-            WindowLawKind::BowdenTabor => Ok(Arc::new(BowdenTabor { shear_strength_pa: shear()?.0 })),
-            WindowLawKind::AdhesionPloughing => {
-                let shear_strength_pa = shear()?.0;
-                if self.hardness().is_none() {
-                    let message = "law = \"adhesion_ploughing\" needs the hardness: elastic contacts do not plough";
-                    return Err(invalid("material", "hardness", message));
-                }
-                Ok(Arc::new(AdhesionPloughing { shear_strength_pa }))
-            }
-            WindowLawKind::PressureDependent => {
-                let shear_strength_pa = shear()?.0;
-                let message = "law = \"pressure_dependent\" needs its α, such as 0.05";
-                let alpha = f.pressure_coefficient.ok_or_else(|| invalid(SECTION, "pressure_coefficient", message))?;
-                Ok(Arc::new(PressureDependent { shear_strength_pa, pressure_coefficient: alpha }))
-            }
-            WindowLawKind::Coulomb => {
-                let message = "law = \"coulomb\" needs its μ, such as 0.2";
-                let coefficient = f.coefficient.ok_or_else(|| invalid(SECTION, "coefficient", message))?;
-                Ok(Arc::new(Coulomb { coefficient }))
-            }
-        }
     }
 }
 

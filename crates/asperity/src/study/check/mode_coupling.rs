@@ -18,7 +18,9 @@ impl StudyFile {
                 None => Ok(None),
             };
         }
-        if let Some((key, _)) = v.usual_keys().into_iter().find(|(_, usual)| !usual) {
+        let unusual = v.usual_keys().into_iter().find(|(_, usual)| !usual).map(|(key, _)| key);
+        let of_law = self.unmet(SECTION, "velocity_law", "").next().map(|(key, _)| key.name);
+        if let Some(key) = unusual.or(of_law) {
             return requires(key, MachineModel::StickSlip);
         }
         let usual = CoupledParameters::default();

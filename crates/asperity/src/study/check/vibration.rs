@@ -1,20 +1,21 @@
 //! Checks of `[vibration]`.
 
 use asperity_base::choice::ByName;
-use asperity_results::keys;
+use asperity_results::keys::{self, Key};
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use super::mode_coupling::check_springs;
+use super::stated_law::split;
 use super::vibration_study::{FrictionSource, SECTION, VibrationStudy};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::StatedFriction;
 use crate::friction::process::Generator;
-use crate::quantity::{Length, Velocity};
-use crate::study::file::{
-    MachineModel, MapSection, Stribeck, StudyFile, VelocityLawKind, VibrationSection, usual_window_m,
-};
+use crate::quantity::Length;
+use crate::study::file::{MachineModel, MapSection, Stribeck, StudyFile, VibrationSection, usual_window_m};
+use crate::study::uncertain::numbers;
+use crate::vibration::law::{Coulomb, VelocityLawKind};
 use crate::vibration::{
-    Forcing, FrictionTable, Integrator, Scales, TrajectorySettings, VelocityLaw, VibrationError, deterministic_slips,
+    Forcing, Integrator, Scales, TrajectorySettings, VelocityLaw, VibrationError, deterministic_slips,
 };
 
 /// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
@@ -38,13 +39,15 @@ impl StudyFile {
             }
         };
         let coupled = self.check_coupled(v)?;
-        let table = v.friction_table.as_ref().map(|_| ("friction_table", VelocityLawKind::Table.name()));
-        let table = table.filter(|_| v.velocity_law != VelocityLawKind::Table);
-        let of_other = self.unmet(SECTION, "velocity_law", v.velocity_law.name()).map(|(key, law)| (key.name, law));
-        if let Some((key, law)) = of_other.chain(table).next() {
+        let (law, table) = (v.velocity_law, VelocityLawKind::Table);
+        let of_table = v.friction_table.as_ref().filter(|_| law != table).map(|_| ("friction_table", table.name()));
+        let of_other = self.unmet(SECTION, "velocity_law", law.name()).map(|(key, law)| (key.name, law));
+        if let Some((key, law)) = of_other.chain(of_table).next() {
             return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
         }
-        let (velocity_law, stribeck) = velocity_law(v, &scales)?;
+        let velocity_law = self.check_velocity_law(v, &scales)?;
+        let stribeck =
+            (law == VelocityLawKind::Stribeck && coupled.is_none()).then(|| v.stribeck.unwrap_or(USUAL_STRIBECK));
         let forcing = forcing(v)?;
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
         if let (Some(ByName(Generator::Jacobi)), Some(marginal)) = (v.generator, &stated)
@@ -72,6 +75,7 @@ impl StudyFile {
             forcing,
             kinetic_fraction: v.kinetic_share,
             velocity_law,
+            dimensionless_rate: self.dimensionless_rate(v),
             stribeck,
             friction: self.check_source(v)?,
             generator: v.generator.map(|generator| generator.0),
@@ -162,12 +166,7 @@ impl StudyFile {
 /// its motion.
 fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedFriction) -> Result<(), InvalidValue> {
     let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
-    let law = match v.velocity_law {
-        VelocityLawKind::Stribeck => "stribeck",
-        VelocityLawKind::Linear => "linear_weakening",
-        VelocityLawKind::Exponential => "stribeck_velocity",
-        VelocityLawKind::Table => "friction_table",
-    };
+    let law = split(v.velocity_law.statement().inputs[0]).1;
     let of_key = |error: VibrationError| match error {
         VibrationError::Parameter { parameter, .. } => {
             let key = match parameter {
@@ -204,36 +203,24 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
     deterministic_slips(&[oscillator], &settings).remove(0).map_or_else(of_key, |_| Ok(()))
 }
 
-/// Checks the velocity law and returns it for a kinetic friction coefficient of 1, with its Stribeck coefficient as stated.
-fn velocity_law(v: &VibrationSection, scales: &Scales) -> Result<(VelocityLaw, Option<Stribeck>), InvalidValue> {
-    let missing = |key| invalid(SECTION, key, format!("velocity_law = \"{}\" requires this key", v.velocity_law));
-    match v.velocity_law {
-        _ if v.model == MachineModel::ModeCoupling => Ok((VelocityLaw::Coulomb { kinetic: 1.0 }, None)),
-        VelocityLawKind::Stribeck => {
-            let coefficient = v.stribeck.unwrap_or(USUAL_STRIBECK);
-            let decay = coefficient.per_unit(scales.velocity_m_per_s());
-            Ok((VelocityLaw::Stribeck { kinetic: 1.0, decay }, Some(coefficient)))
+impl StudyFile {
+    /// Checks the velocity law and returns it for a kinetic friction coefficient of 1.
+    fn check_velocity_law(&self, v: &VibrationSection, scales: &Scales) -> Result<VelocityLaw, InvalidValue> {
+        if v.model == MachineModel::ModeCoupling {
+            return Ok(Coulomb { kinetic: 1.0 }.into());
         }
-        VelocityLawKind::Linear => {
-            let slope = v.linear_weakening.ok_or_else(|| missing("linear_weakening"))?;
-            Ok((VelocityLaw::Linear { kinetic: 1.0, slope }, None))
-        }
-        VelocityLawKind::Exponential => {
-            let velocity = v.stribeck_velocity.ok_or_else(|| missing("stribeck_velocity"))?;
-            let high_speed_share = v.high_speed_share.ok_or_else(|| missing("high_speed_share"))?;
-            let stribeck_velocity = velocity.0 / scales.velocity_m_per_s();
-            Ok((VelocityLaw::Exponential { kinetic: 1.0, high_speed: high_speed_share, stribeck_velocity }, None))
-        }
-        VelocityLawKind::Table => {
-            let points = v.friction_table.as_deref().ok_or_else(|| missing("friction_table"))?;
-            let kinetic = points.first().map_or(1.0, |(_, coefficient)| *coefficient);
-            let scaled = |(velocity, coefficient): &(Velocity, f64)| {
-                [velocity.0 / scales.velocity_m_per_s(), coefficient / kinetic]
-            };
-            let table = FrictionTable::new(&points.iter().map(scaled).collect::<Vec<_>>());
-            let table = table.map_err(|error| invalid(SECTION, "friction_table", error.to_string()))?;
-            Ok((VelocityLaw::Tabulated(table), None))
-        }
+        self.stated_law(v.velocity_law.statement(), scales.velocity_m_per_s())
+    }
+
+    /// Returns the key and the number of the velocity law per unit of dimensionless velocity.
+    fn dimensionless_rate(&self, v: &VibrationSection) -> Option<(&'static str, f64)> {
+        let inputs = v.velocity_law.statement().inputs;
+        let of_law = |key: &Key| key.velocity_power != 0 && inputs.contains(&key.path().as_str());
+        let mut rates = numbers().filter(|(key, _)| v.model == MachineModel::StickSlip && of_law(key));
+        rates.find_map(|(key, access)| {
+            let usual = || key.default?.value.number().filter(|_| !access.is_stated(self));
+            Some((key.name, access.get(self, key, None).or_else(usual)?))
+        })
     }
 }
 

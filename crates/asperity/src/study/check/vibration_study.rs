@@ -7,6 +7,8 @@ use crate::friction::{NominalContact, StatedFriction, Upscaling};
 use crate::quantity::{Area, Force};
 use crate::study::file::{ContactSpring, MapSection, Stribeck};
 use crate::study::sentence;
+use crate::study::uncertain::numbers;
+use crate::vibration::law::Coulomb;
 use crate::vibration::mode_coupling::{CoupledParameters, Damping, Model};
 use crate::vibration::{
     Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, VelocityLaw, VibrationError,
@@ -34,6 +36,8 @@ pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) kinetic_fraction: f64,
     /// Velocity law of a kinetic friction coefficient of 1.
     pub(in crate::study) velocity_law: VelocityLaw,
+    /// Key and number of the law per unit of dimensionless velocity, if a key of it is.
+    pub(in crate::study) dimensionless_rate: Option<(&'static str, f64)>,
     /// Stribeck coefficient as stated, if the law has one.
     pub(in crate::study) stribeck: Option<Stribeck>,
     pub(in crate::study) friction: FrictionSource,
@@ -132,20 +136,9 @@ impl VibrationStudy {
             contact_stiffness,
             damping: Damping::Axes { tangential: damper, normal: damper },
             static_friction: friction,
-            law: VelocityLaw::Coulomb { kinetic: friction },
+            law: VelocityLaw::Coulomb(Coulomb { kinetic: friction }),
             belt_velocity: self.belt_velocity,
         }))
-    }
-
-    /// Returns the key and the coefficient of a law per unit of dimensionless velocity.
-    pub(in crate::study) fn dimensionless_law(&self) -> Option<(&'static str, f64)> {
-        match (self.stribeck, &self.velocity_law) {
-            (Some(Stribeck::Dimensionless(value)), _) => Some(("stribeck", value)),
-            (None, VelocityLaw::Linear { slope, .. }) => Some(("linear_weakening", *slope)),
-            (Some(Stribeck::Physical(_)), _)
-            | (None, VelocityLaw::Stribeck { .. } | VelocityLaw::Coulomb { .. })
-            | (None, VelocityLaw::Exponential { .. } | VelocityLaw::Tabulated(_)) => None,
-        }
     }
 
     /// Returns a warning about a dimensionless law in a study that varies the load.
@@ -153,12 +146,12 @@ impl VibrationStudy {
         if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
             return None;
         }
-        let (key, value) = self.dimensionless_law()?;
+        let (key, value) = self.dimensionless_rate?;
         let si = sentence::digits(value / self.scales.velocity_m_per_s());
-        let instead = match key {
-            "stribeck" => format!("; state `stribeck = \"{si} s/m\"` to make the law independent of `normal_force`"),
-            _ => String::new(),
-        };
+        let in_si = numbers().map(|(row, _)| row).find(|row| row.name == key && !row.unit.is_empty());
+        let instead = in_si.map_or(String::new(), |row| {
+            format!("; state `{key} = \"{si} {}\"` to make the law independent of `normal_force`", row.unit)
+        });
         Some(format!(
             "`{key}` = {} is per unit of dimensionless velocity and depends on the stated normal force of {}: there it means {si} s/m, \
              which the map keeps over the load{instead}",

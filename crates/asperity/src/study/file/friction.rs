@@ -6,36 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::fixed_list::optional_fixed_list;
 use super::pressure::solve_tolerance;
+use crate::friction::law::WindowLawKind;
 use crate::map::BoundaryKind;
 use crate::quantity::{Area, Compliance, Length, Pressure};
 use crate::study::ScanSizes;
 use crate::study::standard_deviation::{LengthStd, NumberStd};
-
-choice! {
-    /// Friction law of a window.
-    #[derive(Default)]
-    pub enum WindowLawKind: "friction law" {
-        /// F = τ_max A_c (the paper's law).
-        #[default]
-        BowdenTabor = "bowden_tabor",
-        /// F = τ_max A_c + αN.
-        PressureDependent = "pressure_dependent",
-        /// F = τ_max A_c plus the ploughing force of plastic contacts.
-        AdhesionPloughing = "adhesion_ploughing",
-        /// F = μN.
-        Coulomb = "coulomb",
-    }
-}
-
-impl WindowLawKind {
-    /// Returns whether the law depends on the shear strength of the contacts.
-    pub(in crate::study) fn is_sheared(self) -> bool {
-        match self {
-            Self::BowdenTabor | Self::PressureDependent | Self::AdhesionPloughing => true,
-            Self::Coulomb => false,
-        }
-    }
-}
 
 choice! {
     /// Shape of the window.

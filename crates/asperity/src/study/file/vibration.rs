@@ -3,7 +3,6 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use asperity_base::choice;
 use asperity_base::choice::ByName;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -14,6 +13,7 @@ use crate::friction::Upscaling;
 use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
+use crate::vibration::law::VelocityLawKind;
 use crate::vibration::{Drive, Integrator, MapOver};
 
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
@@ -98,22 +98,6 @@ impl<'de> Deserialize<'de> for Stribeck {
             }
         }
         deserializer.deserialize_any(Visitor)
-    }
-}
-
-choice! {
-    /// Dependence of friction on the sliding velocity.
-    #[derive(Default)]
-    pub enum VelocityLawKind: "velocity law" {
-        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law).
-        #[default]
-        Stribeck = "stribeck",
-        /// μ_k − b|v| with `linear_weakening` b.
-        Linear = "linear",
-        /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
-        Exponential = "exponential",
-        /// Monotone cubics between the points of `friction_table`.
-        Table = "table",
     }
 }
 
@@ -251,14 +235,11 @@ fn is_usual(model: &MachineModel) -> bool {
 }
 
 impl VibrationSection {
-    /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name.
-    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 18] {
+    /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name; keys of
+    /// velocity laws aside.
+    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 14] {
         [
             ("velocity_law", self.velocity_law == VelocityLawKind::default()),
-            ("stribeck", self.stribeck.is_none()),
-            ("linear_weakening", self.linear_weakening.is_none()),
-            ("stribeck_velocity", self.stribeck_velocity.is_none()),
-            ("high_speed_share", self.high_speed_share.is_none()),
             ("friction_table", self.friction_table.is_none()),
             ("kinetic_share", self.kinetic_share == kinetic_share()),
             ("forcing", self.forcing.is_none()),

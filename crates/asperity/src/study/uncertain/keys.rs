@@ -4,11 +4,13 @@ use asperity_results::keys::{KEYS, Key};
 use asperity_results::study_keys;
 use toml::Value;
 
+use crate::friction::law::WindowLawKind;
 use crate::quantity::{
     AngularFrequency, Area, Dimension, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Velocity,
 };
 use crate::study::StudyFile;
 use crate::study::file::{ContactSpring, Stribeck};
+use crate::vibration::law::VelocityLawKind;
 
 /// Access to the number of an input in SI. A unit tells numbers and quantities of the same name apart.
 #[derive(Debug)]
@@ -58,6 +60,24 @@ const ACCESS: &[Access] = &study_keys!(access);
 /// Returns all numbers and quantities that may be uncertain, with their access.
 pub(in crate::study) fn numbers() -> impl Iterator<Item = (&'static Key, &'static Access)> {
     KEYS.iter().zip(ACCESS).filter(|(key, _)| key.bounds.is_some())
+}
+
+/// Returns the word of its section that decides whether an input has an effect, by name, and the values with which it has.
+pub(in crate::study) fn needs(key: &Key) -> Option<(&'static str, Vec<&'static str>)> {
+    let path = key.path();
+    let reads = |inputs: &[&str]| inputs.contains(&path.as_str());
+    let (name, laws): (_, Vec<&str>) = match key.section {
+        "vibration" => {
+            let laws = VelocityLawKind::ALL.iter().filter(|law| reads(law.statement().inputs));
+            ("velocity_law", laws.map(|law| law.name()).collect())
+        }
+        "friction" => {
+            let laws = WindowLawKind::ALL.iter().filter(|law| reads(law.statement().inputs));
+            ("law", laws.map(|law| law.name()).collect())
+        }
+        _ => return None,
+    };
+    if laws.is_empty() { key.needs.map(|(name, word)| (name, vec![word])) } else { Some((name, laws)) }
 }
 
 /// Returns the number or quantity of this name; of one that may be either, the form of `value`.

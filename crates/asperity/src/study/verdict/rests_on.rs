@@ -6,7 +6,7 @@ use toml::{Table, Value};
 use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
 use crate::study::result::{InputKind, InputValue, Pair, RestsOn};
-use crate::study::uncertain::{Place, Point};
+use crate::study::uncertain::{Place, Point, needs};
 use crate::study::{Study, StudyFile};
 
 /// Returns the inputs that a study file may leave out.
@@ -50,10 +50,13 @@ impl StudyFile {
         let is_default = |(key, default): &(&Key, KeyDefault)| {
             let Some(section) = written.get(key.section) else { return false };
             match section.get(key.name) {
-                None => key.needs.is_none_or(|(name, word)| {
+                None => needs(key).is_none_or(|(name, words)| {
                     let usual = Key::find(&format!("{}.{name}", key.section)).and_then(|key| key.default);
-                    let stated = section.get(name).and_then(Value::as_str);
-                    stated.map_or(usual.is_some_and(|usual| usual.value == DefaultValue::Word(word)), |own| own == word)
+                    let own = match (section.get(name).and_then(Value::as_str), usual.map(|usual| usual.value)) {
+                        (None, Some(DefaultValue::Word(usual))) => usual,
+                        (stated, _) => stated.unwrap_or_default(),
+                    };
+                    words.contains(&own)
                 }),
                 Some(stated) => *stated == in_file(default.value) && self.unstated.contains(&key.path()),
             }

@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
+use asperity_base::statement::{Statement, StatementError};
 use serde::{Deserialize, Serialize};
 
-use super::{VibrationError, positive};
+use super::curve::{CurveShape, Recurrence};
+use super::{Curve, Law, VelocityLaw, VelocityLawKind};
+use crate::polynomial::cross;
+use crate::{VibrationError, positive};
 
 /// Kinetic friction law through points (|v|, μ): monotone cubics between them, constant beyond the last.
 ///
@@ -31,9 +35,9 @@ struct Points {
 
 /// Cubic in the speed beyond `from`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Piece {
-    pub(super) from: f64,
-    pub(super) coefficients: [f64; 4],
+struct Piece {
+    from: f64,
+    coefficients: [f64; 4],
     /// Least coefficient at speeds up to `from`.
     least: f64,
 }
@@ -75,8 +79,62 @@ impl FrictionTable {
         Ok(Self { pieces })
     }
 
-    /// Returns the law μ(f|v|), f > 0: the same points at speeds divided by f.
-    pub(super) fn rescaled(&self, factor: f64) -> Self {
+    /// Returns the points (|v|, μ) of the law.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.pieces.iter().map(|piece| [piece.from, piece.coefficients[0]])
+    }
+
+    fn piece(&self, speed: f64) -> &Piece {
+        &self.pieces[self.pieces.partition_point(|piece| piece.from <= speed).saturating_sub(1)]
+    }
+}
+
+const POINTS: &str = "vibration.friction_table";
+
+impl FrictionTable {
+    pub(super) const STATEMENT: &Statement<VelocityLaw> = &Statement {
+        inputs: &[POINTS],
+        law: |stated| {
+            let points = stated.points(POINTS).ok_or_else(|| VelocityLawKind::Table.requires(POINTS))?;
+            let kinetic = points.first().map_or(1.0, |[_, coefficient]| *coefficient);
+            let relative: Vec<_> = points.iter().map(|[speed, coefficient]| [*speed, coefficient / kinetic]).collect();
+            let table = Self::new(&relative);
+            Ok(table.map_err(|error| StatementError { input: POINTS, reason: error.to_string() })?.into())
+        },
+    };
+}
+
+impl Law for FrictionTable {
+    fn coefficient(&self, speed: f64) -> f64 {
+        let piece = self.piece(speed);
+        let [a, b, c, d] = piece.coefficients;
+        let x = speed - piece.from;
+        a + x * (b + x * (c + x * d))
+    }
+
+    fn weakening(&self, speed: f64) -> f64 {
+        let piece = self.piece(speed);
+        let [_, b, c, d] = piece.coefficients;
+        let x = speed - piece.from;
+        -(b + x * (2.0 * c + x * 3.0 * d))
+    }
+
+    /// Returns the least coefficient at speeds up to this one; each piece is monotone.
+    fn least_coefficient(&self, speed: f64) -> f64 {
+        self.piece(speed).least.min(self.coefficient(speed))
+    }
+
+    fn kinetic(&self) -> f64 {
+        self.pieces[0].coefficients[0]
+    }
+
+    /// Returns the largest |dμ/d|v||: slopes of a monotone cubic are at most three times its secant.
+    fn steepest(&self) -> f64 {
+        let points: Vec<_> = self.points().collect();
+        (0..points.len() - 1).map(|i| 3.0 * secant(&points, i).1.abs()).fold(0.0, f64::max)
+    }
+
+    fn rescaled(&self, factor: f64) -> Self {
         let pieces = self.pieces.iter().map(|piece| {
             let [y, a, b, c] = piece.coefficients;
             let coefficients = [y, a * factor, b * factor * factor, c * factor * factor * factor];
@@ -85,50 +143,126 @@ impl FrictionTable {
         Self { pieces: pieces.collect() }
     }
 
-    /// Returns the points (|v|, μ) of the law.
-    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.pieces.iter().map(|piece| [piece.from, piece.coefficients[0]])
+    fn with_coefficients(&self, map: impl Fn(f64) -> f64) -> Result<Self, VibrationError> {
+        let points: Vec<[f64; 2]> = self.points().map(|[v, mu]| [v, map(mu)]).collect();
+        Self::new(&points)
     }
 
-    pub(super) fn pieces(&self) -> &[Piece] {
-        &self.pieces
+    fn curve(&self, velocity: f64) -> Curve {
+        Curve::Cubic(Cubic::new(self, velocity, 0))
     }
 
-    fn piece(&self, speed: f64) -> &Piece {
-        &self.pieces[self.pieces.partition_point(|piece| piece.from <= speed).saturating_sub(1)]
+    fn table(&self) -> Option<&FrictionTable> {
+        Some(self)
     }
 
-    pub(super) fn coefficient(&self, speed: f64) -> f64 {
-        let piece = self.piece(speed);
-        let [a, b, c, d] = piece.coefficients;
-        let x = speed - piece.from;
-        a + x * (b + x * (c + x * d))
+    /// [`crate::mode_coupling::Model`] refuses tables.
+    fn term(&self, _: &[f64], _: &[f64], _: usize) -> f64 {
+        f64::NAN
     }
 
-    pub(super) fn weakening(&self, speed: f64) -> f64 {
-        let piece = self.piece(speed);
-        let [_, b, c, d] = piece.coefficients;
-        let x = speed - piece.from;
-        -(b + x * (2.0 * c + x * 3.0 * d))
+    fn describe(&self) -> String {
+        "a tabulated law".into()
     }
 
-    /// Returns the least coefficient at speeds up to this one; each piece is monotone.
-    pub(super) fn least_coefficient(&self, speed: f64) -> f64 {
-        self.piece(speed).least.min(self.coefficient(speed))
+    #[cfg(test)]
+    fn examples() -> Vec<Self> {
+        [
+            &[[0.0, 0.4], [0.1, 0.3], [0.5, 0.2]][..],
+            &[[0.0, 0.3], [0.05, 0.27], [0.2, 0.2], [0.3, 0.22], [0.5, 0.22], [0.9, 0.25]],
+            &[[0.0, 0.3], [1.0, 0.3]],
+        ]
+        .map(|points| Self::new(points).unwrap())
+        .to_vec()
+    }
+}
+
+/// r is a cubic between two points of a table.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cubic {
+    index: usize,
+    /// Range `from` … `to` of W in which the cubic is valid.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// Coefficients in powers of W − from.
+    coefficients: [f64; 4],
+}
+
+impl Cubic {
+    /// Creates (μ_k − μ(VW))/V in an interval of a table.
+    fn new(table: &FrictionTable, v: f64, index: usize) -> Self {
+        let piece = &table.pieces[index];
+        let to = table.pieces.get(index + 1).map_or(f64::INFINITY, |next| next.from / v);
+        let [y, b, c, d] = piece.coefficients;
+        Self { index, from: piece.from / v, to, coefficients: [(table.kinetic() - y) / v, -b, -c * v, -d * v * v] }
     }
 
-    pub(super) fn kinetic(&self) -> f64 {
-        self.pieces[0].coefficients[0]
+    /// Returns the cubic in the interval in which W lies.
+    pub(crate) fn at(&self, table: &FrictionTable, v: f64, w: f64) -> Self {
+        let at_least = |index: usize| table.pieces[index].from / v <= w;
+        let mut index = self.index;
+        while index > 0 && !at_least(index) {
+            index -= 1;
+        }
+        while index + 1 < table.pieces.len() && at_least(index + 1) {
+            index += 1;
+        }
+        Self::new(table, v, index)
     }
 
-    /// Returns the largest |dμ/d|v||: slopes of a monotone cubic are at most three times its secant.
-    pub(super) fn steepest(&self) -> f64 {
-        let points: Vec<_> = self.points().collect();
-        (0..points.len() - 1).map(|i| 3.0 * secant(&points, i).1.abs()).fold(0.0, f64::max)
+    /// Returns the cubic in the interval before; none in the first.
+    pub(crate) fn before(&self, table: &FrictionTable, v: f64) -> Option<Self> {
+        Some(Self::new(table, v, self.index.checked_sub(1)?))
     }
 
-    pub(super) fn is_constant(&self) -> bool {
-        self.pieces.iter().all(|piece| piece.coefficients[0] == self.kinetic())
+    /// Returns r, r′, r″/2, r‴/6.
+    #[inline(always)]
+    fn derivatives(&self, w: f64) -> [f64; 4] {
+        let [a, b, c, d] = self.coefficients;
+        let x = w - self.from;
+        [a + x * (b + x * (c + x * d)), b + x * (2.0 * c + x * 3.0 * d), c + 3.0 * d * x, d]
+    }
+}
+
+impl CurveShape for Cubic {
+    type Terms<const N: usize> = CubicTerms<N>;
+
+    #[inline(always)]
+    fn value(&self, w: f64) -> f64 {
+        self.derivatives(w)[0]
+    }
+
+    fn slope(&self, w: f64) -> f64 {
+        self.derivatives(w)[1]
+    }
+
+    fn argument(&self, w: f64) -> f64 {
+        w / self.to
+    }
+
+    #[inline(always)]
+    fn terms<const N: usize>(&self, w0: f64) -> CubicTerms<N> {
+        CubicTerms { derivatives: self.derivatives(w0), square: [0.0; N] }
+    }
+}
+
+/// Coefficients of a cubic: r = r_0 + r′u + (r″/2)u² + (r‴/6)u³ with u = W − W_0.
+pub(crate) struct CubicTerms<const N: usize> {
+    derivatives: [f64; 4],
+    /// u².
+    square: [f64; N],
+}
+
+impl<const N: usize> Recurrence<N> for CubicTerms<N> {
+    #[inline(always)]
+    fn slope(&self) -> f64 {
+        self.derivatives[1]
+    }
+
+    #[inline(always)]
+    fn rest(&mut self, w: &[f64; N], n: usize) -> f64 {
+        self.square[n] = cross(w, w, n);
+        self.derivatives[2] * self.square[n] + self.derivatives[3] * cross(w, &self.square, n)
     }
 }
 
