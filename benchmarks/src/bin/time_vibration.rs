@@ -29,8 +29,8 @@ use std::time::Instant;
 use asperity::friction::process::{FrictionProcess, ProcessModel, Steady};
 use asperity::monitor::Silent;
 use asperity::vibration::{
-    Drive, Ensemble, EnsembleSettings, Event, EventKind, Integrator, Oscillator, Trajectory, TrajectorySettings,
-    damping_sweep, deterministic_slips, limit_cycle,
+    Drive, Ensemble, EnsembleSettings, Event, EventKind, Oscillator, Trajectory, TrajectorySettings, damping_sweep,
+    deterministic_slips, limit_cycle,
 };
 use asperity_benchmarks::Words;
 use serde_json::{Value, json};
@@ -71,7 +71,7 @@ impl Job {
     }
 
     fn settings(&self, duration: f64) -> TrajectorySettings {
-        TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::default() }
+        TrajectorySettings { duration, start: None, drive: Drive::Distance }
     }
 
     /// Returns a duration in which a mass from the default start finishes at least `cycles` cycles.

@@ -82,9 +82,6 @@ impl Turning {
         Self { quarter, kappa, base }
     }
 
-    /// Bound for steps whose polynomials differ from the solution by more than rounding.
-    pub(super) const UNKNOWN: Self = Self { quarter: 0.0, kappa: 0.0, base: 0.0 };
-
     /// Returns whether W has at most one extremum in a step of this length: two extrema are half a turn apart.
     #[inline]
     pub(super) fn is_simple(&self, h: f64) -> bool {

@@ -13,7 +13,7 @@ use std::ops::Range;
 use self::kernel::{Consts, Cuts, Expansion, LANES, NOISY, STEADY, States};
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
-use super::{Drive, Event, EventKind, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::{Drive, Event, EventKind, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::monitor::Silent;
 use asperity_process::{Cell, Fluctuation};
 
@@ -59,10 +59,7 @@ pub(super) fn simulate_many<F: Fluctuation, W: Observer>(
         Ok(Followed { slips, observer })
     };
     let mut waiting = indices;
-    if settings.drive == Drive::Time
-        || settings.method != Integrator::Taylor
-        || !(settings.duration.is_finite() && settings.duration > 0.0)
-    {
+    if settings.drive == Drive::Time || !(settings.duration.is_finite() && settings.duration > 0.0) {
         waiting.for_each(|index| done(index, alone(index)));
         return;
     }
@@ -415,7 +412,7 @@ mod tests {
         duration: f64,
         indices: Range<usize>,
     ) -> Vec<Result<(Slips, All), VibrationError>> {
-        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let settings = TrajectorySettings { duration, start: None, drive: Drive::Distance };
         let mut found: Vec<Option<Result<(Slips, All), VibrationError>>> = indices.clone().map(|_| None).collect();
         let first = indices.start;
         simulate_many(
@@ -464,8 +461,7 @@ mod tests {
     fn a_batch_and_a_single_simulation_have_the_same_events() {
         for (oscillator, std) in machines() {
             let process = process(std);
-            let settings =
-                TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+            let settings = TrajectorySettings { duration: 25.0, start: None, drive: Drive::Distance };
             for (index, ended) in followed(&oscillator, &process, 25.0, 0..40).into_iter().enumerate() {
                 let (slips, All(events)) = ended.unwrap();
                 let alone = Trajectory::simulate(&oscillator, process.path(3, index as u64), &settings).unwrap();
@@ -523,8 +519,7 @@ mod tests {
     #[test]
     fn ending_records_and_negative_friction_fail_as_in_a_single_simulation() {
         let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        let settings =
-            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
         for values in [vec![0.0; 30], (0..4000).map(|i| -0.005 * f64::from(i)).collect(), vec![0.01; 20]] {
             let record = RecordedProcess::new(0.005, values).unwrap();
             let alone = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap_err();
@@ -539,8 +534,7 @@ mod tests {
 
     #[test]
     fn without_noise_every_lane_follows_the_cycle() {
-        let settings =
-            TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let settings = TrajectorySettings { duration: 200.0, start: None, drive: Drive::Distance };
         let of = |index: usize| {
             let damping_ratio = 0.1 + 0.005 * (index % 20) as f64;
             let (static_friction, law, belt_velocity) = match index / 20 {

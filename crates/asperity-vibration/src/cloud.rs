@@ -23,8 +23,8 @@ pub fn phase_cloud(
     most: usize,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<Vec<PhasePoint>>>, VibrationError> {
-    let EnsembleSettings { duration, start, drive, method, seed, .. } = *settings;
-    let followed = TrajectorySettings { duration, start, drive, method };
+    let EnsembleSettings { duration, start, drive, seed, .. } = *settings;
+    let followed = TrajectorySettings { duration, start, drive };
     let from = (duration - SPAN).max(0.0);
     blocks::map(0..settings.trajectories.min(most), |index| {
         if monitor.cancelled() {

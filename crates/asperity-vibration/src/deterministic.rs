@@ -35,12 +35,11 @@ pub fn deterministic_slips(
 mod tests {
     use super::*;
     use crate::law::Linear;
-    use crate::{Drive, Forcing, Integrator, Parameters, Trajectory, VelocityLaw};
+    use crate::{Drive, Forcing, Parameters, Trajectory, VelocityLaw};
 
     #[test]
     fn oscillators_in_lockstep_match_single_simulations() {
-        let settings =
-            TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let settings = TrajectorySettings { duration: 150.0, start: None, drive: Drive::Distance };
         let machines: Vec<Oscillator> = (0..70)
             .map(|i| {
                 let free = Oscillator::with_stribeck(0.1, 4.2, 0.1 + 0.002 * f64::from(i), 0.003).unwrap();

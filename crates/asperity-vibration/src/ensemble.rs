@@ -14,7 +14,7 @@ use super::batch::{Task, simulate_many};
 use super::sample_distribution::{Count, RunningMoments, SampleCollector, SampleDistribution};
 use super::settled::swing_level;
 use super::trajectory::{NoObserver, follow};
-use super::{Drive, Integrator, Oscillator, Slips, TrajectorySettings, VibrationError};
+use super::{Drive, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::blocks::{self, Loop};
 use asperity_base::monitor::{Cancelled, Monitor};
 use asperity_base::stats::{VALID_FRACTION, student_quantile};
@@ -37,10 +37,6 @@ pub struct EnsembleSettings {
     pub start: Option<f64>,
     /// Independent variable of the friction process.
     pub drive: Drive,
-    /// Integration method of slip. Only Taylor series integrate many trajectories in lockstep; the others are for
-    /// comparison.
-    #[serde(default)]
-    pub method: Integrator,
     /// Number of values of each distribution that are kept for histograms and tests. Each kept value takes 24 bytes
     /// during the computation and 8 in the result; each trajectory in progress keeps at most as many.
     pub sample_capacity: usize,
@@ -58,7 +54,6 @@ impl EnsembleSettings {
             seed,
             start: None,
             drive: Drive::default(),
-            method: Integrator::default(),
             sample_capacity: 65_536,
             least_valid_share: VALID_FRACTION,
         }
@@ -162,8 +157,8 @@ impl<'a> Plan<'a> {
             let value = settings.least_valid_share;
             return Err(VibrationError::Parameter { parameter: "least_valid_share", value, wanted: "in 0 … 1" });
         }
-        let EnsembleSettings { duration, start, drive, method, .. } = *settings;
-        let followed = TrajectorySettings { duration, start, drive, method };
+        let EnsembleSettings { duration, start, drive, .. } = *settings;
+        let followed = TrajectorySettings { duration, start, drive };
         let cycles_deterministic =
             follow(oscillator, Steady, &followed, f64::INFINITY, monitor, &mut NoObserver)?.cycles;
         let swing_level = swing_level(oscillator);

@@ -12,7 +12,7 @@
 //! (statistics of many), [`damping_sweep`] (gradual end of vibration over damping), [`stability_map`].
 //!
 //! # Method
-//! Slip is integrated by Taylor series, or by Runge–Kutta methods ([`Integrator`]). The variables are chosen so that no
+//! Slip is integrated by Taylor series. The variables are chosen so that no
 //! difference of nearly equal numbers occurs, and every step is a polynomial. The first zero of the relative velocity
 //! follows from a bound on the rotation in the phase plane, or is isolated by bounds of the coefficients, so no
 //! re-attachment is missed, however short.
@@ -46,7 +46,6 @@ mod polynomial;
 mod portrait;
 #[cfg(test)]
 mod robustness;
-mod runge_kutta;
 mod sample_distribution;
 mod scaled_forcing;
 mod series;
@@ -56,7 +55,6 @@ mod sound;
 mod stability_map;
 mod structure;
 mod sweep;
-mod tableau;
 mod trajectory;
 mod waveform;
 mod weakening;
@@ -76,7 +74,6 @@ pub use locked::locked_boundary;
 pub use margin::DampingMargins;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
 pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
-pub use runge_kutta::Integrator;
 pub use sample_distribution::{Count, SampleDistribution};
 pub use sound::{Sound, SoundSettings};
 #[doc(hidden)]

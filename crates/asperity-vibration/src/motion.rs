@@ -4,11 +4,10 @@ mod dense;
 mod slip;
 mod stick;
 
-use super::runge_kutta::Stepper;
 use super::scaled_forcing::ScaledForcing;
 use super::series::Series;
 use super::weakening::Weakening;
-use super::{Drive, Event, EventKind, Integrator, Oscillator, Phase, VelocityLaw, VibrationError};
+use super::{Drive, Event, EventKind, Oscillator, Phase, VelocityLaw, VibrationError};
 use asperity_process::{Cell, Fluctuation};
 
 /// Largest number of consecutive steps without progress in time; an arrival and a release at the same time are two.
@@ -41,8 +40,6 @@ pub(super) struct Motion<F> {
     /// Whether the mass has moved backwards, ẋ < 0, since its last slip was finished.
     pub(super) reached_backward: bool,
     series: Series,
-    /// Runge–Kutta integrator; none for Taylor series.
-    stepper: Option<Stepper>,
     segment: Segment,
     idle_steps: usize,
 }
@@ -131,7 +128,6 @@ impl<F: Fluctuation> Motion<F> {
             phase: Phase::Stick,
             reached_backward: false,
             series: Series::new(),
-            stepper: None,
             segment: Segment { tau: 0.0, duration: 0.0, phase: Phase::Stick, m: 0.0, slope: 0.0, e: 0.0 },
             idle_steps: 0,
         };
@@ -144,11 +140,6 @@ impl<F: Fluctuation> Motion<F> {
             motion.e = motion.opposite_excess();
         }
         Ok(motion)
-    }
-
-    /// Returns the same motion, integrated by another method.
-    pub(super) fn with_method(self, method: Integrator) -> Result<Self, VibrationError> {
-        Ok(Self { stepper: method.stepper()?, ..self })
     }
 
     /// Creates a motion from a state of slip.

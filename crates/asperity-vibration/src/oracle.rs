@@ -1,6 +1,6 @@
 //! Slow and simple reference integration for the tests.
 //!
-//! The classical Runge–Kutta method in small fixed steps integrates displacement and velocity on the slip branch of a
+//! The classical Runge–Kutta method in fixed steps integrates displacement and velocity on the slip branch of a
 //! fixed sign. Events and grid points are found by bisection of the step.
 
 use super::{Drive, EventKind, Oscillator, Trajectory, TrajectorySettings};
@@ -8,12 +8,14 @@ use asperity_process::Cell;
 
 const STEP: f64 = 1e-3;
 
-struct Oracle<'a> {
+/// Motion by the reference.
+pub(crate) struct Oracle<'a> {
     oscillator: &'a Oscillator,
     cells: &'a [Cell],
     drive: Drive,
-    tau: f64,
-    x: f64,
+    step: f64,
+    pub(crate) tau: f64,
+    pub(crate) x: f64,
     velocity: f64,
     s: f64,
     /// Cell of the process, which changes only at its ends.
@@ -22,7 +24,22 @@ struct Oracle<'a> {
     sign: f64,
 }
 
-impl Oracle<'_> {
+impl<'a> Oracle<'a> {
+    /// Creates the motion from the default start.
+    pub(crate) fn new(oscillator: &'a Oscillator, cells: &'a [Cell], drive: Drive, step: f64) -> Self {
+        Self {
+            oscillator,
+            cells,
+            drive,
+            step,
+            tau: 0.0,
+            x: oscillator.default_start(),
+            velocity: oscillator.belt_velocity(),
+            s: 0.0,
+            cell: 0,
+            sign: 0.0,
+        }
+    }
     fn friction_fluctuation(&self, tau: f64, s: f64) -> f64 {
         let cell = &self.cells[self.cell];
         cell.right + (self.coordinate(tau, s) - cell.end) / cell.length * (cell.right - cell.left)
@@ -88,15 +105,16 @@ impl Oracle<'_> {
         if force.abs() <= self.stick_limit(self.tau, self.s) { 0.0 } else { force.signum() }
     }
 
-    fn run(&mut self, duration: f64) -> Vec<(EventKind, f64, f64, f64)> {
+    /// Returns kind, time, displacement and sliding distance of the events until this time.
+    pub(crate) fn run(&mut self, duration: f64) -> Vec<(EventKind, f64, f64, f64)> {
         let mut events = Vec::new();
         self.sign = self.sign_at_rest();
         if self.sign != 0.0 {
             events.push((EventKind::Detach, 0.0, self.x, 0.0));
         }
         while self.tau < duration {
-            let passed = self.passes(STEP);
-            let (mut low, mut high) = (0.0, STEP);
+            let passed = self.passes(self.step);
+            let (mut low, mut high) = (0.0, self.step);
             if passed != (false, false) {
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
@@ -131,7 +149,7 @@ impl Oracle<'_> {
 mod tests {
     use super::*;
     use crate::law::{Coulomb, Exponential, Linear, Stribeck};
-    use crate::{Forcing, FrictionTable, Integrator, Parameters, VelocityLaw};
+    use crate::{Forcing, FrictionTable, Parameters, VelocityLaw};
     use asperity_process::{Fluctuation, FrictionProcess, Generator, ProcessModel};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
@@ -148,20 +166,9 @@ mod tests {
         let mut path = process.path(11, 0);
         let cells: Vec<Cell> = (0..4000).map(|_| path.next_cell().unwrap()).collect();
         let oscillator = Oscillator::new(parameters).unwrap();
-        let settings = TrajectorySettings { duration: 50.0, start: None, drive, method: Integrator::Taylor };
+        let settings = TrajectorySettings { duration: 50.0, start: None, drive };
         let fast = Trajectory::simulate(&oscillator, process.path(11, 0), &settings).unwrap();
-        let slow = Oracle {
-            oscillator: &oscillator,
-            cells: &cells,
-            drive,
-            tau: 0.0,
-            x: oscillator.default_start(),
-            velocity: oscillator.belt_velocity(),
-            s: 0.0,
-            cell: 0,
-            sign: 0.0,
-        }
-        .run(50.0);
+        let slow = Oracle::new(&oscillator, &cells, drive, STEP).run(50.0);
         let slow: Vec<_> = slow.into_iter().filter(|e| e.1 <= 50.0).collect();
         assert_eq!(fast.events.len(), slow.len());
         for (event, (kind, tau, x, s)) in fast.events.iter().zip(slow) {

@@ -205,50 +205,6 @@ pub(super) fn first_zero(c: &[f64], h: f64) -> Option<f64> {
     None
 }
 
-/// Returns the coefficients of the polynomial of degree 2n − 1 in t with the n first Taylor coefficients `start` at 0
-/// and `end` at h.
-///
-/// It is A(t) + tⁿB(t). A follows from the start; B, expanded about the end, is the remaining difference divided by tⁿ.
-pub(super) fn hermite(start: &[f64], end: &[f64], h: f64) -> [f64; CAPACITY] {
-    let n = start.len();
-    let mut c = [0.0; CAPACITY];
-    let mut power = 1.0;
-    // In units of h. The second half stores B.
-    for i in 0..n {
-        c[i] = start[i] * power;
-        c[n + i] = end[i] * power;
-        power *= h;
-    }
-    // A, expanded about the end by Horner's scheme, is subtracted.
-    let mut about = c;
-    shift(&mut about[..n], 1.0);
-    for i in 0..n {
-        c[n + i] -= about[i];
-    }
-    // n divisions by t = 1 + (t − 1).
-    for _ in 0..n {
-        for i in 1..n {
-            c[n + i] -= c[n + i - 1];
-        }
-    }
-    shift(&mut c[n..2 * n], -1.0);
-    let mut power = 1.0;
-    for c in &mut c[..2 * n] {
-        *c /= power;
-        power *= h;
-    }
-    c
-}
-
-/// Replaces the coefficients by those of p(a + t).
-fn shift(c: &mut [f64], a: f64) {
-    for i in 0..c.len() {
-        for k in (i..c.len() - 1).rev() {
-            c[k] += a * c[k + 1];
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -311,21 +267,5 @@ mod tests {
         assert!((value_and_slope(&c, 0.5).1 - 0.5_f64.exp()).abs() < 1e-14);
         assert!((value(&derivative(&c)[..17], 0.5) - 0.5_f64.exp()).abs() < 1e-14);
         assert!((value(&shifted(&c, 0.25)[..18], 0.25) - 0.5_f64.exp()).abs() < 1e-14);
-    }
-
-    #[test]
-    fn hermite_s_polynomial_of_a_polynomial_is_itself() {
-        let rng = &mut asperity_base::random::stream(2, "test", 0);
-        for n in 1..6 {
-            let c = asperity_base::random::standard_normal(rng, 2 * n);
-            let h = 0.37;
-            let mut at_end = c.to_vec();
-            shift(&mut at_end, h);
-            let found = hermite(&c[..n], &at_end[..n], h);
-            for (found, wanted) in found.iter().zip(c.iter().chain([&0.0; 8])) {
-                // The coefficient of h⁹ is a sum of ninth differences.
-                assert!((found - wanted).abs() < 1e-13 * h.powi(-(2 * n as i32)), "{n}: {found} {wanted}");
-            }
-        }
     }
 }

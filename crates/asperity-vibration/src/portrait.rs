@@ -66,7 +66,7 @@ pub(super) fn sampled<F: Fluctuation>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Integrator, Trajectory, limit_cycle};
+    use crate::{Drive, Forcing, Trajectory, limit_cycle};
     use asperity_process::RecordedProcess;
 
     #[test]
@@ -112,7 +112,7 @@ mod tests {
         let values = (0..4000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
         let process = RecordedProcess::new(0.0005, values).unwrap();
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 60.0, start: None, drive, method: Integrator::Taylor };
+            let settings = TrajectorySettings { duration: 60.0, start: None, drive };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let points = 6001;
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, points).unwrap();

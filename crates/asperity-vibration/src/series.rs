@@ -10,7 +10,7 @@
 
 use super::law::curve::{CurveShape, Recurrence};
 use super::law::with_curve;
-use super::polynomial::{self, CAPACITY, RECIPROCAL, hermite};
+use super::polynomial::{self, CAPACITY, RECIPROCAL};
 use super::weakening::{Loading, Weakening};
 use asperity_base::wide::{Kernel, wide};
 
@@ -261,30 +261,6 @@ impl Series {
         self.len = N;
         self.scale = w0.abs().max(e0.abs()).max(1.0);
         self.decay = weakening.decay();
-    }
-
-    /// Sets polynomials through `count` Taylor coefficients of W, e and S at the start and, after h, at `end`.
-    pub(super) fn interpolate(
-        &mut self,
-        weakening: &Weakening,
-        loading: &Loading,
-        (w, e): (f64, f64),
-        end: [f64; 3],
-        h: f64,
-        count: usize,
-    ) {
-        let mut last = Self::new();
-        last.expand_to::<8>(weakening, &loading.later(h), end[0], end[1]);
-        self.expand_to::<8>(weakening, loading, w, e);
-        let distance = |series: &Self, from: f64| -> [f64; CAPACITY] {
-            std::array::from_fn(|k| if k == 0 { from } else { series.s[k - 1] })
-        };
-        let s = hermite(&distance(self, 0.0)[..count], &distance(&last, end[2])[..count], h);
-        self.w = hermite(&self.w[..count], &last.w[..count], h);
-        self.e = hermite(&self.e[..count], &last.e[..count], h);
-        self.s = std::array::from_fn(|k| s.get(k + 1).copied().unwrap_or(0.0));
-        // Values are summed in groups of four.
-        self.len = (2 * count).next_multiple_of(4);
     }
 
     /// Returns the longest step ≤ `wanted` on which the dropped terms stay below rounding.

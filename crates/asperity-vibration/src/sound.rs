@@ -131,7 +131,7 @@ fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
 mod tests {
     use super::*;
     use crate::law::Coulomb;
-    use crate::{Drive, Integrator, Parameters, VelocityLaw};
+    use crate::{Drive, Parameters, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
     use asperity_testing::{covered, least_coverage, repetitions};
@@ -141,7 +141,7 @@ mod tests {
     }
 
     fn settings(duration: f64) -> SoundSettings {
-        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let followed = TrajectorySettings { duration, start: None, drive: Drive::Distance };
         SoundSettings { trajectories: 8, points_per_period: 64, from: 60.0, seed: 3, followed }
     }
 

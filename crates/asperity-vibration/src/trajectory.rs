@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
-use super::{Drive, Event, EventKind, Integrator, Oscillator, VibrationError, positive};
+use super::{Drive, Event, EventKind, Oscillator, VibrationError, positive};
 use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_process::Fluctuation;
 
@@ -20,9 +20,6 @@ pub struct TrajectorySettings {
     pub start: Option<f64>,
     /// Independent variable of the friction process.
     pub drive: Drive,
-    /// Integration method of slip.
-    #[serde(default)]
-    pub method: Integrator,
 }
 
 /// Counts of finished slips. A slip ends when the mass sticks, or when it returns from over-slip without stick.
@@ -65,7 +62,7 @@ pub(super) fn started<F: Fluctuation>(
     settings: &TrajectorySettings,
 ) -> Result<Motion<F>, VibrationError> {
     positive("duration", settings.duration)?;
-    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)?.with_method(settings.method)
+    Motion::new(oscillator, fluctuation, settings.drive, start_of(oscillator, settings)?)
 }
 
 /// Returns the displacement X at τ = 0.
@@ -210,12 +207,8 @@ mod tests {
         let values = doubles(&std::fs::read(folder.join("frozen_mu.npy")).unwrap());
         let oscillator = Oscillator::with_stribeck(number("mus"), number("a"), number("z"), number("nu")).unwrap();
         let process = RecordedProcess::new(number("h_s"), values).unwrap();
-        let settings = TrajectorySettings {
-            duration: number("tau_end"),
-            start: Some(number("X_start")),
-            drive: Drive::Distance,
-            method: Integrator::Taylor,
-        };
+        let settings =
+            TrajectorySettings { duration: number("tau_end"), start: Some(number("X_start")), drive: Drive::Distance };
         let found = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
         let wanted = reference["events_mp"].as_array().unwrap();
         let mut worst = 0.0_f64;
@@ -245,7 +238,7 @@ mod tests {
         let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let process = noisy(0.006, 0);
         for drive in [Drive::Distance, Drive::Time] {
-            let settings = TrajectorySettings { duration: 300.0, start: None, drive, method: Integrator::Taylor };
+            let settings = TrajectorySettings { duration: 300.0, start: None, drive };
             let trajectory = Trajectory::simulate(&oscillator, process.path(), &settings).unwrap();
             let portrait = trajectory_portrait(&oscillator, process.path(), &settings, 0.0, 300_001).unwrap();
             let mut counted = Slips::default();
@@ -262,8 +255,7 @@ mod tests {
     #[test]
     fn a_record_that_ends_and_friction_without_sign_are_errors() {
         let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
-        let settings =
-            TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
         let run = |values: Vec<f64>| {
             Trajectory::simulate(&oscillator, RecordedProcess::new(0.01, values).unwrap().path(), &settings)
         };

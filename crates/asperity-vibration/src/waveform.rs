@@ -104,12 +104,11 @@ fn largest(points: &[PhasePoint]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Drive, Forcing, Integrator};
+    use crate::{Drive, Forcing};
     use asperity_process::Steady;
 
     fn settings(natural_frequency_hz: f64, seconds: f64) -> WaveformSettings {
-        let followed =
-            TrajectorySettings { duration: 1.0, start: None, drive: Drive::Distance, method: Integrator::Taylor };
+        let followed = TrajectorySettings { duration: 1.0, start: None, drive: Drive::Distance };
         WaveformSettings { natural_frequency_hz, sampling_rate_hz: 44_100.0, seconds, from: 60.0, followed }
     }
 

@@ -21,11 +21,6 @@ pub(super) struct Loading {
 }
 
 impl Loading {
-    /// Returns the constants of a step that starts later by t.
-    pub(super) fn later(&self, t: f64) -> Self {
-        Self { phase: self.phase + self.frequency * t, ..*self }
-    }
-
     /// Returns e′ at the start.
     #[inline(always)]
     pub(super) fn rate(&self, w: f64) -> f64 {

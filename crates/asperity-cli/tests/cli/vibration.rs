@@ -247,32 +247,6 @@ fn every_friction_law_has_its_flags() {
 }
 
 #[test]
-fn integrators_find_the_same_events() {
-    let folder = TempDir::new().unwrap();
-    let values: Vec<f64> = (0..2000).map(|i| 0.002 * (f64::from(i) * 0.7).sin()).collect();
-    record(folder.path(), &values);
-    let events = |integrator: &str| {
-        let line = format!(
-            "vibration trajectory {PAPER} --damping-ratio 0.17 --friction-file m.npy --friction-step 0.0005 --duration 40 \
-             --integrator {integrator} --json"
-        );
-        let json = run_in(folder.path(), &line).json(0);
-        json["events"].as_array().unwrap().clone()
-    };
-    let series = events("taylor");
-    assert!(series.len() > 8);
-    for (integrator, error) in [("dormand-prince", 1e-8), ("runge-kutta-fehlberg", 1e-5)] {
-        let found = events(integrator);
-        assert_eq!(found.len(), series.len());
-        for (a, b) in found.iter().zip(&series) {
-            assert_eq!(a[0], b[0]);
-            let (a, b) = (a[1].as_f64().unwrap(), b[1].as_f64().unwrap());
-            assert!((a - b).abs() < error, "{integrator}: {a} and {b}");
-        }
-    }
-}
-
-#[test]
 fn a_linear_law_that_becomes_negative_names_its_slope() {
     let line = "--static-friction 0.1 --linear-weakening 3 --belt-velocity 0.05 --damping-ratio 0.1";
     asperity(&format!("vibration cycle {line}")).refuses(2, &["slope"]);

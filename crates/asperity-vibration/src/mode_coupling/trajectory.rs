@@ -369,12 +369,7 @@ mod tests {
             let model_of_friction = ProcessModel::new("beta:2.1,5".parse().unwrap(), 0.001, length);
             let process = FrictionProcess::new(model_of_friction).unwrap();
             let drive = vibration::Drive::Distance;
-            let settings = vibration::TrajectorySettings {
-                duration: 60.0,
-                start: None,
-                drive,
-                method: vibration::Integrator::Taylor,
-            };
+            let settings = vibration::TrajectorySettings { duration: 60.0, start: None, drive };
             let wanted = vibration::Trajectory::simulate(&oscillator, process.path(1, 0), &settings).unwrap().events;
             let start = state(oscillator.default_start(), belt_velocity, 0.0, 0.0);
             let settings = CoupledTrajectorySettings { duration: 60.0, start: Some(start) };

@@ -45,13 +45,8 @@ impl<F: Fluctuation> Motion<F> {
         let wanted = remaining.min(if self.drive == Drive::Time { estimate } else { 1.1 * estimate });
         self.segment =
             Segment { tau: self.tau, duration: 0.0, phase: self.phase, m: self.m, slope: self.cell.slope, e: self.e };
-        let (h, turning) = if let Some(stepper) = &mut self.stepper {
-            let step = stepper.step(&mut self.series, &self.weakening, &loading, (self.w, self.e), wanted);
-            (step.ok_or(VibrationError::Stalled { tau: self.tau })?, Turning::UNKNOWN)
-        } else {
-            self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
-            (self.series.reach(wanted), Turning::new(&self.weakening, &loading))
-        };
+        self.series.expand(&self.weakening, &loading, self.w, self.e, wanted);
+        let (h, turning) = (self.series.reach(wanted), Turning::new(&self.weakening, &loading));
         if self.drive == Drive::Distance
             && to_grid_point.is_finite()
             && let Some(t) = self.series.near_distance(to_grid_point, h, estimate)

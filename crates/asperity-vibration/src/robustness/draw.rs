@@ -4,9 +4,7 @@
 use crate::law::{Coulomb, Exponential, Linear, Stribeck};
 use rand::RngExt;
 
-use super::super::{
-    Drive, Forcing, FrictionTable, Integrator, Oscillator, Parameters, TrajectorySettings, VelocityLaw,
-};
+use super::super::{Drive, Forcing, FrictionTable, Oscillator, Parameters, TrajectorySettings, VelocityLaw};
 use asperity_base::random;
 use asperity_process::{CorrelationShape, FrictionProcess, Generator, ProcessModel, TranslationKind};
 
@@ -236,5 +234,5 @@ pub(super) fn case(seed: u64, index: u64) -> Case {
         draw.chance(0.3).then(|| static_friction * draw.between(-2.0, 2.0))
     };
     let oscillator = Oscillator::new(parameters).unwrap();
-    Case { oscillator, process, settings: TrajectorySettings { duration, start, drive, method: Integrator::Taylor } }
+    Case { oscillator, process, settings: TrajectorySettings { duration, start, drive } }
 }

@@ -10,8 +10,8 @@ use asperity_base::monitor::Silent;
 use asperity_base::random;
 use asperity_process::{FrictionProcess, Generator, ProcessModel, Steady, TranslationKind};
 use asperity_vibration::{
-    Drive, Ensemble, EnsembleSettings, EventKind, Forcing, FrictionTable, Integrator, Oscillator, Parameters,
-    Trajectory, TrajectorySettings, VelocityLaw, limit_cycle,
+    Drive, Ensemble, EnsembleSettings, EventKind, Forcing, FrictionTable, Oscillator, Parameters, Trajectory,
+    TrajectorySettings, VelocityLaw, limit_cycle,
 };
 use rand::RngExt;
 
@@ -173,7 +173,6 @@ fn coulomb_cycles_have_their_closed_form_at_any_jump_and_belt_velocity() {
             duration: 3.5 * period,
             start: Some(oscillator.static_friction()),
             drive: Drive::Distance,
-            method: Integrator::Taylor,
         };
         let events = Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events;
         let first = events[0].tau;

@@ -2,7 +2,6 @@
 
 use asperity::study::{cloud_table, points_table, survival_table};
 use asperity::vibration::Drive;
-use asperity::vibration::Integrator;
 use asperity::vibration::{self, EnsembleSettings};
 use asperity_report::VibrationFigures;
 use clap::Args;
@@ -33,9 +32,6 @@ pub(crate) struct Ensemble {
     /// Argument of the fluctuation.
     #[arg(long, value_parser = args::named::<Drive>(), default_value = "distance")]
     drive: Drive,
-    /// Integration method of slip.
-    #[arg(long, value_parser = args::named::<Integrator>(), default_value = "taylor")]
-    integrator: Integrator,
     #[command(flatten)]
     trajectories: Trajectories,
     #[command(flatten)]
@@ -49,7 +45,7 @@ impl Ensemble {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let process = self.source.process(&oscillator, monitor)?;
-        let settings = EnsembleSettings { drive: self.drive, method: self.integrator, ..self.trajectories.settings() };
+        let settings = EnsembleSettings { drive: self.drive, ..self.trajectories.settings() };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let has_folder = self.folder.is_requested(&inputs)?;
         let (belt_velocity, duration, count) = (oscillator.belt_velocity(), settings.duration, settings.trajectories);

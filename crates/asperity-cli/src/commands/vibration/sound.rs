@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity::study::Table;
-use asperity::vibration::{self, Drive, Integrator, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
+use asperity::vibration::{self, Drive, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use asperity_report::VibrationFigures;
 use clap::Args;
 
@@ -59,12 +59,7 @@ impl Sound {
             points_per_period: 64,
             from: self.from,
             seed: self.seed,
-            followed: TrajectorySettings {
-                duration: self.duration,
-                start: None,
-                drive: Drive::Distance,
-                method: Integrator::Taylor,
-            },
+            followed: TrajectorySettings { duration: self.duration, start: None, drive: Drive::Distance },
         };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let has_folder = self.folder.is_requested(&inputs)?;

@@ -1,6 +1,5 @@
 //! Trajectory over a recorded friction fluctuation.
 
-use asperity::vibration::Integrator;
 use std::path::PathBuf;
 
 use asperity::friction::process::RecordedProcess;
@@ -35,9 +34,6 @@ pub(crate) struct Trajectory {
     /// Displacement X at the start, in stick; 0.97 μ_st − 2ζV when left out.
     #[arg(long, value_name = "X", value_parser = args::number, allow_hyphen_values = true)]
     start: Option<f64>,
-    /// Integration method of slip.
-    #[arg(long, value_parser = args::named::<Integrator>(), default_value = "taylor")]
-    integrator: Integrator,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -50,7 +46,7 @@ impl Trajectory {
         let record = RecordedProcess::new(self.friction_step, values)
             .map_err(|e| Failure::data(self.friction_file.display(), &e))?;
         let (duration, start) = (self.duration, self.start);
-        let settings = TrajectorySettings { duration, start, drive: Drive::Distance, method: self.integrator };
+        let settings = TrajectorySettings { duration, start, drive: Drive::Distance };
         let simulated = monitor.killable(|| vibration::Trajectory::simulate(&oscillator, record.path(), &settings))?;
         let path = simulated.map_err(|e| match e {
             VibrationError::ProcessTooShort { .. } | VibrationError::FrictionNotPositive { .. } => {

@@ -14,9 +14,7 @@ use crate::quantity::Length;
 use crate::study::file::{MachineModel, MapSection, Stribeck, StudyFile, VibrationSection, usual_window_m};
 use crate::study::uncertain::numbers;
 use crate::vibration::law::{Coulomb, VelocityLawKind};
-use crate::vibration::{
-    Forcing, Integrator, Scales, TrajectorySettings, VelocityLaw, VibrationError, deterministic_slips,
-};
+use crate::vibration::{Forcing, Scales, TrajectorySettings, VelocityLaw, VibrationError, deterministic_slips};
 
 /// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
 const FIRST_TIME: f64 = 100.0;
@@ -80,7 +78,6 @@ impl StudyFile {
             friction: self.check_source(v)?,
             generator: v.generator.map(|generator| generator.0),
             drive: v.drive,
-            method: v.integrator.0,
             upscaling: v.upscaling,
             allow_clipping: v.allow_clipping,
             damping_sweep: v.damping_sweep,
@@ -194,12 +191,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
         return Err(invalid(SECTION, "friction_correlation_length", message));
     }
-    let settings = TrajectorySettings {
-        duration: study.duration.min(FIRST_TIME),
-        start: None,
-        drive: study.drive,
-        method: Integrator::Taylor,
-    };
+    let settings = TrajectorySettings { duration: study.duration.min(FIRST_TIME), start: None, drive: study.drive };
     deterministic_slips(&[oscillator], &settings).remove(0).map_or_else(of_key, |_| Ok(()))
 }
 

@@ -10,9 +10,7 @@ use crate::study::sentence;
 use crate::study::uncertain::numbers;
 use crate::vibration::law::Coulomb;
 use crate::vibration::mode_coupling::{CoupledParameters, Damping, Model};
-use crate::vibration::{
-    Drive, Forcing, Integrator, MapOver, Oscillator, Parameters, Scales, VelocityLaw, VibrationError,
-};
+use crate::vibration::{Drive, Forcing, MapOver, Oscillator, Parameters, Scales, VelocityLaw, VibrationError};
 
 /// Name of the section.
 pub(super) const SECTION: &str = "vibration";
@@ -44,7 +42,6 @@ pub(in crate::study) struct VibrationStudy {
     /// Generator of the fluctuation, if the study states it.
     pub(in crate::study) generator: Option<Generator>,
     pub(in crate::study) drive: Drive,
-    pub(in crate::study) method: Integrator,
     /// Upscaling of the main result.
     pub(in crate::study) upscaling: Upscaling,
     /// Whether more than 5 % of the friction values may be clipped to stay positive.

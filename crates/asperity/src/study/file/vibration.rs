@@ -14,7 +14,7 @@ use crate::friction::process::Generator;
 use crate::quantity::{AngularFrequency, Area, Force, InverseVelocity, Length, Mass, Velocity};
 use crate::study::sentence;
 use crate::vibration::law::VelocityLawKind;
-use crate::vibration::{Drive, Integrator, MapOver};
+use crate::vibration::{Drive, MapOver};
 
 /// Stribeck coefficient a of μ_k/(1 + a|v|): a number or a quantity such as `"0.13 s/m"`.
 #[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
@@ -188,9 +188,6 @@ pub struct VibrationSection {
     /// Argument of the fluctuation.
     #[serde(default)]
     pub drive: Drive,
-    /// Integration method of slip.
-    #[serde(default)]
-    pub integrator: ByName<Integrator>,
     /// Upscaling that the report shows first; both are computed.
     #[serde(default)]
     pub upscaling: Upscaling,
@@ -237,7 +234,7 @@ fn is_usual(model: &MachineModel) -> bool {
 impl VibrationSection {
     /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name; keys of
     /// velocity laws aside.
-    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 14] {
+    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 13] {
         [
             ("velocity_law", self.velocity_law == VelocityLawKind::default()),
             ("friction_table", self.friction_table.is_none()),
@@ -246,7 +243,6 @@ impl VibrationSection {
             ("forcing_frequency", self.forcing_frequency.is_none()),
             ("generator", self.generator.is_none()),
             ("drive", self.drive == Drive::default()),
-            ("integrator", self.integrator == ByName::default()),
             ("upscaling", self.upscaling == Upscaling::default()),
             ("allow_clipping", !self.allow_clipping),
             ("damping_sweep", self.damping_sweep == damping_sweep()),

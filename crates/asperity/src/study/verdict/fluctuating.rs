@@ -51,7 +51,6 @@ pub(super) fn fraction(
     {
         let settings = EnsembleSettings {
             drive: study.drive,
-            method: study.method,
             sample_capacity: 0,
             ..EnsembleSettings::new(trajectories, duration, seed)
         };

@@ -105,19 +105,13 @@ impl<'a> Ensembles<'a> {
     pub(super) fn settings(&self) -> EnsembleSettings {
         EnsembleSettings {
             drive: self.study.drive,
-            method: self.study.method,
             least_valid_share: self.study.valid_fraction,
             ..EnsembleSettings::new(self.study.trajectories, self.study.duration, self.seed)
         }
     }
 
     fn followed(&self) -> TrajectorySettings {
-        TrajectorySettings {
-            duration: self.study.duration,
-            start: None,
-            drive: self.study.drive,
-            method: self.study.method,
-        }
+        TrajectorySettings { duration: self.study.duration, start: None, drive: self.study.drive }
     }
 
     /// Simulates ensembles over the sweep, and one at the study's own damping ratio. If slips are faster than expected,
