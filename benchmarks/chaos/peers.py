@@ -161,10 +161,7 @@ class ScikitLearn:
         warnings.filterwarnings("ignore")
         y = load(job, "response", job["samples"])
         matrix = load(job, "matrix", (job["samples"], -1))[:, 1:]
-        if job["method"] == "lars":
-            run = lambda: linear_model.Lars(n_nonzero_coefs=job["samples"] - 2, fit_path=False).fit(matrix, y)
-        else:
-            run = lambda: linear_model.OrthogonalMatchingPursuitCV(cv=10, max_iter=job["samples"] * 9 // 10 - 1).fit(matrix, y)
+        run = lambda: linear_model.OrthogonalMatchingPursuitCV(cv=10, max_iter=job["samples"] * 9 // 10 - 1).fit(matrix, y)
         seconds, model = timed(run, job)
         values = np.empty(0)
         if "fresh_matrix" in job:

@@ -9,7 +9,7 @@
 //! | `solve` | basis, `points`, `samples`, `responses`, `count` | design matrix, factorisation, all responses |
 //! | `fit` | the same | the same, with leave-one-out errors |
 //! | `evaluate` | basis, `points`, `samples`, `coefficients` | values of the expansion at all points |
-//! | `select` | basis and `points`, or `matrix` and `columns`; `samples`, `response`, `method` (`omp`, `lars`), `folds` (0: corrected leave-one-out), `patience`, `max_terms` | design matrix and selection |
+//! | `select` | basis and `points`, or `matrix` and `columns`; `samples`, `response`, `folds`, `max_terms` | design matrix and selection |
 //!
 //! | key | default | meaning |
 //! |---|---|---|
@@ -22,10 +22,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use asperity::chaos::{
-    Basis, Candidates, Expansion, LeastSquares, MultiIndexSet, PolynomialFamily, SizeCriterion, SparseMethod,
-    SparseRegression,
-};
+use asperity::chaos::{Basis, Candidates, Expansion, LeastSquares, MultiIndexSet, PolynomialFamily, SparseRegression};
 use asperity_benchmarks::Words;
 use ndarray::Array2;
 use serde_json::{Value, json};
@@ -141,21 +138,9 @@ fn evaluate(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
 fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
     let samples: usize = words.wanted("samples")?;
     let response = read(&words.wanted::<PathBuf>("response")?, samples)?;
-    let method = match words.wanted::<String>("method")?.as_str() {
-        "omp" => SparseMethod::OrthogonalMatchingPursuit,
-        "lars" => SparseMethod::LeastAngle,
-        other => return Err(format!("method={other} is neither omp nor lars").into()),
-    };
     let default = SparseRegression::default();
-    let regression = SparseRegression {
-        method,
-        size: match words.or("folds", 0)? {
-            0 => SizeCriterion::CorrectedLeaveOneOut,
-            folds => SizeCriterion::CrossValidation { folds },
-        },
-        patience: words.or("patience", default.patience)?,
-        max_terms: words.optional("max_terms")?,
-    };
+    let regression =
+        SparseRegression { folds: words.or("folds", default.folds)?, max_terms: words.optional("max_terms")? };
     let fit_of = |design: &Array2<f64>| Ok(regression.select(&Candidates::new(design.view())?, &response)?);
     let (seconds, fit, columns) = if let Some(path) = words.optional::<PathBuf>("matrix")? {
         let columns: usize = words.wanted("columns")?;
@@ -175,10 +160,8 @@ fn select(mut words: Words, runs: &Runs) -> Result<(Value, Vec<f64>)> {
         "terms": fit.terms.len(),
         "tried": fit.path.len(),
         "leave_one_out": fit.leave_one_out.relative_error,
-        "corrected": fit.chosen.corrected,
-        "cross_validated": fit.chosen.cross_validated,
+        "cross_validated": fit.cross_validated,
         "condition": fit.condition,
-        "stop_reason": format!("{:?}", fit.stop_reason),
     });
     Ok((answer, fit.dense(columns)))
 }

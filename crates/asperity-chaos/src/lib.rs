@@ -36,9 +36,7 @@ pub use regression::{Fits, LeastSquares, LeastSquaresFit, LeaveOneOut, Regressio
 pub use resamples::{Resamples, ResamplesError, SampleEstimate};
 pub use sampling::{Design, SamplingError, SamplingMethod};
 pub use sensitivity::{IndexError, IndexEstimates};
-pub use sparse::{
-    Attempt, Candidates, SizeCriterion, SparseError, SparseFit, SparseMethod, SparseRegression, StopReason,
-};
+pub use sparse::{Attempt, Candidates, SparseError, SparseFit, SparseRegression};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

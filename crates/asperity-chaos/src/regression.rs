@@ -178,6 +178,6 @@ impl LeastSquares {
 /// Returns whether the other samples determine the prediction of a sample with this leverage, of `samples` in all.
 ///
 /// The square root of a leverage is the length of a row of an orthonormal matrix, which determines its rounding error.
-pub(super) fn is_determined(leverage: f64, samples: f64) -> bool {
+fn is_determined(leverage: f64, samples: f64) -> bool {
     1.0 - leverage > 8.0 * f64::EPSILON * samples
 }

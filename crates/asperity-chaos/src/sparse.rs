@@ -1,8 +1,9 @@
 //! Sparse regression: selects few of many candidate functions; there may be more candidates than samples.
 //!
-//! [`Candidates`] is the design matrix, [`SparseRegression`] sets the selection method and the stopping rule, and
-//! [`SparseFit`] is the model with the smallest error by the [`SizeCriterion`]. If no model predicts the response
-//! better than its mean, the result is an error, never a constant.
+//! [`Candidates`] is the design matrix. Orthogonal matching pursuit orders the terms: the one most correlated with the
+//! residual enters, then all coefficients are refitted. [`SparseFit`] has the number of terms with the smallest
+//! cross-validation error. If no model predicts the response better than its mean, the result is an error, never a
+//! constant.
 //!
 //! ```
 //! use asperity_chaos::{Basis, Candidates, Design, SamplingMethod, SparseRegression};
@@ -21,25 +22,41 @@ mod cross_validation;
 mod error;
 mod fit;
 mod growing_fit;
-mod least_angle;
 mod matching_pursuit;
-mod path;
-mod search;
-mod settings;
 #[cfg(test)]
 mod tests;
 
 pub use candidates::Candidates;
 pub use error::SparseError;
-pub use fit::{Attempt, SparseFit, StopReason};
-use growing_fit::{GrowingFit, mean_and_spread};
-pub use settings::{SizeCriterion, SparseMethod, SparseRegression};
+pub use fit::{Attempt, SparseFit};
+use growing_fit::mean_and_spread;
 
-/// Minimum number of terms without a new minimum before a path ends.
-const LEAST_PATIENCE: usize = 10;
+/// Selection of terms by orthogonal matching pursuit, and of their number by cross-validation.
+///
+/// Terms are selected and fitted without each of some parts of the samples and tested on that part; one more path with
+/// the selected number of terms uses all samples. The parts are a fixed random partition. A leave-one-out error would ignore
+/// that the sample left out took part in the selection: pursuit finds models of almost as many terms as samples for pure
+/// noise.
+///
+/// # References
+/// Pati, Rezaiifar & Krishnaprasad, *Proc. 27th Asilomar Conf.* (1993) 40, <https://doi.org/10.1109/ACSSC.1993.342465>;
+/// Stone, *J. R. Stat. Soc. B* **36** (1974) 111, <https://doi.org/10.1111/j.2517-6161.1974.tb00994.x>.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SparseRegression {
+    /// Number of parts of the samples, between two and the number of samples.
+    pub folds: usize,
+    /// Maximum number of terms of a model including the constant. It is also limited by the number of samples less one.
+    pub max_terms: Option<usize>,
+}
+
+impl Default for SparseRegression {
+    fn default() -> Self {
+        Self { folds: 10, max_terms: None }
+    }
+}
 
 impl SparseRegression {
-    /// Selects the best model of one response; see [`SizeCriterion`] for the meaning of its errors.
+    /// Selects the best model of one response.
     ///
     /// A path costs one product with the matrix per term, and memory proportional to the square of the number of
     /// samples. The result is bit-identical for any number of threads.
@@ -63,19 +80,7 @@ impl SparseRegression {
         if candidates.selectable() == 0 {
             return Err(SparseError::NoCandidates { columns: candidates.columns() });
         }
-        let limit = self.term_limit(candidates);
-        match self.size {
-            SizeCriterion::CorrectedLeaveOneOut => {
-                let patience = LEAST_PATIENCE.max((self.patience * limit as f64).ceil() as usize);
-                let n = samples as f64;
-                // P = 1, AᵀA = n, and every leverage 1/n.
-                let of_the_mean = (n / (n - 1.0)).powi(2) * (1.0 + 1.0 / n);
-                self.method.search(GrowingFit::new(candidates, response), limit, patience).finish(response, of_the_mean)
-            }
-            SizeCriterion::CrossValidation { folds } => {
-                cross_validation::select(self.method, candidates, response, limit, folds)
-            }
-        }
+        cross_validation::select(candidates, response, self.term_limit(candidates), self.folds)
     }
 
     /// Returns the maximum number of terms. Estimating an error requires one more sample than terms.

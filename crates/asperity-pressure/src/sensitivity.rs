@@ -127,7 +127,7 @@ fn indices(
         names: names.to_vec(),
         indices: resamples.sobol_indices(rows.len(), &[], &fit)?,
         terms: sparse.terms.len(),
-        cross_validated_error: sparse.chosen.cross_validated,
+        cross_validated_error: Some(sparse.cross_validated),
     })
 }
 

@@ -6,13 +6,16 @@ use super::candidates::Candidates;
 use super::error::SparseError;
 use super::fit::{Attempt, SparseFit};
 use super::growing_fit::{GrowingFit, mean_and_spread};
-use super::settings::SparseMethod;
+use super::matching_pursuit::pursue;
+use crate::LeaveOneOut;
 use asperity_base::blocks;
 use asperity_base::random::{standard_normal, stream};
 
-/// Returns the model whose number of terms has the smallest cross-validation error.
+/// Number of attempts that an error reports.
+const REPORTED: usize = 5;
+
+/// Returns the model whose number of terms has the smallest cross-validation error, or an error if the mean is better.
 pub(super) fn select(
-    method: SparseMethod,
     candidates: &Candidates<'_>,
     response: &[f64],
     limit: usize,
@@ -26,7 +29,7 @@ pub(super) fn select(
     let sizes: Vec<usize> = (constant + 1..=limit).collect();
     let parts = partition(samples, folds);
     let found: Result<Vec<Part>, SparseError> =
-        blocks::map(0..folds, |fold| Part::new(method, candidates, response, &sizes, |sample| parts[sample] == fold));
+        blocks::map(0..folds, |fold| Part::new(candidates, response, &sizes, |sample| parts[sample] == fold));
     let (_, spread) = mean_and_spread(response);
     let scale = samples as f64 * spread * spread / (samples as f64 - 1.0);
     let mut squares = vec![0.0; sizes.len()];
@@ -35,25 +38,27 @@ pub(super) fn select(
         squares.iter_mut().zip(&part.squares).for_each(|(sum, square)| *sum += square / scale);
         of_the_mean += part.of_the_mean / scale;
     }
-    let best = (0..sizes.len()).min_by(|&a, &b| squares[a].total_cmp(&squares[b]));
-    let terms = best.map_or(constant, |best| sizes[best]);
-    let start = GrowingFit::new(candidates, response);
-    // The whole path, without early stopping.
-    let mut search = method.search(start, terms.max(constant + 1).min(limit), usize::MAX / 2);
-    search.best = search.fit.terms().len().min(terms);
-    let tried = std::mem::take(&mut search.path);
-    search.path = sizes
-        .iter()
-        .zip(squares)
-        .map(|(&terms, error)| {
-            // If fewer terms entered, the last model represents all larger ones.
-            let last = tried.last().filter(|last| last.terms < terms && last.terms == search.best);
-            let known = tried.iter().find(|attempt| attempt.terms == terms).or(last);
-            let (leave_one_out, corrected) = known.map_or((None, None), |known| (known.leave_one_out, known.corrected));
-            Attempt { terms, leave_one_out, corrected, cross_validated: Some(error) }
-        })
-        .collect();
-    search.finish(response, of_the_mean)
+    let mut path: Vec<Attempt> =
+        sizes.into_iter().zip(squares).map(|(terms, error)| Attempt { terms, error }).collect();
+    let best = path.iter().copied().min_by(|a, b| a.error.total_cmp(&b.error));
+    let Some(Attempt { terms, error }) = best.filter(|best| best.error < of_the_mean) else {
+        let tried = path.len();
+        path.sort_by(|a, b| a.error.total_cmp(&b.error));
+        path.truncate(REPORTED);
+        return Err(SparseError::NothingPredicts { tried, of_the_mean, attempts: path });
+    };
+    let fit = pursue(GrowingFit::new(candidates, response), terms);
+    // If fewer terms entered, the last model represents all larger ones.
+    let terms = terms.min(fit.terms().len());
+    let (residuals, leverages) = fit.residuals_and_leverages(response, terms);
+    Ok(SparseFit {
+        terms: fit.terms()[..terms].to_vec(),
+        coefficients: fit.coefficients(terms),
+        leave_one_out: LeaveOneOut::new(response, &residuals, &leverages),
+        cross_validated: error,
+        condition: fit.condition(terms),
+        path,
+    })
 }
 
 /// Squared errors at the left-out samples.
@@ -66,7 +71,6 @@ struct Part {
 
 impl Part {
     fn new(
-        method: SparseMethod,
         candidates: &Candidates<'_>,
         response: &[f64],
         sizes: &[usize],
@@ -79,7 +83,7 @@ impl Part {
         let (mean, _) = mean_and_spread(&values);
         let of_the_mean: f64 = out.iter().map(|&sample| (response[sample] - mean).powi(2)).sum();
         let limit = sizes.last().copied().unwrap_or(0);
-        let fit = method.search(GrowingFit::new(&fewer, &values), limit, usize::MAX / 2).fit;
+        let fit = pursue(GrowingFit::new(&fewer, &values), limit);
         let mut sums = vec![0.0; fit.terms().len()];
         for &sample in &out {
             let errors = fit.errors_at(candidates.design().row(sample), response[sample]);

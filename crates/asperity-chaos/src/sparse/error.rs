@@ -43,12 +43,12 @@ pub enum SparseError {
     /// No model predicts better than the mean of the response.
     #[error(
         "no model predicts the response better than its mean ({tried} tried): error {:.4} at best, {of_the_mean:.4} of the mean",
-        attempts.first().map_or(f64::INFINITY, Attempt::error)
+        attempts.first().map_or(f64::INFINITY, |attempt| attempt.error)
     )]
     NothingPredicts {
-        /// Number of models tried.
+        /// Numbers of terms that were tried.
         tried: usize,
-        /// Error of the mean by the same criterion.
+        /// Cross-validation error of the mean.
         of_the_mean: f64,
         /// The best attempts, in order of increasing error.
         attempts: Vec<Attempt>,

@@ -1,10 +1,8 @@
-//! Least squares that adds one column at a time and updates its leave-one-out error.
+//! Least squares that adds one column at a time.
 
 use ndarray::{Array2, ArrayView1};
 
 use super::candidates::Candidates;
-use super::fit::Attempt;
-use crate::regression::is_determined;
 use asperity_base::numeric::triangular_condition;
 use asperity_base::wide::{Kernel, wide};
 
@@ -16,7 +14,7 @@ const EXACT: f64 = 16.0 * f64::EPSILON;
 
 /// Least-squares fit of the terms entered so far.
 ///
-/// A = QR by Gram–Schmidt with a second pass. Residual, leverages and tr (AᵀA)⁻¹ = ‖R⁻¹‖² are updated in O(K) per term.
+/// A = QR by Gram–Schmidt with a second pass.
 #[derive(Debug)]
 pub(super) struct GrowingFit<'a, 'c> {
     candidates: &'a Candidates<'c>,
@@ -27,28 +25,21 @@ pub(super) struct GrowingFit<'a, 'c> {
     r: Vec<f64>,
     /// Qᵀ times the response.
     projections: Vec<f64>,
-    inverse_trace: f64,
-    leverages: Vec<f64>,
     residual: Vec<f64>,
-    /// Sample variance and length of the response.
-    variance: f64,
+    /// Length of the response.
     length: f64,
 }
 
 impl<'a, 'c> GrowingFit<'a, 'c> {
     /// Creates the fit by the constant if there is one, and the empty fit otherwise.
     pub(super) fn new(candidates: &'a Candidates<'c>, response: &[f64]) -> Self {
-        let (_, spread) = mean_and_spread(response);
         let mut fit = Self {
             candidates,
             terms: Vec::new(),
             q: Vec::new(),
             r: Vec::new(),
             projections: Vec::new(),
-            inverse_trace: 0.0,
-            leverages: vec![0.0; response.len()],
             residual: response.to_vec(),
-            variance: spread * spread / (response.len() as f64 - 1.0),
             length: response.iter().map(|y| y * y).sum::<f64>().sqrt(),
         };
         if let Some(constant) = candidates.constant() {
@@ -99,9 +90,8 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
             return false;
         }
         let mut projection = 0.0;
-        for ((q, h), r) in direction.iter_mut().zip(&mut self.leverages).zip(&self.residual) {
+        for (q, r) in direction.iter_mut().zip(&self.residual) {
             *q /= left;
-            *h += *q * *q;
             projection += *q * r;
         }
         self.residual.iter_mut().zip(&direction).for_each(|(r, q)| *r -= projection * q);
@@ -110,8 +100,6 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         self.terms.push(column);
         self.r.extend_from_slice(&fractions);
         self.r.push(left);
-        self.solve_triangle(&mut fractions);
-        self.inverse_trace += (1.0 + fractions.iter().map(|x| x * x).sum::<f64>()) / (left * left);
         true
     }
 
@@ -128,20 +116,6 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
     /// Returns whether the residual is at the level of rounding.
     pub(super) fn is_exact(&self) -> bool {
         length(&self.residual) <= EXACT * self.length
-    }
-
-    /// Returns the errors of the current model.
-    pub(super) fn assess(&self) -> Attempt {
-        let (n, terms) = (self.residual.len() as f64, self.terms.len());
-        let sum = self
-            .residual
-            .iter()
-            .zip(&self.leverages)
-            .map(|(r, h)| is_determined(*h, n).then(|| (r / (1.0 - h)).powi(2)))
-            .sum::<Option<f64>>();
-        let leave_one_out = sum.map(|sum| sum / (n * self.variance));
-        let factor = n / (n - terms as f64) * (1.0 + self.inverse_trace);
-        Attempt { terms, leave_one_out, corrected: leave_one_out.map(|error| error * factor), cross_validated: None }
     }
 
     /// Returns residuals and leverages of the model of the leading terms.

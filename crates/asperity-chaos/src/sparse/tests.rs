@@ -5,25 +5,14 @@ mod refusals;
 
 use ndarray::Array2;
 
+use super::growing_fit::GrowingFit;
+use super::matching_pursuit::pursue;
 use super::*;
 use asperity_base::random::{standard_normal, stream};
 
-const METHODS: [SparseMethod; 2] = [SparseMethod::OrthogonalMatchingPursuit, SparseMethod::LeastAngle];
-
-const CRITERIA: [SizeCriterion; 2] =
-    [SizeCriterion::CorrectedLeaveOneOut, SizeCriterion::CrossValidation { folds: 10 }];
-
-/// Returns the whole path of a method.
-fn whole(method: SparseMethod) -> SparseRegression {
-    SparseRegression { patience: 1.0, ..by_leave_one_out(method) }
-}
-
-fn by_leave_one_out(method: SparseMethod) -> SparseRegression {
-    SparseRegression { method, size: SizeCriterion::CorrectedLeaveOneOut, ..SparseRegression::default() }
-}
-
-fn by_cross_validation(method: SparseMethod) -> SparseRegression {
-    SparseRegression { method, ..SparseRegression::default() }
+/// Selects from a design with the default settings.
+fn select(design: &Array2<f64>, response: &[f64]) -> Result<SparseFit, SparseError> {
+    SparseRegression::default().select(&Candidates::new(design.view()).unwrap(), response)
 }
 
 /// Returns a constant column and independent standard normal columns.
