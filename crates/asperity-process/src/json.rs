@@ -1,7 +1,7 @@
 //! Fitted process as a JSON file.
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use thiserror::Error;
 
 use super::{CorrelationShape, FittedCorrelation, FittedProcess, Generator, Origin, OriginKind, ProcessError};
@@ -17,13 +17,9 @@ const VERSION: u64 = 1;
 #[non_exhaustive]
 pub enum ProcessFileError {
     /// The text is not JSON.
-    #[error("line {line}, column {column}: not JSON: {message}")]
+    #[error("not JSON: {message}")]
     Syntax {
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1.
-        column: usize,
-        /// Message of the parser.
+        /// Message of the parser, with line and column.
         message: String,
     },
     /// The JSON has another format.
@@ -38,31 +34,13 @@ pub enum ProcessFileError {
         /// Value of `version`.
         found: String,
     },
-    /// A required field is missing.
-    #[error("`{field}` is missing; wanted {wanted}")]
-    Missing {
-        /// Name of the field.
+    /// A field is missing, unknown or has an invalid value.
+    #[error("`{field}`: {message}")]
+    Field {
+        /// Name of the field, or of the object that contains it; `.` for the whole file.
         field: String,
-        /// Expected value.
-        wanted: &'static str,
-    },
-    /// A field is unknown.
-    #[error("`{field}` is not a field of a friction process; known fields: {known}")]
-    Unknown {
-        /// Name of the field.
-        field: String,
-        /// Known fields of the object.
-        known: String,
-    },
-    /// A field has an invalid value.
-    #[error("`{field}` is {found}; wanted {wanted}")]
-    Value {
-        /// Name of the field.
-        field: String,
-        /// Value found.
-        found: String,
-        /// Expected value.
-        wanted: &'static str,
+        /// Message of the parser, with line and column.
+        message: String,
     },
     /// The values are not a valid process.
     #[error(transparent)]
@@ -70,27 +48,29 @@ pub enum ProcessFileError {
 }
 
 /// Content of the file, in the order of writing.
-#[derive(Serialize)]
-struct Document<'a> {
-    format: &'static str,
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    format: String,
     version: u64,
     mean: f64,
     mean_interval: Option<[f64; 2]>,
     std: f64,
     std_interval: Option<[f64; 2]>,
-    marginal: Option<&'a Marginal>,
+    marginal: Option<Marginal>,
     correlation: Option<CorrelationDocument>,
     #[serde(skip_serializing_if = "Option::is_none")]
     generator: Option<Generator>,
     stribeck_s_per_m: Option<f64>,
     averaged_over_m: Option<[f64; 2]>,
     mean_pressure_pa: Option<f64>,
-    origin: OriginDocument<'a>,
+    origin: Option<OriginDocument>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CorrelationDocument {
-    model: &'static str,
+    model: CorrelationName,
     #[serde(skip_serializing_if = "Option::is_none")]
     nu: Option<f64>,
     length_m: f64,
@@ -99,10 +79,66 @@ struct CorrelationDocument {
     length_without_window_m: Option<f64>,
 }
 
-#[derive(Serialize)]
-struct OriginDocument<'a> {
-    kind: &'static str,
-    description: &'a str,
+/// [`CorrelationShape`] without its parameters.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum CorrelationName {
+    Exponential,
+    SquaredExponential,
+    Matern,
+    WindowedExponential,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OriginDocument {
+    kind: OriginKind,
+    description: String,
+}
+
+impl From<&FittedCorrelation> for CorrelationDocument {
+    fn from(correlation: &FittedCorrelation) -> Self {
+        let (model, nu) = match correlation.shape {
+            CorrelationShape::Exponential => (CorrelationName::Exponential, None),
+            CorrelationShape::SquaredExponential => (CorrelationName::SquaredExponential, None),
+            CorrelationShape::Matern { nu } => (CorrelationName::Matern, Some(nu)),
+            CorrelationShape::WindowedExponential { .. } => (CorrelationName::WindowedExponential, None),
+        };
+        Self {
+            model,
+            nu,
+            length_m: correlation.length_m,
+            length_m_interval: correlation.length_interval_m,
+            window_m: correlation.window_m,
+            length_without_window_m: correlation.length_without_window_m,
+        }
+    }
+}
+
+impl TryFrom<CorrelationDocument> for FittedCorrelation {
+    type Error = ProcessFileError;
+
+    fn try_from(document: CorrelationDocument) -> Result<Self, ProcessFileError> {
+        let needed = |value: Option<f64>, name: &str| {
+            let message = "this model requires it".to_owned();
+            value.ok_or_else(|| ProcessFileError::Field { field: format!("correlation.{name}"), message })
+        };
+        let shape = match document.model {
+            CorrelationName::Exponential => CorrelationShape::Exponential,
+            CorrelationName::SquaredExponential => CorrelationShape::SquaredExponential,
+            CorrelationName::Matern => CorrelationShape::Matern { nu: needed(document.nu, "nu")? },
+            CorrelationName::WindowedExponential => {
+                CorrelationShape::WindowedExponential { window: needed(document.window_m, "window_m")? }
+            }
+        };
+        Ok(Self {
+            shape,
+            length_m: document.length_m,
+            length_interval_m: document.length_m_interval,
+            window_m: document.window_m,
+            length_without_window_m: document.length_without_window_m,
+        })
+    }
 }
 
 impl FittedProcess {
@@ -112,31 +148,20 @@ impl FittedProcess {
     /// Fails like [`FittedProcess::check`].
     pub fn to_json(&self) -> Result<String, ProcessError> {
         self.check()?;
-        let correlation = self.correlation.as_ref().map(|correlation| CorrelationDocument {
-            model: correlation.shape.name(),
-            nu: match correlation.shape {
-                CorrelationShape::Matern { nu } => Some(nu),
-                _ => None,
-            },
-            length_m: correlation.length_m,
-            length_m_interval: correlation.length_interval_m,
-            window_m: correlation.window_m,
-            length_without_window_m: correlation.length_without_window_m,
-        });
         let document = Document {
-            format: FORMAT,
+            format: FORMAT.into(),
             version: VERSION,
             mean: self.mean,
             mean_interval: self.mean_interval,
             std: self.std,
             std_interval: self.std_interval,
-            marginal: self.marginal.as_ref(),
-            correlation,
+            marginal: self.marginal.clone(),
+            correlation: self.correlation.as_ref().map(Into::into),
             generator: self.generator,
             stribeck_s_per_m: self.stribeck_s_per_m,
             averaged_over_m: self.averaged_over_m,
             mean_pressure_pa: self.mean_pressure_pa,
-            origin: OriginDocument { kind: self.origin.kind.name(), description: &self.origin.description },
+            origin: Some(OriginDocument { kind: self.origin.kind, description: self.origin.description.clone() }),
         };
         // The document contains numbers, names and texts only, which JSON can represent.
         let text = serde_json::to_string_pretty(&document).unwrap_or_default();
@@ -149,169 +174,37 @@ impl FittedProcess {
     /// Fails if the text is not JSON or has another format or version, if a field is missing, unknown or invalid (the
     /// error names it), or if the values are not a valid process.
     pub fn from_json(text: &str) -> Result<Self, ProcessFileError> {
-        let value: Value = serde_json::from_str(text).map_err(|error| {
-            let message = error.to_string();
-            let message = message.split(" at line ").next().unwrap_or_default().to_owned();
-            ProcessFileError::Syntax { line: error.line(), column: error.column(), message }
-        })?;
-        let fields = Fields { place: "", fields: value.as_object() };
-        match fields.get("format") {
+        let value: Value =
+            serde_json::from_str(text).map_err(|error| ProcessFileError::Syntax { message: error.to_string() })?;
+        match value.get("format") {
             Some(Value::String(format)) if format == FORMAT => {}
             other => return Err(ProcessFileError::Format { found: shown(other) }),
         }
-        match fields.get("version") {
+        match value.get("version") {
             Some(version) if version.as_u64() == Some(VERSION) => {}
             other => return Err(ProcessFileError::Version { found: shown(other) }),
         }
-        fields.only(&[
-            "format",
-            "version",
-            "mean",
-            "mean_interval",
-            "std",
-            "std_interval",
-            "marginal",
-            "correlation",
-            "generator",
-            "stribeck_s_per_m",
-            "averaged_over_m",
-            "mean_pressure_pa",
-            "origin",
-        ])?;
-        let marginal = match fields.get("marginal") {
-            None | Some(Value::Null) => None,
-            Some(marginal) => Some(serde_json::from_value::<Marginal>(marginal.clone()).map_err(|error| {
-                ProcessFileError::Value { field: "marginal".into(), found: error.to_string(), wanted: DISTRIBUTION }
-            })?),
-        };
-        let generator = fields
-            .present("generator")
-            .map(|value| {
-                let wanted = GENERATOR;
-                serde_json::from_value(value.clone()).map_err(|_| fields.wrong("generator", shown(Some(value)), wanted))
-            })
-            .transpose()?;
+        let document: Document =
+            serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(text)).map_err(|error| {
+                ProcessFileError::Field { field: error.path().to_string(), message: error.inner().to_string() }
+            })?;
+        let stated = || OriginDocument { kind: OriginKind::Stated, description: String::new() };
+        let OriginDocument { kind, description } = document.origin.unwrap_or_else(stated);
         let process = Self {
-            mean: fields.number("mean")?,
-            mean_interval: fields.optional_pair("mean_interval")?,
-            std: fields.number("std")?,
-            std_interval: fields.optional_pair("std_interval")?,
-            marginal,
-            correlation: fields.object("correlation")?.map(|fields| correlation(&fields)).transpose()?,
-            generator,
-            stribeck_s_per_m: fields.optional_number("stribeck_s_per_m")?,
-            averaged_over_m: fields.optional_pair("averaged_over_m")?,
-            mean_pressure_pa: fields.optional_number("mean_pressure_pa")?,
-            origin: match fields.object("origin")? {
-                Some(fields) => origin(&fields)?,
-                None => Origin { kind: OriginKind::Stated, description: String::new() },
-            },
+            mean: document.mean,
+            mean_interval: document.mean_interval,
+            std: document.std,
+            std_interval: document.std_interval,
+            marginal: document.marginal,
+            correlation: document.correlation.map(FittedCorrelation::try_from).transpose()?,
+            generator: document.generator,
+            stribeck_s_per_m: document.stribeck_s_per_m,
+            averaged_over_m: document.averaged_over_m,
+            mean_pressure_pa: document.mean_pressure_pa,
+            origin: Origin { kind, description },
         };
         process.check()?;
         Ok(process)
-    }
-}
-
-const DISTRIBUTION: &str =
-    "a distribution with its parameters, such as {\"beta\": {\"a\": 2.1, \"b\": 5.0, \"low\": 0.1, \"high\": 0.3}}";
-
-const GENERATOR: &str = "\"autoregressive\", {\"spectral\": {\"harmonics\": 256}}, \"jacobi\", \"renewal\" or null";
-
-fn correlation(fields: &Fields<'_>) -> Result<FittedCorrelation, ProcessFileError> {
-    fields.only(&["model", "nu", "length_m", "length_m_interval", "window_m", "length_without_window_m"])?;
-    let window_m = fields.optional_number("window_m")?;
-    let wanted = "exponential, squared_exponential, matern or windowed_exponential";
-    let shape = match fields.text("model", wanted)? {
-        "exponential" => CorrelationShape::Exponential,
-        "squared_exponential" => CorrelationShape::SquaredExponential,
-        "matern" => CorrelationShape::Matern { nu: fields.number("nu")? },
-        "windowed_exponential" => CorrelationShape::WindowedExponential { window: fields.number("window_m")? },
-        other => return Err(fields.wrong("model", format!("\"{other}\""), wanted)),
-    };
-    Ok(FittedCorrelation {
-        shape,
-        length_m: fields.number("length_m")?,
-        length_interval_m: fields.optional_pair("length_m_interval")?,
-        window_m,
-        length_without_window_m: fields.optional_number("length_without_window_m")?,
-    })
-}
-
-fn origin(fields: &Fields<'_>) -> Result<Origin, ProcessFileError> {
-    fields.only(&["kind", "description"])?;
-    let wanted = "study, record or stated";
-    let name = fields.text("kind", wanted)?;
-    let kind = name.parse::<OriginKind>().ok();
-    Ok(Origin {
-        kind: kind.ok_or_else(|| fields.wrong("kind", format!("\"{name}\""), wanted))?,
-        description: fields.text("description", "a text")?.to_owned(),
-    })
-}
-
-/// Fields of one object, with its place in the file for messages.
-struct Fields<'a> {
-    place: &'static str,
-    fields: Option<&'a Map<String, Value>>,
-}
-
-impl<'a> Fields<'a> {
-    fn get(&self, field: &str) -> Option<&'a Value> {
-        self.fields.and_then(|fields| fields.get(field))
-    }
-
-    fn name(&self, field: &str) -> String {
-        if self.place.is_empty() { field.to_owned() } else { format!("{}.{field}", self.place) }
-    }
-
-    fn wrong(&self, field: &str, found: String, wanted: &'static str) -> ProcessFileError {
-        ProcessFileError::Value { field: self.name(field), found, wanted }
-    }
-
-    fn only(&self, known: &[&str]) -> Result<(), ProcessFileError> {
-        let unknown = self.fields.into_iter().flat_map(Map::keys).find(|field| !known.contains(&field.as_str()));
-        unknown
-            .map_or(Ok(()), |field| Err(ProcessFileError::Unknown { field: self.name(field), known: known.join(", ") }))
-    }
-
-    /// Returns the value of a required field.
-    fn required(&self, field: &str, wanted: &'static str) -> Result<&'a Value, ProcessFileError> {
-        self.get(field).ok_or_else(|| ProcessFileError::Missing { field: self.name(field), wanted })
-    }
-
-    fn number(&self, field: &str) -> Result<f64, ProcessFileError> {
-        let value = self.required(field, "a number")?;
-        value.as_f64().ok_or_else(|| self.wrong(field, shown(Some(value)), "a number"))
-    }
-
-    fn text(&self, field: &str, wanted: &'static str) -> Result<&'a str, ProcessFileError> {
-        let value = self.required(field, wanted)?;
-        value.as_str().ok_or_else(|| self.wrong(field, shown(Some(value)), wanted))
-    }
-
-    fn present(&self, field: &str) -> Option<&'a Value> {
-        self.get(field).filter(|value| !value.is_null())
-    }
-
-    fn optional_number(&self, field: &str) -> Result<Option<f64>, ProcessFileError> {
-        self.present(field).map(|_| self.number(field)).transpose()
-    }
-
-    fn optional_pair(&self, field: &str) -> Result<Option<[f64; 2]>, ProcessFileError> {
-        let Some(value) = self.present(field) else { return Ok(None) };
-        let ends: Option<Vec<f64>> = value.as_array().and_then(|ends| ends.iter().map(Value::as_f64).collect());
-        match ends.as_deref() {
-            Some(&[low, high]) => Ok(Some([low, high])),
-            _ => Err(self.wrong(field, shown(Some(value)), "two numbers or null")),
-        }
-    }
-
-    fn object(&self, field: &'static str) -> Result<Option<Self>, ProcessFileError> {
-        let Some(value) = self.present(field) else { return Ok(None) };
-        let fields = value.as_object();
-        if fields.is_none() {
-            return Err(self.wrong(field, shown(Some(value)), "an object or null"));
-        }
-        Ok(Some(Self { place: field, fields }))
     }
 }
 
@@ -375,19 +268,19 @@ mod tests {
             ("\"version\": 1", "\"version\": 2", &["version 2", "version 1"][..]),
             ("\"version\": 1,", "", &["version absent"]),
             ("asperity friction process", "a letter", &["a letter", "asperity friction process"]),
-            ("\"mean\": 0.21", "\"mean\": \"0.21\"", &["`mean`", "\"0.21\"", "a number"]),
+            ("\"mean\": 0.21", "\"mean\": \"0.21\"", &["`mean`", "\"0.21\"", "line 4"]),
             ("\"mean\": 0.21", "\"mean\": -0.21", &["mean", "-0.21", "positive"]),
-            ("\"mean\": 0.21,", "", &["`mean` is missing"]),
-            ("\"mean\": 0.21", "\"maen\": 0.21", &["`maen`", "known fields", "mean"]),
-            ("\"length_m\": ", "\"length_um\": ", &["`correlation.length_um`", "length_m"]),
+            ("\"mean\": 0.21,", "", &["missing field `mean`"]),
+            ("\"mean\": 0.21", "\"maen\": 0.21", &["`maen`", "expected one of", "`mean`"]),
+            ("\"length_m\": ", "\"length_um\": ", &["`correlation.length_um`", "`length_m`"]),
             ("\"nu\": 1.7", "\"nu\": 0", &["smoothness", "(0, 100]"]),
-            ("\"nu\": 1.7,", "", &["`correlation.nu` is missing"]),
+            ("\"nu\": 1.7,", "", &["`correlation.nu`", "requires"]),
             ("\"matern\"", "\"matern52\"", &["`correlation.model`", "matern52", "windowed_exponential"]),
-            ("\"record\"", "\"dream\"", &["`origin.kind`", "dream", "study, record or stated"]),
-            ("\"beta\"", "\"bета\"", &["`marginal`", "beta"]),
+            ("\"record\"", "\"dream\"", &["`origin.kind`", "dream", "`record`"]),
+            ("\"beta\"", "\"bета\"", &["`marginal", "`beta`"]),
             ("\"a\": 2.1", "\"a\": -2.1", &["beta: a is -2.1"]),
             ("\"std_interval\": null", "\"std_interval\": [1, 0]", &["std_interval", "the lower first"]),
-            ("\"std_interval\": null", "\"std_interval\": [1]", &["`std_interval`", "two numbers or null"]),
+            ("\"std_interval\": null", "\"std_interval\": [1]", &["`std_interval", "invalid length 1"]),
             ("\"mean\": 0.21", "\"generator\": \"wiener\", \"mean\": 0.21", &["`generator`", "wiener", "renewal"]),
             ("\"mean\": 0.21", "\"generator\": \"jacobi\", \"mean\": 0.21", &["jacobi", "matern", "spectral"]),
             ("{", "", &["line 2", "not JSON"]),
