@@ -35,11 +35,11 @@ pub enum ProcessFileError {
         found: String,
     },
     /// A field is missing, unknown or has an invalid value.
-    #[error("`{field}`: {message}")]
+    #[error("{}{message}", if field == "." { String::new() } else { format!("`{field}`: ") })]
     Field {
-        /// Name of the field, or of the object that contains it; `.` for the whole file.
+        /// Name of the field, or of the object in which one is missing; `.` for the whole file.
         field: String,
-        /// Message of the parser, with line and column.
+        /// What was found and what was expected.
         message: String,
     },
     /// The values are not a valid process.
@@ -184,10 +184,15 @@ impl FittedProcess {
             Some(version) if version.as_u64() == Some(VERSION) => {}
             other => return Err(ProcessFileError::Version { found: shown(other) }),
         }
-        let document: Document =
-            serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(text)).map_err(|error| {
-                ProcessFileError::Field { field: error.path().to_string(), message: error.inner().to_string() }
-            })?;
+        let wrong = |field: String, message: String| ProcessFileError::Field { field, message };
+        // A list would pass for an object.
+        for name in ["correlation", "origin"] {
+            if let Some(found) = value.get(name).filter(|value| !value.is_object() && !value.is_null()) {
+                return Err(wrong(name.into(), format!("found {}, expected an object or null", shown(Some(found)))));
+            }
+        }
+        let document: Document = serde_path_to_error::deserialize(&value)
+            .map_err(|error| wrong(error.path().to_string(), error.inner().to_string()))?;
         let stated = || OriginDocument { kind: OriginKind::Stated, description: String::new() };
         let OriginDocument { kind, description } = document.origin.unwrap_or_else(stated);
         let process = Self {
@@ -268,7 +273,7 @@ mod tests {
             ("\"version\": 1", "\"version\": 2", &["version 2", "version 1"][..]),
             ("\"version\": 1,", "", &["version absent"]),
             ("asperity friction process", "a letter", &["a letter", "asperity friction process"]),
-            ("\"mean\": 0.21", "\"mean\": \"0.21\"", &["`mean`", "\"0.21\"", "line 4"]),
+            ("\"mean\": 0.21", "\"mean\": \"0.21\"", &["`mean`", "\"0.21\"", "expected f64"]),
             ("\"mean\": 0.21", "\"mean\": -0.21", &["mean", "-0.21", "positive"]),
             ("\"mean\": 0.21,", "", &["missing field `mean`"]),
             ("\"mean\": 0.21", "\"maen\": 0.21", &["`maen`", "expected one of", "`mean`"]),
@@ -281,6 +286,8 @@ mod tests {
             ("\"a\": 2.1", "\"a\": -2.1", &["beta: a is -2.1"]),
             ("\"std_interval\": null", "\"std_interval\": [1, 0]", &["std_interval", "the lower first"]),
             ("\"std_interval\": null", "\"std_interval\": [1]", &["`std_interval", "invalid length 1"]),
+            ("\"std_interval\": null", "\"std_interval\": [1, 2, 3]", &["`std_interval", "invalid length 3"]),
+            ("\"origin\": {", "\"origin\": [1], \"mean\": {", &["`origin`", "[1]", "an object"]),
             ("\"mean\": 0.21", "\"generator\": \"wiener\", \"mean\": 0.21", &["`generator`", "wiener", "renewal"]),
             ("\"mean\": 0.21", "\"generator\": \"jacobi\", \"mean\": 0.21", &["jacobi", "matern", "spectral"]),
             ("{", "", &["line 2", "not JSON"]),

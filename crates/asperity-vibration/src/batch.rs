@@ -11,6 +11,7 @@ mod kernel;
 use std::ops::Range;
 
 use self::kernel::{Consts, Cuts, Expansion, LANES, NOISY, STEADY, States};
+use super::law::BatchForm;
 use super::motion::MAX_IDLE_STEPS;
 use super::trajectory::{Observer, Slipped, follow, start_of};
 use super::{Drive, Event, EventKind, Oscillator, Slips, TrajectorySettings, VibrationError};
@@ -68,7 +69,7 @@ pub(super) fn simulate_many<F: Fluctuation, W: Observer>(
     for index in &mut waiting {
         match make(index).and_then(|task| LaneTrajectory::new(index, task, settings)) {
             Ok(Some(trajectory)) => {
-                let (noisy, exponential) = (trajectory.cell.length.is_finite(), trajectory.is_exponential);
+                let (noisy, exponential) = (trajectory.cell.length.is_finite(), trajectory.form.is_exponential);
                 let kind = 2 * usize::from(exponential) + usize::from(noisy);
                 let batch = batches[kind].get_or_insert_with(|| match (noisy, exponential) {
                     (true, false) => Box::new(Batch::<NOISY, false, F, W>::new(settings)),
@@ -148,8 +149,7 @@ struct LaneTrajectory<F, W> {
     observer: W,
     slips: Slips,
     oscillator: Oscillator,
-    /// Whether the law has an exponential part; an exponential law without weakening has none.
-    is_exponential: bool,
+    form: BatchForm,
     velocity: f64,
     static_friction: f64,
     /// 2ζV.
@@ -188,7 +188,7 @@ impl<F: Fluctuation, W: Observer> LaneTrajectory<F, W> {
             observer,
             slips: Slips::default(),
             oscillator: oscillator.clone(),
-            is_exponential: form.is_exponential,
+            form,
             velocity,
             static_friction: oscillator.static_friction(),
             drag: 2.0 * oscillator.damping_ratio() * velocity,
@@ -270,7 +270,7 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
 
     /// Assigns a trajectory, which starts in stick, to a lane.
     fn start(&mut self, lane: usize, trajectory: LaneTrajectory<F, W>) -> Outcome {
-        self.consts.set(lane, &trajectory.oscillator);
+        self.consts.set(lane, &trajectory.oscillator, &trajectory.form);
         let excess = trajectory.excess;
         self.states.tau[lane] = 0.0;
         self.states.enter(lane, &trajectory.cell, trajectory.velocity);

@@ -177,6 +177,7 @@ pub(crate) use with_curve;
 
 /// Law of one of the two families that batches simulate, with the variables of [`curve::CurveShape`]: bW + gW/(1 + cW), which
 /// includes linear and constant laws, or (g/c)(1 − e^{−cW}).
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct BatchForm {
     /// g.
     pub(crate) gain: f64,
@@ -190,7 +191,7 @@ pub(crate) struct BatchForm {
 }
 
 impl BatchForm {
-    pub(crate) fn constant(floor: f64) -> Self {
+    fn constant(floor: f64) -> Self {
         Self { gain: 0.0, curvature: 0.0, is_exponential: false, floor, loss: 0.0 }
     }
 }
@@ -369,7 +370,9 @@ mod tests {
                 let rate = law.weakening(speed);
                 assert!((rate - difference).abs() < 1e-6, "{law:?} at {speed}: {rate}, {difference}");
                 assert!(rate.abs() <= law.steepest() * (1.0 + 1e-12), "{law:?}");
-                assert!(!law.has_convex_fall() || rate <= before * (1.0 + 1e-12), "{law:?}");
+                let wide = [speed - 1e-3, speed + 1e-3].map(|speed| law.weakening(speed.max(0.0)));
+                let bends = wide[0] + wide[1] - 2.0 * rate;
+                assert!(!law.has_convex_fall() || rate <= before * (1.0 + 1e-12) && bends > -1e-12, "{law:?}");
                 assert!(!law.is_linear() || rate == before, "{law:?}");
                 assert!(!law.is_positive() || law.coefficient(speed) > 0.0, "{law:?}");
                 assert!((rescaled.coefficient(speed) - law.coefficient(2.5 * speed)).abs() < 1e-15);
@@ -378,6 +381,11 @@ mod tests {
                 before = rate;
             }
             assert_eq!(law.is_constant(), law.steepest() == 0.0, "{law:?}");
+            if let Some(rate) = law.weakening_rate() {
+                let twice = law.with_weakening_rate(2.0 * rate).unwrap();
+                assert!((twice.weakening(0.0) - 2.0 * law.weakening(0.0)).abs() < 1e-12, "{law:?}");
+            }
+            law.validate().unwrap();
         }
     }
 
@@ -389,7 +397,14 @@ mod tests {
                 let w = 0.01 * f64::from(i);
                 let wanted = (law.kinetic() - law.coefficient(v * w)) / v;
                 let linear = law.linear_part() * w;
-                if let Some(BatchForm { gain, curvature, is_exponential, .. }) = law.batch_form(v) {
+                if let Some(BatchForm { gain, curvature, is_exponential, floor, loss }) = law.batch_form(v) {
+                    let thinning = if is_exponential { 0.0 } else { curvature };
+                    for m in [0.0, -0.5, -0.9, -1.1].map(|share| share * law.kinetic()) {
+                        assert!(
+                            floor + m <= w * (loss - m * thinning) || law.coefficient(v * w) + m > -1e-15,
+                            "{law:?}"
+                        );
+                    }
                     let rest = match is_exponential {
                         true => (gain / curvature) * (1.0 - (-curvature * w).exp()),
                         false => gain * w / (1.0 + curvature * w),
@@ -403,6 +418,8 @@ mod tests {
                 let [value, slope] = with_curve!(&curve, curve => [curve.value(w), curve.slope(w)]);
                 assert!((linear + value - wanted).abs() < 1e-13, "{law:?}: {value}");
                 assert!((law.linear_part() + slope - law.weakening(v * w)).abs() < 1e-12, "{law:?}: {slope}");
+                let exponent = with_curve!(&curve, curve => curve.exponent());
+                assert!(exponent == 0.0 || (law.exponent() * v - exponent).abs() < 1e-12, "{law:?}: {exponent}");
             }
         }
     }

@@ -153,10 +153,17 @@ mod tests {
     use asperity_process::{Fluctuation, FrictionProcess, Generator, ProcessModel};
 
     fn compare(parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
-        compare_made(Generator::Autoregressive, parameters, std, length, drive)
+        compare_made(Generator::Autoregressive, parameters, std, length, drive, STEP)
     }
 
-    fn compare_made(generator: Generator, parameters: Parameters, std: f64, length: f64, drive: Drive) -> [usize; 3] {
+    fn compare_made(
+        generator: Generator,
+        parameters: Parameters,
+        std: f64,
+        length: f64,
+        drive: Drive,
+        step: f64,
+    ) -> [usize; 3] {
         let model = ProcessModel {
             steps_per_length: 4,
             generator,
@@ -168,7 +175,7 @@ mod tests {
         let oscillator = Oscillator::new(parameters).unwrap();
         let settings = TrajectorySettings { duration: 50.0, start: None, drive };
         let fast = Trajectory::simulate(&oscillator, process.path(11, 0), &settings).unwrap();
-        let slow = Oracle::new(&oscillator, &cells, drive, STEP).run(50.0);
+        let slow = Oracle::new(&oscillator, &cells, drive, step).run(50.0);
         let slow: Vec<_> = slow.into_iter().filter(|e| e.1 <= 50.0).collect();
         assert_eq!(fast.events.len(), slow.len());
         for (event, (kind, tau, x, s)) in fast.events.iter().zip(slow) {
@@ -245,6 +252,37 @@ mod tests {
     }
 
     #[test]
+    fn fast_and_slow_integration_agree_on_forced_motions_of_every_law() {
+        let table = FrictionTable::new(&[[0.0, 0.1], [0.03, 0.08], [0.06, 0.075], [0.1, 0.08]]).unwrap();
+        let laws = [
+            VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }),
+            VelocityLaw::Coulomb(Coulomb { kinetic: 0.05 }),
+            VelocityLaw::Linear(Linear { kinetic: 0.09, slope: 0.1 }),
+            VelocityLaw::Exponential(Exponential { kinetic: 0.1, high_speed: 0.07, stribeck_velocity: 0.05 }),
+            // The oracle steps over the points, where the curvature jumps.
+            VelocityLaw::Tabulated(table),
+        ];
+        let mut reversals = 0;
+        for (amplitude, frequency) in [(0.01, 0.9), (0.4, 0.6)] {
+            for law in &laws {
+                for drive in [Drive::Distance, Drive::Time] {
+                    let forcing = Some(Forcing { amplitude, frequency });
+                    let base = Parameters {
+                        static_friction: 0.1,
+                        law: law.clone(),
+                        damping_ratio: 0.02,
+                        belt_velocity: 0.05,
+                        forcing,
+                    };
+                    let recursion = Generator::Autoregressive;
+                    reversals += compare_made(recursion, base, 0.002, 0.05, drive, 0.25 * STEP)[2];
+                }
+            }
+        }
+        assert!(reversals > 20, "{reversals} reversals");
+    }
+
+    #[test]
     fn fast_and_slow_integration_agree_where_friction_jumps() {
         let base = Parameters {
             static_friction: 0.3,
@@ -254,7 +292,8 @@ mod tests {
             forcing: None,
         };
         for drive in [Drive::Distance, Drive::Time] {
-            let jumping = |parameters, std, length| compare_made(Generator::Renewal, parameters, std, length, drive);
+            let jumping =
+                |parameters, std, length| compare_made(Generator::Renewal, parameters, std, length, drive, STEP);
             let [detach, restick, _] = jumping(base.clone(), 0.02, 0.1);
             assert!(detach >= 4 && restick >= 4);
             let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.3, decay: 3.0 });

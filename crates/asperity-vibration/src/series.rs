@@ -53,7 +53,7 @@ fn power(t: f64, n: usize) -> f64 {
 
 /// Returns approximately x^{1/n} for x > 0, within 1 % for n > 6, from the bits of x; the result is the same on every
 /// machine.
-pub(super) fn root(x: f64, n: usize) -> f64 {
+fn root(x: f64, n: usize) -> f64 {
     const BIAS: f64 = 1023.0;
     // Exponent and mantissa together are log₂ x, at most 0.086 too small.
     let logarithm = x.to_bits() as i64 as f64 * (1.0 / (1_i64 << 52) as f64) - BIAS;

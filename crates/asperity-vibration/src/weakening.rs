@@ -70,7 +70,7 @@ impl Weakening {
     fn select_piece(&mut self, w: f64, e: f64, e_rate: f64) {
         let (Some((table, v)), Curve::Cubic(cubic)) = (&self.table, &self.curve) else { return };
         let cubic = cubic.at(table, *v, w);
-        let before = cubic.before(table, *v).filter(|_| cubic.from == w);
+        let before = if cubic.from == w { cubic.before(table, *v) } else { None };
         self.curve = Curve::Cubic(cubic);
         let a = self.acceleration(w, e);
         // At W′ = 0 the law does not contribute to W″.

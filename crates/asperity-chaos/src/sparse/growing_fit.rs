@@ -71,7 +71,7 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
     }
 
     /// Returns column `term` of R, diagonal last.
-    pub(super) fn triangle_column(&self, term: usize) -> &[f64] {
+    fn triangle_column(&self, term: usize) -> &[f64] {
         &self.r[term * (term + 1) / 2..][..=term]
     }
 

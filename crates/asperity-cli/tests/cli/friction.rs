@@ -116,5 +116,5 @@ fn wrong_flags_and_unusable_records_name_the_remedy() {
     simulate("m.csv --out x.csv").refuses(3, &["m.csv", "not JSON"]);
     simulate("process.json --out process.json").refuses(2, &[".csv or .npy"]);
     fs::write(at.join("wrong.json"), PROCESS.replace("\"std\"", "\"sdt\"")).unwrap();
-    simulate("wrong.json --out x.csv").refuses(3, &["`sdt`", "known fields"]);
+    simulate("wrong.json --out x.csv").refuses(3, &["`sdt`", "expected one of"]);
 }

@@ -109,10 +109,9 @@ impl Consts {
         softening: [0.0; LANES],
     };
 
-    pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator) {
+    pub(super) fn set(&mut self, lane: usize, oscillator: &Oscillator, form: &BatchForm) {
         let Weakening { jump, linear, .. } = Weakening::new(oscillator);
-        let form = oscillator.law().batch_form(oscillator.belt_velocity());
-        let BatchForm { gain, curvature, is_exponential, floor, loss } = form.unwrap_or(BatchForm::constant(1.0));
+        let BatchForm { gain, curvature, is_exponential, floor, loss } = *form;
         // r″ is at most twice gain × curvature for a quotient, and once that for an exponential law.
         let (bend, thinning) = if is_exponential { (0.5, 0.0) } else { (1.0, curvature) };
         (self.jump[lane], self.linear[lane], self.gain[lane], self.curvature[lane]) = (jump, linear, gain, curvature);

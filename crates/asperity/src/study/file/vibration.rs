@@ -232,11 +232,10 @@ fn is_usual(model: &MachineModel) -> bool {
 }
 
 impl VibrationSection {
-    /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name; keys of
-    /// velocity laws aside.
-    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 13] {
+    /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name; but for
+    /// the velocity law and its numbers.
+    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 12] {
         [
-            ("velocity_law", self.velocity_law == VelocityLawKind::default()),
             ("friction_table", self.friction_table.is_none()),
             ("kinetic_share", self.kinetic_share == kinetic_share()),
             ("forcing", self.forcing.is_none()),
