@@ -1,6 +1,6 @@
-//! How a study states a law: what it reads, and what it makes of it.
+//! Inputs of a study that a law reads, and the law that follows from them.
 
-/// How a study states a law of the type L.
+/// Statement of a law of the type L in a study.
 #[derive(Debug)]
 pub struct Statement<L> {
     /// Inputs of a study that the law reads, with their sections.

@@ -35,10 +35,10 @@ pub enum ProcessFileError {
         found: String,
     },
     /// A field is missing, unknown or has an invalid value.
-    #[error("{}{message}", if field == "." { String::new() } else { format!("`{field}`: ") })]
+    #[error("{}{message}", field.as_ref().map_or(String::new(), |field| format!("`{field}`: ")))]
     Field {
-        /// Name of the field, or of the object in which one is missing; `.` for the whole file.
-        field: String,
+        /// Name of the field, or of the object in which one is missing; `None` for the whole file.
+        field: Option<String>,
         /// What was found and what was expected.
         message: String,
     },
@@ -121,7 +121,7 @@ impl TryFrom<CorrelationDocument> for FittedCorrelation {
     fn try_from(document: CorrelationDocument) -> Result<Self, ProcessFileError> {
         let needed = |value: Option<f64>, name: &str| {
             let message = "this model requires it".to_owned();
-            value.ok_or_else(|| ProcessFileError::Field { field: format!("correlation.{name}"), message })
+            value.ok_or_else(|| ProcessFileError::Field { field: Some(format!("correlation.{name}")), message })
         };
         let shape = match document.model {
             CorrelationName::Exponential => CorrelationShape::Exponential,
@@ -184,15 +184,17 @@ impl FittedProcess {
             Some(version) if version.as_u64() == Some(VERSION) => {}
             other => return Err(ProcessFileError::Version { found: shown(other) }),
         }
-        let wrong = |field: String, message: String| ProcessFileError::Field { field, message };
         // A list would pass for an object.
         for name in ["correlation", "origin"] {
             if let Some(found) = value.get(name).filter(|value| !value.is_object() && !value.is_null()) {
-                return Err(wrong(name.into(), format!("found {}, expected an object or null", shown(Some(found)))));
+                let message = format!("found {}, expected an object or null", shown(Some(found)));
+                return Err(ProcessFileError::Field { field: Some(name.into()), message });
             }
         }
-        let document: Document = serde_path_to_error::deserialize(&value)
-            .map_err(|error| wrong(error.path().to_string(), error.inner().to_string()))?;
+        let document: Document = serde_path_to_error::deserialize(&value).map_err(|error| {
+            let field = error.path().iter().next().map(|_| error.path().to_string());
+            ProcessFileError::Field { field, message: error.into_inner().to_string() }
+        })?;
         let stated = || OriginDocument { kind: OriginKind::Stated, description: String::new() };
         let OriginDocument { kind, description } = document.origin.unwrap_or_else(stated);
         let process = Self {

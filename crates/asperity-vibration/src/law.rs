@@ -196,6 +196,7 @@ impl BatchForm {
     }
 }
 
+/// Declares [`VelocityLaw`] from the list of laws. `$dollar` is a dollar sign, which the inner macro needs.
 macro_rules! laws {
     ($dollar:tt $(#[$about:meta])* pub enum $name:ident; $($(#[$doc:meta])* $variant:ident($law:ty),)+) => {
         $(#[$about])*
@@ -359,8 +360,10 @@ mod tests {
     #[test]
     fn every_law_is_what_its_methods_say() {
         for law in examples() {
-            let (h, steps) = (1e-5, 400);
+            // The third derivatives of the laws are at most 240, so the error of a difference is at most 4e-10.
+            let (h, steps) = (3e-6, 400);
             let speeds: Vec<f64> = (1..=steps).map(|i| 1.003 * f64::from(i) / f64::from(steps)).collect();
+            let is_constant = speeds.iter().all(|speed| law.coefficient(*speed) == law.kinetic());
             let (mut least, mut before) = (law.kinetic(), law.weakening(0.0));
             let [rescaled, scaled] =
                 [law.rescaled(2.5), law.with_coefficients(|coefficient| 2.0 * coefficient).unwrap()];
@@ -368,7 +371,7 @@ mod tests {
             for speed in speeds {
                 let difference = (law.coefficient(speed - h) - law.coefficient(speed + h)) / (2.0 * h);
                 let rate = law.weakening(speed);
-                assert!((rate - difference).abs() < 1e-6, "{law:?} at {speed}: {rate}, {difference}");
+                assert!((rate - difference).abs() < 1e-9, "{law:?} at {speed}: {rate}, {difference}");
                 assert!(rate.abs() <= law.steepest() * (1.0 + 1e-12), "{law:?}");
                 let wide = [speed - 1e-3, speed + 1e-3].map(|speed| law.weakening(speed.max(0.0)));
                 let bends = wide[0] + wide[1] - 2.0 * rate;
@@ -380,7 +383,7 @@ mod tests {
                 assert!((law.least_coefficient(speed) - least).abs() < 1e-4 * law.kinetic(), "{law:?}");
                 before = rate;
             }
-            assert_eq!(law.is_constant(), law.steepest() == 0.0, "{law:?}");
+            assert_eq!(law.is_constant(), is_constant, "{law:?}");
             if let Some(rate) = law.weakening_rate() {
                 let twice = law.with_weakening_rate(2.0 * rate).unwrap();
                 assert!((twice.weakening(0.0) - 2.0 * law.weakening(0.0)).abs() < 1e-12, "{law:?}");

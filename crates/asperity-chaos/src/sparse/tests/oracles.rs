@@ -117,11 +117,10 @@ fn scale_shift_and_layout_of_the_matrix_do_not_change_the_choice() {
         column.mapv_inplace(|a| if j % 3 == 0 { 1e3 * a } else { a });
     }
     let transposed = changed.t().as_standard_layout().into_owned();
-    for matrix in [changed.view(), transposed.t()] {
-        let candidates = Candidates::new(matrix).unwrap();
-        let fit = SparseRegression::default().select(&candidates, &response).unwrap();
-        assert_eq!(fit.terms, select(&design, &response).unwrap().terms);
-    }
+    let [by_rows, by_columns] = [changed.view(), transposed.t()]
+        .map(|matrix| SparseRegression::default().select(&Candidates::new(matrix).unwrap(), &response).unwrap());
+    assert_eq!(by_rows, by_columns);
+    assert_eq!(by_rows.terms, select(&design, &response).unwrap().terms);
 }
 
 #[test]

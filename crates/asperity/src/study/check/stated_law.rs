@@ -17,7 +17,7 @@ impl StudyFile {
 }
 
 /// Returns the section and the key of an input.
-pub(super) fn split(input: &'static str) -> (&'static str, &'static str) {
+pub(super) fn split(input: &str) -> (&str, &str) {
     input.split_once('.').unwrap_or(("", input))
 }
 
@@ -33,7 +33,7 @@ impl Stated for StatedValues<'_> {
             // That of the softer body.
             return self.file.hardness().map(|hardness| hardness.0);
         }
-        let rows = || numbers().filter(|(key, _)| key.path() == input);
+        let rows = || numbers().filter(|(key, _)| (key.section, key.name) == split(input));
         let stated = rows().find_map(|(key, access)| {
             let value = access.get(self.file, key, None)?;
             Some(match key.unit {
@@ -45,9 +45,9 @@ impl Stated for StatedValues<'_> {
         stated.or_else(|| rows().find_map(|(key, _)| key.default?.value.number()))
     }
 
-    fn points(&self, input: &str) -> Option<Vec<[f64; 2]>> {
-        let table =
-            self.file.vibration.as_ref()?.friction_table.as_ref().filter(|_| input == "vibration.friction_table")?;
+    /// Returns the points of the only table that a study may state.
+    fn points(&self, _: &str) -> Option<Vec<[f64; 2]>> {
+        let table = self.file.vibration.as_ref()?.friction_table.as_ref()?;
         Some(table.iter().map(|(speed, coefficient)| [speed.0 / self.unit_m_per_s, *coefficient]).collect())
     }
 }

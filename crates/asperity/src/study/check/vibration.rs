@@ -38,7 +38,8 @@ impl StudyFile {
         };
         let coupled = self.check_coupled(v)?;
         let (law, table) = (v.velocity_law, VelocityLawKind::Table);
-        let of_table = v.friction_table.as_ref().filter(|_| law != table).map(|_| ("friction_table", table.name()));
+        let of_table = || (split(table.statement().inputs[0]).1, table.name());
+        let of_table = v.friction_table.as_ref().filter(|_| law != table).map(|_| of_table());
         let of_other = self.unmet(SECTION, "velocity_law", law.name()).map(|(key, law)| (key.name, law));
         if let Some((key, law)) = of_other.chain(of_table).next() {
             return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));

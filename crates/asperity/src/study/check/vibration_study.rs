@@ -145,7 +145,8 @@ impl VibrationStudy {
         }
         let (key, value) = self.dimensionless_rate?;
         let si = sentence::digits(value / self.scales.velocity_m_per_s());
-        let in_si = numbers().map(|(row, _)| row).find(|row| row.name == key && !row.unit.is_empty());
+        let in_si =
+            numbers().map(|(row, _)| row).find(|row| (row.section, row.name) == (SECTION, key) && !row.unit.is_empty());
         let instead = in_si.map_or(String::new(), |row| {
             format!("; state `{key} = \"{si} {}\"` to make the law independent of `normal_force`", row.unit)
         });
