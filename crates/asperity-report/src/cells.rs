@@ -21,12 +21,3 @@ pub(crate) fn plain(value: impl Into<Option<f64>>, digits: usize) -> String {
 pub(crate) fn percent(fraction: impl Into<Option<f64>>, digits: usize) -> String {
     fraction.into().map_or_else(|| DASH.into(), |fraction| format!("{} %", significant(100.0 * fraction, digits)))
 }
-
-/// Formats an answer, or a dash.
-pub(crate) fn yes_or_no(answer: impl Into<Option<bool>>) -> &'static str {
-    match answer.into() {
-        Some(true) => "yes",
-        Some(false) => "no",
-        None => DASH,
-    }
-}

@@ -49,12 +49,15 @@ pub(crate) enum Dimension {
 }
 
 /// Suffixes of keys with their dimension; longer suffixes first.
-const SUFFIXES: [(&str, Dimension); 16] = [
+const SUFFIXES: [(&str, Dimension); 19] = [
     ("_rad_per_m", Dimension::Wavenumber),
     ("_rad_per_s", Dimension::AngularFrequency),
     ("_m_per_pa", Dimension::Compliance),
     ("_m_per_s", Dimension::Velocity),
     ("_pa_per_m", Dimension::Stiffness),
+    ("_n_per_m", Dimension::Other("N/m")),
+    ("_per_s", Dimension::Other("1/s")),
+    ("_hz", Dimension::Frequency),
     ("_per_m", Dimension::Other("1/m")),
     ("_m2", Dimension::Area),
     ("_m3", Dimension::Other("m³")),
@@ -123,17 +126,10 @@ impl Dimension {
         attach(&significant(value / unit.si, 3), &unit)
     }
 
-    /// Formats a value with its unit, and its interval in the same unit, with three digits of the value, or more if two digits of the
-    /// interval's width are finer.
-    pub(crate) fn show_apart(self, value: f64, (low, high): (f64, f64)) -> (String, String) {
+    /// Formats a value with its standard error, both in one unit: `1.02 ± 0.03 µm`.
+    pub(crate) fn show_error(self, value: f64, error: f64) -> String {
         let unit = self.unit(value);
-        let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
-        if !(1e-3..1e6).contains(&value.abs()) && value != 0.0 {
-            return (attach(&significant(value, 3), &unit), show_range(low, high));
-        }
-        let decimals = decimals(high - low).unwrap_or(0).clamp(three_digits(value).min(4), 6);
-        let limits = format!("[{},{NO_BREAK}{}]", fixed(low, decimals), fixed(high, decimals));
-        (attach(&fixed(value, decimals), &unit), limits)
+        attach(&with_error(value / unit.si, error / unit.si), &unit)
     }
 
     /// Formats a value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`. Zero has the unit of its interval.
@@ -155,11 +151,6 @@ impl Dimension {
             None => self.show(value),
         }
     }
-}
-
-/// Returns the number of decimals that show three digits of a number.
-fn three_digits(value: f64) -> usize {
-    if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize }
 }
 
 /// Returns the number of decimals that show two digits of an uncertainty; `None` for very large and very small ones.

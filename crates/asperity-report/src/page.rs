@@ -2,6 +2,7 @@
 //! an appendix.
 
 pub(crate) mod answer;
+mod answer_table;
 pub(crate) mod answers;
 mod appendix;
 mod certainty;

@@ -55,6 +55,7 @@ pub(crate) fn length_in_words(model: &str) -> &'static str {
 pub(crate) fn in_words(name: &str) -> String {
     match name {
         "self_affine" => return "self-affine".into(),
+        "stick_slip" => return "stick-slip".into(),
         "karhunen_loeve" => return "Karhunen–Loève".into(),
         "weierstrass_mandelbrot" => return "Weierstrass–Mandelbrot".into(),
         _ => {}

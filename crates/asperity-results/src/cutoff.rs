@@ -38,7 +38,7 @@ pub struct CutoffResult {
 pub struct CutoffPoint {
     /// Cut-off wavelength of the Gaussian filter; the first entry is the strips, without a filter.
     pub cutoff_m: f64,
-    /// μ = ΣF/ΣN.
+    /// Friction coefficient μ = ΣF/ΣN.
     pub mean: f64,
     /// Interval of the mean: it contains the error of the study's own mean and of the ratio to it.
     pub mean_interval: Option<Pair>,
@@ -54,7 +54,7 @@ pub struct CutoffPoint {
 pub struct FinerPitch {
     /// Pitch of the cells.
     pub pitch_m: f64,
-    /// μ = ΣF/ΣN.
+    /// Friction coefficient μ = ΣF/ΣN.
     pub mean: f64,
     /// 95 % interval of `mean`.
     pub mean_interval: Option<Pair>,
@@ -84,7 +84,7 @@ pub struct ScanFriction {
 pub struct ScanCutoff {
     /// Length of the shortest wave.
     pub cutoff_m: f64,
-    /// μ = ΣF/ΣN, extrapolated in the pitch.
+    /// Friction coefficient μ = ΣF/ΣN, extrapolated in the pitch.
     pub mean: f64,
     /// 95 % interval for the surface of which the scan is a sample, from the differences between its sixteen tiles.
     pub mean_interval: Pair,

@@ -158,7 +158,7 @@ pub struct LevelResult {
     pub excess_kurtosis: Option<f64>,
     /// 95 % interval of `excess_kurtosis`.
     pub excess_kurtosis_interval: Option<Pair>,
-    /// ℓ_μ of the exponential fit; it includes the effect of the window.
+    /// Correlation length ℓ of the exponential fit, with the effect of the window.
     pub correlation_length_m: Option<f64>,
     /// 95 % interval of `correlation_length_m`.
     pub correlation_length_m_interval: Option<Pair>,
@@ -173,7 +173,7 @@ pub struct LevelResult {
     pub correlation_without_window_fit_p: Option<f64>,
     /// p-value of the agreement between the lengths under each window alone.
     pub correlation_without_window_agreement_p: Option<f64>,
-    /// Whether that interval includes lengths below one step, so that the correlation is due to the window alone.
+    /// Whether the correlation is due to the window alone, as the interval of the length without it includes lengths below one step.
     pub window_only: Option<bool>,
     /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<DistributionResult>,
@@ -219,7 +219,7 @@ pub struct LevelResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AtMeanLoad {
-    /// μ̄ = ΣF/ΣN.
+    /// Mean friction coefficient μ̄ = ΣF/ΣN.
     pub mean: f64,
     /// 95 % interval of `mean`: the error of the quotient is, to first order, that of the mean of μ̄ + (F − μ̄N)/N̄.
     pub mean_interval: Option<Pair>,
@@ -231,7 +231,7 @@ pub struct AtMeanLoad {
     pub skewness: Option<f64>,
     /// Excess kurtosis; `null` if friction does not vary.
     pub excess_kurtosis: Option<f64>,
-    /// ℓ of the exponential fit; it includes the effect of the window.
+    /// Correlation length ℓ of the exponential fit, with the effect of the window.
     pub correlation_length_m: Option<f64>,
     /// 95 % interval of `correlation_length_m`.
     pub correlation_length_m_interval: Option<Pair>,
@@ -267,13 +267,13 @@ pub struct RankedDistributionResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GoodnessResult {
-    /// Largest difference of the distribution functions.
+    /// Kolmogorov–Smirnov distance, the largest difference of the distribution functions.
     pub kolmogorov_smirnov: f64,
-    /// p-value of `kolmogorov_smirnov`.
+    /// p-value of the Kolmogorov–Smirnov distance.
     pub kolmogorov_smirnov_p: f64,
     /// Anderson–Darling statistic A²; `null` if a window lies at an end of the distribution.
     pub anderson_darling: Option<f64>,
-    /// p-value of `anderson_darling`.
+    /// p-value of the Anderson–Darling statistic.
     pub anderson_darling_p: Option<f64>,
 }
 
@@ -383,7 +383,7 @@ pub struct PaperUpscalingResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaUpscalingResult {
-    /// The nominal area.
+    /// Nominal area.
     pub nominal_area_m2: f64,
     /// Number of windows in the nominal area.
     pub windows: f64,

@@ -12,6 +12,7 @@ mod cutoff;
 mod field;
 mod friction;
 pub mod keys;
+mod labelled;
 mod mode_coupling;
 mod pressure;
 mod provenance;
@@ -39,6 +40,7 @@ pub use friction::{
     GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult, ReturnLevelResult,
     RoughBodyResult, StationarityResult, TailResult, UpscalingResult,
 };
+pub use labelled::{Answer, FieldKind, LabelledField};
 pub use mode_coupling::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, ModelResult};
 pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureMethod,

@@ -55,7 +55,7 @@ impl<T: CompanionCells> JsonSchema for Companions<T> {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let names: Vec<&str> = SurfaceStatistics::default().numbers().map(|(name, _)| name).into();
+        let names = SurfaceStatistics::names();
         let patterns = T::ENDINGS.iter().map(|ending| {
             let mut cell = match *ending {
                 "_interval" => generator.subschema_for::<Option<crate::Pair>>(),

@@ -2,9 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use crate::DistributionResult;
 use crate::companions::{Companions, PooledResult, SpreadResult};
+use crate::{Answer, DistributionResult};
 
 /// The surface stage. The statistics stand beside the other keys.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -75,15 +76,15 @@ pub struct SurfaceStatistics {
     pub Sa_m: f64,
     /// Root mean square height.
     pub Sq_m: f64,
-    /// Skewness.
+    /// Skewness of the heights.
     pub Ssk: Option<f64>,
-    /// Kurtosis.
+    /// Kurtosis of the heights, 3 for a normal distribution.
     pub Sku: Option<f64>,
     /// Highest peak.
     pub Sp_m: f64,
     /// Deepest pit.
     pub Sv_m: f64,
-    /// Sp + Sv.
+    /// Maximum height Sp + Sv.
     pub Sz_m: f64,
     /// Root mean square gradient by forward differences.
     pub Sdq: Option<f64>,
@@ -93,13 +94,13 @@ pub struct SurfaceStatistics {
     pub Sdr: Option<f64>,
     /// Autocorrelation length at 0.2.
     pub Sal_m: Option<f64>,
-    /// Texture aspect ratio.
+    /// Texture aspect ratio, from 0 for a lay to 1 for none.
     pub Str: Option<f64>,
     /// Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π.
     pub Std_rad: Option<f64>,
     /// Dominant wavelength.
     pub Ssw_m: Option<f64>,
-    /// Core height by the least-squares line of ISO 25178-2, as for the parameters up to Svkx.
+    /// Core height; by the least-squares line of ISO 25178-2, as the parameters up to Svkx.
     pub Sk_m: f64,
     /// Reduced peak height.
     pub Spk_m: f64,
@@ -113,29 +114,29 @@ pub struct SurfaceStatistics {
     pub Spkx_m: f64,
     /// Depth of the deepest dale below the core.
     pub Svkx_m: f64,
-    /// Core height by the flattest secant, as for the next four parameters.
-    pub Sk_secant_m: f64,
-    /// Reduced peak height.
-    pub Spk_secant_m: f64,
-    /// Reduced dale depth.
-    pub Svk_secant_m: f64,
-    /// Upper material ratio of the core.
-    pub Smrk1_secant: f64,
-    /// Lower material ratio of the core.
-    pub Smrk2_secant: f64,
     /// Peak extreme height, between the material ratios 2.5 % and 50 %.
     pub Sxp_m: f64,
-    /// Peak material volume.
+    /// Core height by the secant; the flattest one, as for the next four parameters.
+    pub Sk_secant_m: f64,
+    /// Reduced peak height by the secant.
+    pub Spk_secant_m: f64,
+    /// Reduced dale depth by the secant.
+    pub Svk_secant_m: f64,
+    /// Upper material ratio of the core by the secant.
+    pub Smrk1_secant: f64,
+    /// Lower material ratio of the core by the secant.
+    pub Smrk2_secant: f64,
+    /// Peak material volume per area.
     pub Vmp_m: f64,
-    /// Core material volume.
+    /// Core material volume per area.
     pub Vmc_m: f64,
-    /// Core void volume.
+    /// Core void volume per area.
     pub Vvc_m: f64,
-    /// Dale void volume.
+    /// Dale void volume per area.
     pub Vvv_m: f64,
     /// Lower end of the wavenumbers at which the radial spectrum is reliable.
     pub psd_reliable_low_rad_per_m: f64,
-    /// Upper end of these wavenumbers; none is reliable if it is not above the lower end.
+    /// Upper end of the wavenumbers at which it is reliable; none is if it is not above the lower end.
     pub psd_reliable_high_rad_per_m: f64,
     /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
@@ -147,7 +148,7 @@ pub struct SurfaceStatistics {
     pub hurst: Option<f64>,
     /// Standard error of `hurst`.
     pub hurst_se: Option<f64>,
-    /// Shortest lag of the structure functions from which it was fitted.
+    /// Shortest lag from which the Hurst exponent was fitted.
     pub hurst_range_low_m: Option<f64>,
     /// Longest lag from which the Hurst exponent was fitted.
     pub hurst_range_high_m: Option<f64>,
@@ -159,58 +160,16 @@ pub struct SurfaceStatistics {
 }
 
 impl SurfaceStatistics {
-    /// Returns all statistics but counts and words, with their names, in the order of the fields; `None` where undefined.
-    pub fn numbers(&self) -> [(&'static str, Option<f64>); 43] {
-        [
-            ("dx_m", Some(self.dx_m)),
-            ("dy_m", Some(self.dy_m)),
-            ("form_radius_m", self.form_radius_m),
-            ("Sa_m", Some(self.Sa_m)),
-            ("Sq_m", Some(self.Sq_m)),
-            ("Ssk", self.Ssk),
-            ("Sku", self.Sku),
-            ("Sp_m", Some(self.Sp_m)),
-            ("Sv_m", Some(self.Sv_m)),
-            ("Sz_m", Some(self.Sz_m)),
-            ("Sdq", self.Sdq),
-            ("Sdq_7point", self.Sdq_7point),
-            ("Sdr", self.Sdr),
-            ("Sal_m", self.Sal_m),
-            ("Str", self.Str),
-            ("Std_rad", self.Std_rad),
-            ("Ssw_m", self.Ssw_m),
-            ("Sk_m", Some(self.Sk_m)),
-            ("Spk_m", Some(self.Spk_m)),
-            ("Svk_m", Some(self.Svk_m)),
-            ("Smrk1", Some(self.Smrk1)),
-            ("Smrk2", Some(self.Smrk2)),
-            ("Spkx_m", Some(self.Spkx_m)),
-            ("Svkx_m", Some(self.Svkx_m)),
-            ("Sk_secant_m", Some(self.Sk_secant_m)),
-            ("Spk_secant_m", Some(self.Spk_secant_m)),
-            ("Svk_secant_m", Some(self.Svk_secant_m)),
-            ("Smrk1_secant", Some(self.Smrk1_secant)),
-            ("Smrk2_secant", Some(self.Smrk2_secant)),
-            ("Sxp_m", Some(self.Sxp_m)),
-            ("Vmp_m", Some(self.Vmp_m)),
-            ("Vmc_m", Some(self.Vmc_m)),
-            ("Vvc_m", Some(self.Vvc_m)),
-            ("Vvv_m", Some(self.Vvv_m)),
-            ("psd_reliable_low_rad_per_m", Some(self.psd_reliable_low_rad_per_m)),
-            ("psd_reliable_high_rad_per_m", Some(self.psd_reliable_high_rad_per_m)),
-            ("correlation_length_x_m", self.correlation_length_x_m),
-            ("correlation_length_y_m", self.correlation_length_y_m),
-            ("hurst", self.hurst),
-            ("hurst_se", self.hurst_se),
-            ("hurst_range_low_m", self.hurst_range_low_m),
-            ("hurst_range_high_m", self.hurst_range_high_m),
-            ("fractal_dimension", self.fractal_dimension),
-        ]
+    /// Returns the names of all statistics but counts and words.
+    pub(crate) fn names() -> Vec<String> {
+        let is_number = |value: &Value| value.is_null() || value.is_f64();
+        let Value::Object(fields) = Self::default().json() else { return Vec::new() };
+        fields.into_iter().filter(|(_, value)| is_number(value)).map(|(name, _)| name).collect()
     }
 
-    /// Returns the statistic of a name; `None` if it is undefined, or a count or a word.
+    /// Returns the statistic of a name; `None` if it is undefined or a word.
     pub fn number(&self, name: &str) -> Option<f64> {
-        self.numbers().into_iter().find(|(own, _)| *own == name)?.1
+        self.json()[name].as_f64()
     }
 }
 
@@ -240,7 +199,7 @@ pub struct PartStatistics {
     pub pooled: Companions<PooledResult>,
     /// Lower end of the wavenumbers at which the spectra of all scans are reliable.
     pub psd_reliable_low_rad_per_m: f64,
-    /// Upper end of these wavenumbers.
+    /// Upper end of the wavenumbers at which they are reliable.
     pub psd_reliable_high_rad_per_m: f64,
     /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
@@ -286,10 +245,10 @@ pub struct CovarianceResult {
     pub hurst: Option<f64>,
     /// Root mean square of ln(measured/model spectral density) over the reliable band, where fitted.
     pub misfit: Option<f64>,
-    /// Sdq of maps drawn on the scan's grid, in the root mean square, over that of the scan, both S-filtered at `slope_cutoff_m`, where
-    /// the covariance is the scan's.
+    /// Sdq of random maps over Sdq of the scan, within its reliable band; in the root mean square on the scan's grid, both S-filtered
+    /// at `slope_cutoff_m`, where the covariance is the scan's.
     pub slope_ratio: Option<f64>,
-    /// Cutoff of that S-filter: the end of the scan's reliable band, or four pixels.
+    /// Cutoff of the S-filter of both Sdq: the end of the scan's reliable band, or four pixels.
     pub slope_cutoff_m: Option<f64>,
     /// The covariances that were tried, the most likely model first.
     pub candidates: Vec<CovarianceCandidateResult>,

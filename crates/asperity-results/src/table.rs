@@ -1,6 +1,9 @@
 //! Tables: the data behind the figures.
 
+use serde_json::Value;
 use thiserror::Error;
+
+use crate::labelled::{Answer, FieldKind, LabelledField};
 
 /// Header of the column that names rows.
 const NAME: &str = "name";
@@ -53,6 +56,21 @@ impl Table {
         let table = Self::new(columns);
         assert!(table.columns.iter().all(|(_, values)| values.len() == names.len()), "names differ from rows");
         Self { names, ..table }
+    }
+
+    /// Returns a row for each answer and a column for each of its numbers, in the order of their declaration. An interval
+    /// `x_interval` has the columns `x_low` and `x_high`, and the numbers of an answer within it have its name before theirs.
+    pub fn of<T: Answer>(answers: &[T]) -> Self {
+        let rows: Vec<Value> = answers.iter().map(T::json).collect();
+        let rows: Vec<&Value> = rows.iter().collect();
+        Self { names: Vec::new(), columns: columns("", &T::fields(), &rows) }
+    }
+
+    /// Returns the table with `prefix` before the names of its columns.
+    #[must_use]
+    pub fn prefixed(mut self, prefix: &str) -> Self {
+        self.columns.iter_mut().for_each(|(name, _)| name.insert_str(0, prefix));
+        self
     }
 
     /// Moves the named column, the abscissa, to the front.
@@ -128,6 +146,27 @@ impl Table {
         }
         Ok(Self { names, columns })
     }
+}
+
+/// Returns the columns of the numbers of answers, given as JSON objects, with `prefix` before their names.
+fn columns(prefix: &str, fields: &[LabelledField], rows: &[&Value]) -> Vec<(String, Vec<f64>)> {
+    let numbers = |key: &str, place: Option<usize>| -> Vec<f64> {
+        let number = |row: &&Value| place.map_or(&row[key], |place| &row[key][place]).as_f64();
+        rows.iter().map(|row| number(row).unwrap_or(f64::NAN)).collect()
+    };
+    let of = |LabelledField { key, kind, .. }: &LabelledField| match kind {
+        FieldKind::Number => vec![(format!("{prefix}{key}"), numbers(key, None))],
+        FieldKind::Numbers if key.ends_with("interval") => {
+            let name = key.trim_end_matches("interval");
+            let end = |end, place| (format!("{prefix}{name}{end}"), numbers(key, Some(place)));
+            vec![end("low", 0), end("high", 1)]
+        }
+        FieldKind::Answer(inner) => {
+            columns(&format!("{prefix}{key}_"), inner, &rows.iter().map(|row| &row[key]).collect::<Vec<_>>())
+        }
+        _ => Vec::new(),
+    };
+    fields.iter().flat_map(of).collect()
 }
 
 #[cfg(test)]

@@ -160,9 +160,9 @@ pub struct EnsembleResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrossingResult {
-    /// Level of the fraction.
+    /// Fraction of the time in vibration.
     pub share: f64,
-    /// The damping ratio; `null` if there is none.
+    /// Damping ratio; `null` if there is none.
     pub damping_ratio: Option<f64>,
     /// 95 % interval of `damping_ratio`.
     pub damping_ratio_interval: Option<Pair>,
@@ -215,7 +215,7 @@ pub struct DampingResult {
     pub cycles_mean: f64,
     /// Standard error of `cycles_mean`.
     pub cycles_se: f64,
-    /// M_diff = M_det − E M.
+    /// Slips lost by noise, M_diff = M_det − E M.
     pub difference_mean: f64,
     /// 95 % interval of `difference_mean`.
     pub difference_interval: Pair,

@@ -28,7 +28,7 @@ pub(super) fn entries(run: &Run) -> Result<[Option<Section>; 3], ReportError> {
             "appendix-pressure",
             "Comparison of the methods for the pressure",
             "",
-            pressure.map(|pressure| tables::methods(run, pressure)).into_iter().collect(),
+            pressure.map(tables::methods).into_iter().collect(),
             moved(figures::pressure::figures(run)?, &METHODS),
         ),
         Section::new(

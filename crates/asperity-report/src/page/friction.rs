@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 
 use asperity_results::{
-    DistributionResult, FrictionResult, GoodnessResult, LevelResult, OperatingPoint, Pair, Prescribed,
-    RankedDistributionResult, ReturnLevelResult, RoughBodyResult, UncertaintyResult,
+    AtMeanLoad, DistributionResult, FrictionResult, LevelResult, OperatingPoint, Pair, Prescribed, RoughBodyResult,
+    UncertaintyResult,
 };
 
-use crate::cells::{DASH, percent, plain, shown, yes_or_no};
+use crate::cells::{DASH, percent, shown};
 use crate::format::{Dimension, significant};
+use crate::page::answer_table::{all, distribution};
 use crate::page::cutoff;
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
-use crate::words::{conditions, distribution_name, in_words, meaning};
+use crate::words::conditions;
 
 /// Returns the name of a level: its percentile, or the depth or mean pressure that defines it.
 fn level_name(level: &LevelResult) -> String {
@@ -72,11 +73,27 @@ pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     lead
 }
 
-/// Returns the tables of `friction`: process and drifts by level, the cut-off, and uncertain surfaces.
+/// Answers of a level about friction at the mean load.
+const AT_MEAN_LOAD: [&str; 4] = ["at_mean_load", "upscaling", "stationarity", "area_and_load"];
+
+/// Whether a key of a level is about friction at the mean load, but is not the fitted distribution.
+fn is_at_mean_load(key: &str) -> bool {
+    let outer = key.split('.').next().unwrap_or(key);
+    AT_MEAN_LOAD.contains(&outer) && key != "at_mean_load.marginal"
+}
+
+/// Returns the levels with their names.
+fn levels(friction: &FrictionResult) -> Vec<(String, &LevelResult)> {
+    friction.levels.iter().map(|level| (level_name(level), level)).collect()
+}
+
+/// Returns the tables of `friction`: friction at the mean load by level, the cut-off, and uncertain surfaces.
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
-    let mut tables: Vec<DataTable> = [process, drifts].map(|table| table(friction)).into();
-    tables.extend(friction.cutoff.as_ref().and_then(cutoff::table));
-    tables.extend(friction.scan.as_ref().map(cutoff::of_scan));
+    let caption = "Friction at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the \
+                   load they carry; brackets are 95 % intervals";
+    let mut tables = vec![DataTable::beside(caption, &levels(friction), is_at_mean_load)];
+    tables.extend(friction.cutoff.iter().flat_map(cutoff::tables));
+    tables.extend(friction.scan.iter().flat_map(cutoff::of_scan));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
     tables
 }
@@ -84,32 +101,45 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
 /// Returns the distributions and the correlation models fitted at the operating point.
 pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let Some(level) = friction.operating_level() else { return Vec::new() };
-    let process = &level.at_mean_load;
-    let found = Distribution {
-        of: "at the mean load",
-        marginal: process.marginal.as_ref(),
-        intervals: &process.marginal_parameter_intervals,
-        gof: process.gof.as_ref(),
-        ranked: &process.laws,
-        return_levels: &[],
-    };
-    vec![found.table(level), correlation_models(level)]
+    let AtMeanLoad { marginal, marginal_parameter_intervals, laws, correlation_curves, correlation_models, .. } =
+        &level.at_mean_load;
+    let place = level_name(level);
+    vec![
+        fitted(&format!("at the mean load ({place})"), marginal.as_ref(), marginal_parameter_intervals),
+        DataTable::listed(&format!("Distributions fitted to μ at the mean load ({place}), best first"), laws, all),
+        DataTable::listed("Curves fitted to the correlation, with the effect of the window", correlation_curves, all),
+        DataTable::listed("Models of the correlation without the effect of the window", correlation_models, all),
+    ]
 }
 
-/// Returns the moments of F/N by level, and its distribution at the operating point.
+/// Returns the distribution ranked first with its parameters.
+fn fitted(of: &str, marginal: Option<&DistributionResult>, intervals: &BTreeMap<String, Option<Pair>>) -> DataTable {
+    let caption = format!("Distribution of μ {of} that is ranked first; brackets are 95 % intervals");
+    let rows = marginal.map_or_else(Vec::new, |fit| distribution(fit, intervals, Dimension::None));
+    DataTable::new(&caption, &["Property", "Value"], rows, RESULTS)
+}
+
+/// Returns the numbers of F/N by level, and its distribution at the operating point.
 pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
-    let distribution = friction.operating_level().map(|level| {
-        let found = Distribution {
-            of: "of the quotient F/N",
-            marginal: level.marginal.as_ref(),
-            intervals: &level.marginal_parameter_intervals,
-            gof: level.gof.as_ref(),
-            ranked: &[],
-            return_levels: &level.return_levels,
-        };
-        found.table(level)
+    let caption = format!(
+        "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
+        Dimension::Length.show(friction.window_m)
+    );
+    let keep = |key: &str| !AT_MEAN_LOAD.contains(&key) && !["marginal", "beta", "no_variance"].contains(&key);
+    let lead = friction.operating_level();
+    let of_lead = lead.into_iter().flat_map(|level| {
+        let place = level_name(level);
+        let returns = format!("Values of μ that a window exceeds once in a sliding distance ({place})");
+        [
+            fitted(
+                &format!("of the quotient F/N ({place})"),
+                level.marginal.as_ref(),
+                &level.marginal_parameter_intervals,
+            ),
+            DataTable::listed(&returns, &level.return_levels, all),
+        ]
     });
-    std::iter::once(moments(friction)).chain(distribution).collect()
+    std::iter::once(DataTable::beside(&caption, &levels(friction), keep)).chain(of_lead).collect()
 }
 
 /// Returns the moments over the uncertain parameters of the surface, level by level.
@@ -148,187 +178,4 @@ fn uncertain(friction: &FrictionResult, uncertainty: &UncertaintyResult) -> Opti
     );
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
     Some(DataTable::new(&caption, &headers, rows, RESULTS))
-}
-
-/// Returns one row per level: its name, then the cells.
-fn by_level(
-    friction: &FrictionResult,
-    caption: &str,
-    headers: &[&str],
-    cells: impl Fn(&LevelResult) -> Vec<String>,
-) -> DataTable {
-    let row = |level: &LevelResult| [vec![level_name(level)], cells(level)].concat();
-    let rows: Vec<Vec<String>> = friction.levels.iter().map(row).collect();
-    let known = rows.iter().any(|row| row[1..].iter().any(|cell| cell != DASH));
-    let headers = [&["Level"], headers].concat();
-    let rows = if known { rows } else { Vec::new() };
-    DataTable::new(caption, &headers, rows, RESULTS).without_empty_columns()
-}
-
-fn moments(friction: &FrictionResult) -> DataTable {
-    let caption = format!(
-        "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
-        Dimension::Length.show(friction.window_m)
-    );
-    let headers = [
-        "Penetration",
-        "Mean pressure",
-        "Contact fraction",
-        "Mean μ",
-        "Std",
-        "CoV",
-        "Skewness",
-        "Excess kurtosis",
-        "Distribution",
-    ];
-    let table = by_level(friction, &caption, &headers, |level| {
-        let number = |value, interval| shown(Dimension::None, value, interval);
-        vec![
-            Dimension::Length.show_interval(level.penetration_m, None),
-            Dimension::Pressure.show_interval(level.mean_pressure_pa, None),
-            significant(level.contact_fraction, 3),
-            number(level.mean, level.mean_interval),
-            number(level.std, level.std_interval),
-            number(level.coefficient_of_variation, level.coefficient_of_variation_interval),
-            number(level.skewness, level.skewness_interval),
-            number(level.excess_kurtosis, level.excess_kurtosis_interval),
-            level.marginal.as_ref().map_or_else(|| DASH.into(), distribution_name),
-        ]
-    });
-    DataTable { source: "tables/friction_levels.csv".into(), ..table }
-}
-
-fn process(friction: &FrictionResult) -> DataTable {
-    let length = match friction.body {
-        RoughBodyResult::Track => " ℓ is that of e^(−s/ℓ), with and without the effect of the window;",
-        RoughBodyResult::Slider | RoughBodyResult::Both => "",
-    };
-    let caption = format!(
-        "Friction at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the \
-         load they carry;{length} “paper” lets one window carry the whole normal force, “area” averages μ over the nominal area"
-    );
-    let headers = [
-        "Mean μ",
-        "Std",
-        "ℓ with the window",
-        "ℓ without it",
-        "Std, “paper”",
-        "Std, “area”",
-        "Variance, area over window",
-        "Independent windows",
-    ];
-    by_level(friction, &caption, &headers, |level| {
-        let process = &level.at_mean_load;
-        let number = |value: f64, interval| shown(Dimension::None, value, interval);
-        let length = |metre, interval| shown(Dimension::Length, metre, interval);
-        let with_window = match process.correlation_length_m {
-            Some(metre) => length(Some(metre), process.correlation_length_m_interval),
-            None => length(level.correlation_length_m, level.correlation_length_m_interval),
-        };
-        // The length of the exponential fit includes the effect of the window.
-        let only = if level.window_only == Some(true) { " (due to the window alone)" } else { "" };
-        let (own, own_interval) =
-            (level.correlation_length_without_window_m, level.correlation_length_without_window_m_interval);
-        vec![
-            number(process.mean, process.mean_interval),
-            number(process.std, process.std_interval),
-            format!("{with_window}{only}"),
-            length(own, own_interval),
-            number(level.upscaling.paper.std, None),
-            number(level.upscaling.area.std, None),
-            number(level.upscaling.area.variance_reduction, None),
-            significant(process.effective_windows, 3),
-        ]
-    })
-}
-
-fn drifts(friction: &FrictionResult) -> DataTable {
-    let caption = "Drifts of friction along the strips, with the p-value of each test for no drift, and the correlation of contact area and \
-                   load of a window";
-    let headers =
-        ["Slope of μ (1/m)", "p: slope", "p: halves", "p: ends", "p: variances", "p: wander", "Area and load"];
-    by_level(friction, caption, &headers, |level| {
-        let tests = level.stationarity.clone().unwrap_or_default();
-        let chances = [tests.trend_p, tests.mean_change_p, tests.ends_p, tests.variance_change_p, tests.wander_p];
-        let together = level.area_and_load.as_ref();
-        let together = together.map(|found| shown(Dimension::None, found.correlation, Some(found.interval)));
-        std::iter::once(plain(tests.trend_per_m, 2))
-            .chain(chances.map(|p| plain(p, 2)))
-            .chain([together.unwrap_or_else(|| DASH.into())])
-            .collect()
-    })
-}
-
-/// The distribution at the operating point, at the mean load or of the quotient F/N: goodness of fit and return levels.
-struct Distribution<'a> {
-    of: &'static str,
-    marginal: Option<&'a DistributionResult>,
-    intervals: &'a BTreeMap<String, Option<Pair>>,
-    gof: Option<&'a GoodnessResult>,
-    ranked: &'a [RankedDistributionResult],
-    return_levels: &'a [ReturnLevelResult],
-}
-
-impl Distribution<'_> {
-    fn table(&self, level: &LevelResult) -> DataTable {
-        let mut rows = Vec::new();
-        if let Some(marginal) = self.marginal {
-            rows.push(("distribution ranked first".into(), distribution_name(marginal)));
-            rows.extend(marginal.parameters.iter().map(|(name, value)| {
-                let interval = self.intervals.get(name).copied().flatten();
-                (meaning(&marginal.name, name).0, shown(Dimension::None, *value, interval))
-            }));
-        }
-        if let Some(gof) = self.gof {
-            let distances = [
-                ("Kolmogorov–Smirnov distance", Some(gof.kolmogorov_smirnov), Some(gof.kolmogorov_smirnov_p)),
-                ("Anderson–Darling A²", gof.anderson_darling, gof.anderson_darling_p),
-            ];
-            rows.extend(distances.into_iter().filter_map(|(name, distance, chance)| {
-                let chance = chance.map_or_else(String::new, |p| format!(" (p = {})", significant(p, 2)));
-                Some((name.into(), format!("{}{chance}", significant(distance?, 3))))
-            }));
-        }
-        let ranked = self.ranked.iter();
-        let ranked: Vec<String> =
-            ranked.map(|fit| format!("{} {}", in_words(&fit.name), significant(fit.aic_difference, 3))).collect();
-        if !ranked.is_empty() {
-            rows.push(("distributions by ΔAIC".into(), ranked.join(", ")));
-        }
-        for exceeded in self.return_levels {
-            let name = format!("exceeded once in {}", Dimension::Length.show(exceeded.distance_m));
-            rows.push((name, shown(Dimension::None, exceeded.mu, exceeded.interval)));
-        }
-        let caption = format!(
-            "Distribution of μ at the operating point ({}), {}; brackets are 95 % intervals",
-            level_name(level),
-            self.of
-        );
-        DataTable::properties(&caption, rows, RESULTS)
-    }
-}
-
-fn correlation_models(level: &LevelResult) -> DataTable {
-    let length = |metre: f64, interval| shown(Dimension::Length, metre, interval);
-    let curves = level.at_mean_load.correlation_curves.iter().map(|curve| {
-        let [model, window] = [in_words(&curve.model), "included".into()];
-        vec![model, window, length(curve.length_m, None), significant(curve.misfit, 3), DASH.into(), DASH.into()]
-    });
-    let models = level.at_mean_load.correlation_models.iter().map(|model| {
-        vec![
-            in_words(&model.model),
-            "removed".into(),
-            length(model.length_m, Some(model.length_interval)),
-            DASH.into(),
-            significant(model.aic_difference, 3),
-            yes_or_no(model.worse_beyond_chance).into(),
-        ]
-    });
-    let caption = format!(
-        "Models of the correlation at the operating point ({}), the best first: with the effect of the window by least squares, and \
-         without it by likelihood",
-        level_name(level)
-    );
-    let headers = ["Model", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
-    DataTable::new(&caption, &headers, curves.chain(models).collect(), RESULTS).without_empty_columns()
 }

@@ -1,247 +1,70 @@
 //! The parameters of a measured surface, in groups, and the distributions fitted to its heights.
 
-use asperity_results::{MeasuredSurface, Pair, PartStatistics, SurfaceResult, SurfaceStatistics, Table};
+use asperity_results::{Answer, LabelledField, MeasuredSurface, SurfaceResult, SurfaceStatistics, Table};
 
 use crate::Run;
 use crate::cells::DASH;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
+use crate::page::answer_table::{Entry, shown};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
 use crate::words::in_words;
 
-/// Key, symbol and meaning of a parameter.
-type Parameter = (&'static str, &'static str, &'static str);
-
-/// Surface parameters by group, in the order of the table.
-const GROUPS: [(&str, &[Parameter]); 9] = [
-    (
-        "Height",
-        &[
-            ("Sa_m", "Sa", "arithmetic mean height"),
-            ("Sq_m", "Sq", "root mean square height"),
-            ("Ssk", "Ssk", "skewness of heights"),
-            ("Sku", "Sku", "kurtosis of heights (normal: 3)"),
-            ("Sp_m", "Sp", "highest peak"),
-            ("Sv_m", "Sv", "deepest pit"),
-            ("Sz_m", "Sz", "maximum height, Sp + Sv"),
-        ],
-    ),
-    (
-        "Spatial",
-        &[
-            ("Sal_m", "Sal", "autocorrelation length, shortest distance to 0.2"),
-            ("Str", "Str", "texture aspect ratio (1: no lay, 0: a lay)"),
-            ("Std_rad", "Std", "direction of the lay, anticlockwise from x; meaningful if Str is small"),
-            ("Ssw_m", "Ssw", "dominant wavelength"),
-            ("correlation_length_x_m", "ℓx", "correlation length along x, to 1/e"),
-            ("correlation_length_y_m", "ℓy", "correlation length along y, to 1/e"),
-        ],
-    ),
-    (
-        "Hybrid",
-        &[
-            ("Sdq", "Sdq", "root mean square slope, forward differences"),
-            ("Sdq_7point", "Sdq", "root mean square slope, seven-point differences"),
-            ("Sdr", "Sdr", "developed interfacial area ratio"),
-        ],
-    ),
-    (
-        "Functional, core by the least-squares line (ISO 25178-2)",
-        &[
-            ("Sk_m", "Sk", "core height"),
-            ("Spk_m", "Spk", "reduced peak height"),
-            ("Svk_m", "Svk", "reduced dale height"),
-            ("Smrk1", "Smrk1", "material ratio of the peaks"),
-            ("Smrk2", "Smrk2", "material ratio of the dales"),
-            ("Spkx_m", "Spkx", "peak height above the core"),
-            ("Svkx_m", "Svkx", "dale depth below the core"),
-            ("Sxp_m", "Sxp", "peak extreme height, material ratios 2.5 % to 50 %"),
-        ],
-    ),
-    (
-        "Functional, core by the flattest secant",
-        &[
-            ("Sk_secant_m", "Sk", "core height by the secant"),
-            ("Spk_secant_m", "Spk", "reduced peak height by the secant"),
-            ("Svk_secant_m", "Svk", "reduced dale height by the secant"),
-            ("Smrk1_secant", "Smrk1", "material ratio of the peaks by the secant"),
-            ("Smrk2_secant", "Smrk2", "material ratio of the dales by the secant"),
-        ],
-    ),
-    (
-        "Volume",
-        &[
-            ("Vmp_m", "Vmp", "peak material volume per area"),
-            ("Vmc_m", "Vmc", "core material volume per area"),
-            ("Vvc_m", "Vvc", "core void volume per area"),
-            ("Vvv_m", "Vvv", "dale void volume per area"),
-        ],
-    ),
-    (
-        "Spectral",
-        &[
-            ("psd_reliable_low_rad_per_m", "q", "spectrum reliable from (wavelength)"),
-            ("psd_reliable_high_rad_per_m", "q", "spectrum reliable to (wavelength)"),
-            ("psd_upper_limit", "", "limit of the reliable spectrum"),
-            ("hurst", "H", "Hurst exponent"),
-            ("hurst_range_low_m", "τ", "shortest lag of its fit"),
-            ("hurst_range_high_m", "τ", "longest lag of its fit"),
-            ("fractal_dimension", "D", "fractal dimension, 3 − H"),
-        ],
-    ),
-    (
-        "Map",
-        &[
-            ("nx", "nx", "points along x"),
-            ("ny", "ny", "points along y"),
-            ("dx_m", "Δx", "pixel size along x"),
-            ("dy_m", "Δy", "pixel size along y"),
-            ("missing_points", "", "missing points, rejected outliers included"),
-            ("outliers", "", "points rejected as outliers"),
-        ],
-    ),
-    ("Form", &[("form_radius_m", "R", "radius of the cylinder or sphere that was removed")]),
+/// Groups of parameters, each with its first one, in the order of the fields.
+const GROUPS: [(&str, &str); 8] = [
+    ("nx", "Map"),
+    ("Sa_m", "Height"),
+    ("Sdq", "Hybrid"),
+    ("Sal_m", "Spatial"),
+    ("Sk_m", "Functional, core by the least-squares line (ISO 25178-2)"),
+    ("Sk_secant_m", "Functional, core by the flattest secant"),
+    ("Vmp_m", "Volume"),
+    ("psd_reliable_low_rad_per_m", "Spectrum and correlation"),
 ];
 
-/// Returns all parameters in the order of the table.
-fn all() -> impl Iterator<Item = &'static Parameter> {
-    GROUPS.iter().flat_map(|(_, parameters)| parameters.iter())
+/// Returns the place of a surface parameter among the fields, its symbol, and its meaning, by its key.
+pub(crate) fn parameter(key: &str) -> Option<(usize, String, String)> {
+    let found = SurfaceStatistics::fields().into_iter().enumerate().find(|(_, field)| field.key == key);
+    found.map(|(place, field)| (place, symbol(key).to_owned(), field.label))
 }
 
-/// Returns the place of a surface parameter in its table, its symbol and its meaning, by its key.
-pub(crate) fn parameter(key: &str) -> Option<(usize, &'static str, &'static str)> {
-    all()
-        .enumerate()
-        .find(|(_, (own, _, _))| *own == key)
-        .map(|(place, (_, symbol, meaning))| (place, *symbol, *meaning))
+/// Returns the symbol of an ISO 25178 parameter; empty for other numbers, whose keys are words.
+fn symbol(key: &str) -> &str {
+    key.split('_').next().filter(|name| name.starts_with(char::is_uppercase)).unwrap_or_default()
 }
 
-/// The cells of a parameter of a scan or of a part.
-struct Known {
-    value: String,
-    interval: String,
-    /// Standard deviations of one scan and between scans.
-    stds: [String; 2],
-}
-
-impl Known {
-    fn new(measured: &MeasuredSurface, key: &str) -> Option<Self> {
-        match measured {
-            MeasuredSurface::Stated {} => None,
-            MeasuredSurface::Scan(scan) => Self::of_scan(scan, key),
-            MeasuredSurface::Part(part) => Self::of_part(part, key),
-        }
-    }
-
-    fn of_scan(scan: &SurfaceStatistics, key: &str) -> Option<Self> {
-        let counts = [Some(scan.nx), Some(scan.ny), Some(scan.missing_points), Some(scan.outliers)];
-        Self::of_text(counts, &scan.psd_upper_limit, key).or_else(|| {
-            let spread = scan.intervals.get(key);
-            let error = if key == "hurst" { scan.hurst_se } else { spread.map(|spread| spread.standard_error) };
-            Some(Self::of_number(key, scan.number(key)?, spread.map(|spread| spread.interval), error, [None; 2]))
-        })
-    }
-
-    fn of_part(part: &PartStatistics, key: &str) -> Option<Self> {
-        let counts = [part.nx, part.ny, Some(part.missing_points), Some(part.outliers)];
-        let pooled = part.pooled.get(key);
-        Self::of_text(counts, &part.psd_upper_limit, key).or_else(|| {
-            let value = match key {
-                "dx_m" => part.dx_m,
-                "dy_m" => part.dy_m,
-                "psd_reliable_low_rad_per_m" => Some(part.psd_reliable_low_rad_per_m),
-                "psd_reliable_high_rad_per_m" => Some(part.psd_reliable_high_rad_per_m),
-                "hurst_range_low_m" => part.hurst_range_low_m,
-                "hurst_range_high_m" => part.hurst_range_high_m,
-                _ => pooled.map(|pooled| pooled.value),
-            };
-            let error = pooled.map(|pooled| pooled.standard_error);
-            let stds = pooled.map_or([None; 2], |pooled| [pooled.within_std, pooled.between_std]);
-            Some(Self::of_number(key, value?, pooled.map(|pooled| pooled.interval), error, stds))
-        })
-    }
-
-    /// Formats a count or a word.
-    fn of_text(counts: [Option<usize>; 4], psd_upper_limit: &str, key: &str) -> Option<Self> {
-        const COUNTS: [&str; 4] = ["nx", "ny", "missing_points", "outliers"];
-        let word = (key == "psd_upper_limit").then(|| psd_upper_limit.replace('_', " "));
-        let place = COUNTS.iter().position(|count| *count == key);
-        let value = word.or_else(|| counts[place?].map(|count| count.to_string()))?;
-        Some(Self { value, interval: DASH.into(), stds: [DASH, DASH].map(str::to_owned) })
-    }
-
-    /// Formats value and interval with three digits, and more if the interval is narrower, and the standard deviations.
-    fn of_number(
-        key: &str,
-        value: f64,
-        interval: Option<Pair>,
-        standard_error: Option<f64>,
-        stds: [Option<f64>; 2],
-    ) -> Self {
-        let dimension = Dimension::of_key(key).1;
-        let (mut text, interval) = match (interval, standard_error) {
-            (Some(limits), _) => dimension.show_apart(value, limits.into()),
-            (None, Some(error)) => (dimension.show_short(value), format!("s.e. {}", dimension.show_short(error))),
-            // Pixel sizes are exact.
-            (None, None) if matches!(key, "dx_m" | "dy_m") => (dimension.show(value), DASH.into()),
-            (None, None) => (dimension.show_short(value), DASH.into()),
-        };
-        // A wavelength is easier to judge than a wavenumber.
-        if dimension == Dimension::Wavenumber && value > 0.0 {
-            text += &format!(" ({})", Dimension::Length.show_short(std::f64::consts::TAU / value));
-        }
-        let stds = stds.map(|std| std.map_or_else(|| DASH.into(), |std| dimension.show_short(std)));
-        Self { value: text, interval, stds }
-    }
-}
-
-/// Returns a parameter with its unit and its interval.
+/// Returns a parameter with its unit and its interval; `None` where undefined.
 pub(super) fn value(measured: &MeasuredSurface, key: &str) -> Option<String> {
-    let Known { value, interval, .. } = Known::new(measured, key)?;
-    Some(if interval == DASH { value } else { format!("{value} {interval}") })
+    let fields = SurfaceStatistics::fields();
+    let entries = Entry::all(&fields);
+    let entry = entries.iter().find(|entry| entry.field.key == key)?;
+    Some(entry.cell(&measured.json())).filter(|cell| cell != DASH)
 }
 
-/// Returns the groups of parameters in the results: meaning, symbol, value and interval.
+/// Returns the groups of parameters in the results: meaning, value with its interval, and of a part the standard deviations.
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
+    let (values, fields) = (measured.json(), SurfaceStatistics::fields());
     let mut rows = Vec::new();
-    for (title, parameters) in GROUPS {
-        let present = parameters.iter().filter_map(|(key, symbol, meaning)| {
-            let Known { value, interval, stds: [within, between] } = Known::new(measured, key)?;
-            Some(vec![(*meaning).to_owned(), (*symbol).to_owned(), value, interval, within, between])
-        });
-        let present: Vec<_> = present.collect();
-        if !present.is_empty() {
-            rows.push(vec![title.to_owned()]);
-            rows.extend(present);
-        }
+    for entry in Entry::all(&fields) {
+        let LabelledField { key, label, .. } = entry.field;
+        rows.extend(GROUPS.iter().find(|(first, _)| first == key).map(|(_, title)| vec![(*title).to_owned()]));
+        let std = |ending: &str| shown(key, &values[format!("{key}{ending}")], None, None);
+        let row = [label.clone(), symbol(key).to_owned(), entry.cell(&values), std("_within_std"), std("_between_std")];
+        rows.extend((row[2] != DASH).then(|| Vec::from(row)));
     }
     let caption = match measured {
         MeasuredSurface::Part(part) => format!("Surface parameters of the part from {} scans", part.scan_count),
         _ => "Surface parameters".to_owned(),
     };
-    let headers = ["Parameter", "Symbol", "Value", "95 % interval", "Std of one scan", "Std between scans"];
+    let headers = ["Parameter", "Symbol", "Value, 95 % interval", "Std of one scan", "Std between scans"];
     DataTable::new(&caption, &headers, rows, RESULTS).without_empty_columns()
 }
 
 /// Returns every scan of a part with its most important parameters.
 pub(super) fn scans(surface: &SurfaceResult) -> Option<DataTable> {
-    const KEYS: [(&str, &str); 6] = [
-        ("Sq_m", "Sq"),
-        ("Ssk", "Ssk"),
-        ("Sku", "Sku"),
-        ("Sdq", "Sdq"),
-        ("correlation_length_x_m", "ℓx"),
-        ("correlation_length_y_m", "ℓy"),
-    ];
-    let rows = surface.part()?.scans.iter().map(|scan| {
-        let cell = |(key, _): &(&str, &str)| {
-            Known::of_scan(&scan.statistics, key).map_or_else(|| DASH.into(), |known| known.value)
-        };
-        std::iter::once(scan.file.clone()).chain(KEYS.iter().map(cell)).collect()
-    });
-    let headers: Vec<&str> = std::iter::once("Scan").chain(KEYS.iter().map(|(_, symbol)| *symbol)).collect();
-    Some(DataTable::new("Scans of the part", &headers, rows.collect(), RESULTS))
+    const KEYS: [&str; 7] = ["file", "Sq_m", "Ssk", "Sku", "Sdq", "correlation_length_x_m", "correlation_length_y_m"];
+    Some(DataTable::listed("Scans of the part", &surface.part()?.scans, |key| KEYS.contains(&key)))
 }
 
 /// Returns the distributions fitted to the heights, best first.
@@ -296,16 +119,15 @@ fn parameters_of(fit: &HeightFit) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_results::{Companions, PooledResult, ScanOfPart, SpreadResult};
+    use asperity_results::{Companions, Pair, PartStatistics, PooledResult, ScanOfPart, SpreadResult};
 
     #[test]
-    fn every_parameter_is_listed_once() {
-        let mut keys: Vec<&str> = all().map(|(key, _, _)| *key).collect();
-        let count = keys.len();
-        keys.sort_unstable();
-        keys.dedup();
-        assert_eq!(keys.len(), count);
-        assert_eq!(parameter("Sa_m").map(|p| p.0), Some(0));
+    fn groups_begin_with_a_parameter_in_the_order_of_the_fields() {
+        let places: Vec<usize> = GROUPS.iter().map(|(first, _)| parameter(first).unwrap().0).collect();
+        assert!(places.is_sorted() && places[0] == 0, "{places:?}");
+        let sq = parameter("Sq_m").map(|(_, symbol, meaning)| (symbol, meaning));
+        assert_eq!(sq, Some(("Sq".to_owned(), "Root mean square height".to_owned())));
+        assert_eq!(parameter("hurst").map(|(_, symbol, _)| symbol), Some(String::new()));
     }
 
     fn scan(sq_m: f64, ssk: Option<f64>, interval: Option<Pair>) -> SurfaceStatistics {
@@ -316,17 +138,18 @@ mod tests {
 
     #[test]
     fn groups_precede_their_parameters_and_intervals_are_beside_them() {
-        let table = |interval| table(&MeasuredSurface::Scan(Box::new(scan(1.0234e-6, Some(0.5), interval))));
-        let found = table(Some([9.9e-7, 1.06e-6]));
+        let measured = scan(1.0234e-6, Some(0.5), Some([9.9e-7, 1.06e-6]));
+        let found = table(&MeasuredSurface::Scan(Box::new(measured)));
         let spaced: Vec<Vec<String>> =
             found.rows.iter().map(|row| row.iter().map(|cell| cell.replace('\u{a0}', " ")).collect()).collect();
-        assert_eq!(spaced[0], ["Height"]);
         let row = |symbol: &str| spaced.iter().find(|row| row.get(1).is_some_and(|own| own == symbol)).unwrap();
-        assert_eq!(row("Sq")[2..], ["1.023 µm", "[0.990, 1.060]"].map(str::to_owned));
-        assert_eq!(row("Ssk")[2..], ["0.5".to_owned(), "–".to_owned()]);
-        assert!(spaced.contains(&vec!["Map".to_owned()]) && !spaced.contains(&vec!["Form".to_owned()]));
-        // Without any interval there is no column for them.
-        assert_eq!(table(None).headers.len(), 3);
+        assert_eq!(row("Sq")[2], "1.023 µm [0.990, 1.060]");
+        assert_eq!(row("Ssk")[2], "0.5");
+        let height = spaced.iter().position(|row| row == &["Height"]).unwrap();
+        assert_eq!((spaced[0].as_slice(), spaced[height + 1][1].as_str()), (&["Map".to_owned()][..], "Sa"));
+        assert!(spaced.iter().all(|row| row[0] != "Kurtosis of the heights, 3 for a normal distribution"));
+        // A scan has no standard deviations between scans.
+        assert_eq!(found.headers.len(), 3);
     }
 
     #[test]
@@ -348,12 +171,13 @@ mod tests {
         };
         let measured = MeasuredSurface::Part(Box::new(part));
         let table = table(&measured);
-        assert!(table.caption.ends_with("from 2 scans") && table.headers.len() == 6, "{:?}", table.headers);
-        let cells = table.rows[1][4..].iter().map(|cell| cell.replace('\u{a0}', " ")).collect::<Vec<_>>();
+        assert!(table.caption.ends_with("from 2 scans") && table.headers.len() == 5, "{:?}", table.headers);
+        let row = table.rows.iter().find(|row| row[0] == "Root mean square height").unwrap();
+        let cells = row[3..].iter().map(|cell| cell.replace('\u{a0}', " ")).collect::<Vec<_>>();
         assert_eq!(cells, ["20 nm", "120 nm"]);
         let found = scans_of(measured).unwrap();
         assert_eq!(found.rows.len(), 2);
-        assert_eq!((found.rows[1][0].as_str(), found.rows[1][2].as_str()), ("b.x3p", "–"));
+        assert_eq!((found.rows[1][0].as_str(), found.rows[1][1].as_str()), ("b.x3p", "1.2\u{a0}µm"));
         assert!(scans_of(MeasuredSurface::Stated {}).is_none());
     }
 

@@ -1,10 +1,10 @@
 //! Tables of the page from `results.json`.
 
 use asperity_results::keys::{Key, KeyDefault};
-use asperity_results::{CoarseEntry, PressureMethod, PressureResult, ScalarQuantile};
+use asperity_results::{PressureResult, ScalarQuantile};
 
-use crate::cells::{DASH, plain, shown};
-use crate::format::{Dimension, with_error};
+use crate::cells::{DASH, shown};
+use crate::format::Dimension;
 use crate::page::data_table::DataTable;
 use crate::page::{parameters, random_surface};
 use crate::words::method_name;
@@ -13,14 +13,10 @@ use crate::{Input, Run};
 /// Returns the tables of `surface`: parameters with their meaning, then the random surface.
 pub(super) fn surface(run: &Run) -> Vec<DataTable> {
     let surface = run.results.surface.as_ref();
-    [
-        surface.map(|surface| parameters::table(&surface.measured)),
-        surface.and_then(parameters::scans),
-        surface.map(random_surface::table),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    let mut tables: Vec<DataTable> = surface.map(|surface| parameters::table(&surface.measured)).into_iter().collect();
+    tables.extend(surface.and_then(parameters::scans));
+    tables.extend(surface.iter().flat_map(|surface| random_surface::tables(surface)));
+    tables
 }
 
 /// Returns a sentence on the methods without an estimate and their reasons; empty if every method has one.
@@ -32,62 +28,17 @@ pub(super) fn refused_methods(pressure: &PressureResult) -> String {
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }
 
-/// Returns one row per method with an estimate.
-pub(super) fn methods(run: &Run, pressure: &PressureResult) -> DataTable {
-    let rows = pressure.methods.iter().filter(|method| method.failure.is_none()).map(|method| {
-        let probability = match (method.contact_probability, method.contact_probability_se) {
-            (Some(value), Some(error)) => with_error(value, error),
-            (value, _) => shown(Dimension::None, value, method.contact_probability_interval),
-        };
-        vec![
-            method_name(method.name).to_owned(),
-            method.fine_solves.to_string(),
-            coarse_solves(&method.coarse_solves),
-            seconds(run, method.name).map_or(DASH.into(), |s| Dimension::Time.show_short(s)),
-            probability,
-            shown(Dimension::Pressure, method.mean_pa, method.mean_interval),
-            plain(method.ks_distance, 3),
-            plain(method.wasserstein_1_over_std, 3),
-        ]
-    });
+/// Returns the methods with an estimate, beside each other.
+pub(super) fn methods(pressure: &PressureResult) -> DataTable {
+    let estimated = pressure.methods.iter().filter(|method| method.failure.is_none());
+    let estimated: Vec<_> = estimated.map(|method| (method_name(method.name).to_owned(), method)).collect();
     let sites = if pressure.sites > 1 { format!(", each at {} sites", pressure.sites) } else { String::new() };
     let caption = format!(
         "Methods for the distribution of the pressure; distances are from the reference of {} samples{sites}; brackets are 95 % \
          intervals",
         pressure.reference_samples
     );
-    let headers = [
-        "Method",
-        "Fine solves",
-        "Coarse solves",
-        "Wall time",
-        "P(contact) ± s.e.",
-        "Mean pressure",
-        "KS distance",
-        "W₁ / std",
-    ];
-    DataTable::new(&caption, &headers, rows.collect(), "tables/pressure_methods.csv").without_empty_columns()
-}
-
-/// Formats the contact solves on coarser grids.
-fn coarse_solves(coarse: &[CoarseEntry]) -> String {
-    let each: Vec<String> = coarse.iter().map(|grid| format!("{} on {} × {}", grid.solves, grid.nx, grid.ny)).collect();
-    if each.is_empty() { DASH.into() } else { each.join(", ") }
-}
-
-/// Returns the wall time of a method: of its contact solutions, which several methods share, and of its estimate.
-fn seconds(run: &Run, method: PressureMethod) -> Option<f64> {
-    let samples: &[&str] = match method {
-        PressureMethod::MonteCarlo | PressureMethod::PolynomialChaosLocal => &["monte_carlo"],
-        PressureMethod::LatinHypercube | PressureMethod::PolynomialChaos | PressureMethod::PolynomialChaosLog => {
-            &["latin_hypercube"]
-        }
-        PressureMethod::Sobol => &["sobol"],
-        PressureMethod::Default => &["monte_carlo", "coarse"],
-    };
-    let of = |task: &str| run.provenance.as_ref()?.seconds.get(&format!("pressure/{task}")).copied();
-    let solved = samples.iter().map(|task| of(task)).sum::<Option<f64>>()?;
-    Some(solved + of(&format!("distribution/{}", method.name())).unwrap_or(0.0))
+    DataTable::beside(&caption, &estimated, |key| key != "name")
 }
 
 /// Returns one row per property of the whole contact.

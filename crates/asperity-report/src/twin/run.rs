@@ -34,8 +34,8 @@ pub(super) fn statistics(comparison: &Comparison) -> Vec<(&str, &StatisticCompar
 pub(super) fn named(key: &str) -> (String, String) {
     match parameter(key) {
         // The gradients by seven points and by forward differences have the same symbol.
-        Some((_, symbol, meaning)) if key == "Sdq_7point" => (format!("{symbol} (7 points)"), meaning.into()),
-        Some((_, symbol, meaning)) => (symbol.into(), meaning.into()),
+        Some((_, symbol, meaning)) if key == "Sdq_7point" => (format!("{symbol} (7 points)"), meaning),
+        Some((_, symbol, meaning)) => (symbol, meaning),
         None => (Dimension::of_key(key).0.replace('_', " "), String::new()),
     }
 }

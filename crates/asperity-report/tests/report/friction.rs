@@ -32,15 +32,15 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     let page = |run: &Run| text(&render(run).unwrap().html).replace('\u{a0}', " ");
     for wanted in [
         "Window of 600 µm × 75 µm on 60 strips 75 µm wide (periodic, of mean compliance 8.28 nm/MPa under a fixed plane).",
-        "250 µm [200, 320] (due to the window alone)",
+        "Correlation length ℓ of the exponential fit, with the effect of the window</th>",
         "25.0 µm [21.0, 29.0]",
         "<td>0.061</td>",
-        "exceeded once in 100 mm",
+        ">100 mm</th>",
         "0.2310 [0.2280, 0.2360]",
-        "<td>included</td><td>600 µm</td><td>0.012</td>",
-        "<td>removed</td><td>0 µm [0, 8.5]</td>",
-        "0.021 (p = 0.41)",
-        "Std, “area”",
+        "<td>600 µm</td><td>0.012</td>",
+        "<td>0 µm [0, 8.5]</td>",
+        "p-value of the Kolmogorov–Smirnov distance",
+        "Windows average over the nominal area",
     ] {
         assert!(page(&run).contains(wanted), "{wanted:?} is on the page");
     }
@@ -98,9 +98,9 @@ fn friction_over_the_cutoff_has_its_floor_and_the_ends_of_the_band() {
         "The friction coefficient is known only as far as the shortest waves are.",
         "0.1834 [",
         "0.21",
-        "31 %",
+        "0.31",
         "The scan itself, pressed like the random strips, has 0.2214.",
-        "Friction of the scan itself, 500 µm × 500 µm",
+        "500 µm, 500 µm",
     ] {
         assert!(html.contains(wanted), "{wanted:?} is on the page");
     }

@@ -28,8 +28,7 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
         assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
     }
     let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
-    for wanted in ["9000 on 16 × 16, 1712 on 32 × 32", ">4 s<", "162.0 MPa [157.9, 166.1]", "400.0 nm [398.0, 402.0]"]
-    {
+    for wanted in ["Work of all solves in fine solves", "162.0 MPa [157.9, 166.1]", "400.0 nm [398.0, 402.0]"] {
         assert!(html.contains(wanted), "{wanted:?} is on the page");
     }
     // A refused method is named with its reason, not as a row of dashes.
@@ -40,7 +39,7 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     *method = MethodEntry { name, fine_solves: 60, failure, ..MethodEntry::default() };
     let html = text(&render(&refused).unwrap().html).replace('\u{a0}', " ");
     assert!(html.contains("Methods without an estimate: polynomial chaos (20 samples for 165 coefficients)."));
-    assert!(!html.contains("<th scope=\"row\">polynomial chaos</th>"));
+    assert!(!html.contains("<th scope=\"col\">polynomial chaos</th>"));
     assert!(!text(&render(&run).unwrap().html).contains("Methods without an estimate"));
     // A method unrelated to the reference does not change the axes of the others.
     let method =

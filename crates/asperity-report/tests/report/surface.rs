@@ -12,17 +12,10 @@ fn parameters_are_in_groups_with_their_intervals() {
     let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
     let html = html.split_once("<caption>Surface parameters").unwrap().1;
     let place = |what: &str| html.find(what).unwrap_or_else(|| panic!("{what:?} is on the page"));
-    let wanted =
-        ["95 % interval", "Height", "1.00 µm", "[0.94, 1.06]", "Spatial", "Hybrid", "Functional, core", "Spectral"];
+    let wanted = ["Map", "Height", "1.00 µm [0.94, 1.06]", "Hybrid", "Spatial", "Functional, core", "Spectrum"];
     assert!(wanted.map(place).is_sorted(), "{:?}", wanted.map(place));
     // A wavenumber with its wavelength, and no standard error among the properties of the random surface.
     assert!(html.contains("63 rad/mm (99.7 µm)") && html.contains("roll off") && !html.contains("Sq m se"));
-    // Without intervals there is no column for them.
-    let mut run = full_run();
-    let mut scan = example::scan();
-    scan.intervals.0.clear();
-    surface(&mut run).measured = MeasuredSurface::Scan(Box::new(scan));
-    assert!(!text(&render(&run).unwrap().html).contains("<th scope=\"col\">95 % interval</th>"));
 }
 
 #[test]

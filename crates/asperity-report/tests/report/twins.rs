@@ -142,7 +142,7 @@ fn parameters_are_in_the_order_of_the_tables() {
     let html = text(&render_twins(&run(40, 30)).unwrap().html);
     let place = |meaning: &str| html.find(meaning).unwrap_or_else(|| panic!("{meaning}"));
     let places =
-        ["root mean square height", "skewness of heights", "texture aspect ratio", "correlation length along x"]
+        ["Root mean square height", "Skewness of the heights", "Texture aspect ratio", "correlation length along x"]
             .map(place);
     assert!(places.is_sorted(), "{places:?}");
     // An undefined value is a dash.
