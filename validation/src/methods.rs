@@ -13,7 +13,7 @@ use std::error::Error;
 
 use asperity::monitor::Monitor;
 use asperity::pressure::surrogate::{RotatedSamples, estimate, others};
-use asperity::pressure::{Method, MethodComparison, MethodError, PressureError, PressureEstimate, Problem};
+use asperity::pressure::{MethodComparison, MethodError, PressureError, PressureEstimate, PressureMethod, Problem};
 
 use latent::LatentOverlap;
 use two_part::TwoPart;
@@ -28,7 +28,7 @@ pub type Outcome = Result<PressureEstimate, Box<dyn Error + Send + Sync>>;
 
 /// Returns the names of the methods, in the order of [`estimates`].
 pub fn names() -> Vec<&'static str> {
-    let product = Method::ALL.map(Method::name);
+    let product: Vec<&str> = PressureMethod::ALL.iter().map(|method| method.name()).collect();
     let (last, first) = product.split_last().map_or(("", &[][..]), |(last, first)| (*last, first));
     let own = ["latent_overlap", "two_part", "control_variate", "multilevel", "pooled_sites"];
     first.iter().copied().chain(own).chain([last]).collect()

@@ -7,7 +7,6 @@
 
 #[doc(hidden)]
 pub mod blocks;
-pub mod choice;
 pub mod correlation;
 pub mod distribution;
 pub mod fourier;
@@ -27,6 +26,8 @@ mod testing;
 pub mod translation;
 #[doc(hidden)]
 pub mod wide;
+
+pub use asperity_results::choice;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

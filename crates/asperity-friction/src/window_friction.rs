@@ -5,8 +5,8 @@ use asperity_base::sentence;
 use asperity_process::{CorrelationShape, FittedProcess, Generator, ProcessModel, TranslationKind};
 use serde::{Deserialize, Serialize};
 
+use crate::RoughBody;
 use crate::mean_errors::MeanErrors;
-use crate::rough_body::RoughBody;
 use crate::solved_level::SolvedLevel;
 use crate::upscaling::{Upscaling, exponential, variance_reduction};
 

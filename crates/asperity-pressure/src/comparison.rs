@@ -8,7 +8,7 @@ use crate::nested::{CoarseSolves, NestedSamples, Quantity};
 use crate::sample::Sampling;
 use crate::sensitivity::{self, Sensitivity};
 use crate::surrogate::{RotatedSamples, TrainingSamples};
-use crate::{Failure, Method, MethodError, PressureError, Problem, QuantileResult, Samples, solve};
+use crate::{Failure, MethodError, PressureError, PressureMethod, Problem, QuantileResult, Samples, solve};
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::{Interval, NORMAL_95, VALID_FRACTION};
 use asperity_chaos::{Basis, Design, DiscreteDistribution, SamplingMethod};
@@ -46,7 +46,7 @@ pub struct MethodComparison {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodResult {
     /// Method.
-    pub method: Method,
+    pub method: PressureMethod,
     /// Number of its contact solutions, including failed ones.
     pub fine_solves: usize,
     /// Further solutions on coarser grids.
@@ -68,7 +68,7 @@ pub struct ScalarResult {
     pub mean_se: f64,
     /// 95 % interval of the mean within the possible values.
     pub mean_interval: Interval,
-    /// Distribution, estimated as by [`Method::Default`].
+    /// Distribution, estimated as by [`PressureMethod::Default`].
     pub distribution: DiscreteDistribution,
     /// 95 % intervals of the 10, 50 and 90 % quantiles.
     pub quantiles: Vec<QuantileResult>,
@@ -95,7 +95,7 @@ pub struct Reference {
 pub struct ComparisonResults {
     /// Reference.
     pub reference: Reference,
-    /// Result of each of [`Method::ALL`].
+    /// Result of each of [`PressureMethod::ALL`].
     pub methods: Vec<MethodResult>,
     /// Distributions of scalars of the whole contact.
     pub scalars: Vec<ScalarResult>,
@@ -180,7 +180,7 @@ impl MethodComparison {
         })
     }
 
-    /// Estimates the distribution by [`Method::Default`] alone, without a reference. Also returns the numbers of
+    /// Estimates the distribution by [`PressureMethod::Default`] alone, without a reference. Also returns the numbers of
     /// solutions on coarser grids.
     ///
     /// # Errors
@@ -297,22 +297,24 @@ impl Solutions<'_> {
     /// # Errors
     /// A distribution could not be created from its values.
     pub fn results(self, monitor: &dyn Monitor) -> Result<ComparisonResults, PressureError> {
-        let mut methods = Vec::with_capacity(Method::ALL.len());
-        for method in Method::ALL {
+        let mut methods = Vec::with_capacity(PressureMethod::ALL.len());
+        for &method in PressureMethod::ALL {
             let task = format!("pressure/distribution/{}", method.name());
             monitor.progress(&task, 0, 1);
             let samples = match method {
-                Method::LatinHypercube | Method::PolynomialChaos | Method::PolynomialChaosLog => {
-                    self.latin.as_ref().ok()
+                PressureMethod::LatinHypercube
+                | PressureMethod::PolynomialChaos
+                | PressureMethod::PolynomialChaosLog => self.latin.as_ref().ok(),
+                PressureMethod::Sobol => self.sobol.as_ref().ok(),
+                PressureMethod::MonteCarlo | PressureMethod::PolynomialChaosLocal | PressureMethod::Default => {
+                    Some(&self.monte_carlo)
                 }
-                Method::Sobol => self.sobol.as_ref().ok(),
-                Method::MonteCarlo | Method::PolynomialChaosLocal | Method::Default => Some(&self.monte_carlo),
             };
             methods.push(MethodResult {
                 method,
                 fine_solves: samples.map_or(0, Samples::posed),
                 coarse_solves: match &self.nested {
-                    Ok(nested) if method == Method::Default => nested.coarse_solves(&self.problem),
+                    Ok(nested) if method == PressureMethod::Default => nested.coarse_solves(&self.problem),
                     _ => Vec::new(),
                 },
                 failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
@@ -331,7 +333,7 @@ impl Solutions<'_> {
         Ok(ComparisonResults { reference: self.reference, methods, scalars, fields: self.fields, sensitivities })
     }
 
-    fn estimate(&self, method: Method) -> Result<PressureEstimate, PressureError> {
+    fn estimate(&self, method: PressureMethod) -> Result<PressureEstimate, PressureError> {
         let MethodComparison { seed, variables, degree, .. } = self.settings;
         let largest_pa = self.problem.hardness_pa().unwrap_or(f64::INFINITY);
         let replicated = |samples: &Result<Samples, MethodError>| match samples {
@@ -350,12 +352,12 @@ impl Solutions<'_> {
             Ok(expansion::estimate(response, &xi_samples, training, basis, &fresh, seed)?)
         };
         match method {
-            Method::MonteCarlo => PressureEstimate::from_independent(&self.monte_carlo, largest_pa, seed),
-            Method::LatinHypercube => replicated(&self.latin),
-            Method::Sobol => replicated(&self.sobol),
-            Method::PolynomialChaos => expanded(Response::Pressure),
-            Method::PolynomialChaosLog => expanded(Response::Logarithm),
-            Method::PolynomialChaosLocal => {
+            PressureMethod::MonteCarlo => PressureEstimate::from_independent(&self.monte_carlo, largest_pa, seed),
+            PressureMethod::LatinHypercube => replicated(&self.latin),
+            PressureMethod::Sobol => replicated(&self.sobol),
+            PressureMethod::PolynomialChaos => expanded(Response::Pressure),
+            PressureMethod::PolynomialChaosLog => expanded(Response::Logarithm),
+            PressureMethod::PolynomialChaosLocal => {
                 let rotated = self.rotated.as_ref().map_err(Clone::clone)?;
                 if rotated.variables() == 0 {
                     return Err(MethodError::NoVariables.into());
@@ -364,7 +366,7 @@ impl Solutions<'_> {
                 let (rows, training) = (&rotated.rows, rotated.training());
                 Ok(expansion::estimate(Response::Pressure, rows, training, basis, &rotated.fresh, seed)?)
             }
-            Method::Default => {
+            PressureMethod::Default => {
                 let nested = self.nested.as_ref().map_err(Clone::clone)?;
                 Ok(nested.estimate_pressure(&self.problem, seed, true, true)?)
             }
@@ -406,7 +408,7 @@ fn method_error<T>(outcome: Result<T, PressureError>) -> Result<Result<T, Method
 
 impl ComparisonResults {
     /// Returns the estimate of one method, if it has one.
-    pub fn estimate(&self, method: Method) -> Option<&(PressureEstimate, ReferenceDistances)> {
+    pub fn estimate(&self, method: PressureMethod) -> Option<&(PressureEstimate, ReferenceDistances)> {
         self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
     }
 }

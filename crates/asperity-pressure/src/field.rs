@@ -18,7 +18,7 @@ const QUANTILES: [f64; 3] = [0.1, 0.5, 0.9];
 /// Minimum number of samples per coefficient of an expansion of all cells.
 const SAMPLES_PER_TERM: usize = 2;
 
-/// Distributions of the pressures of all cells, from the independent samples of [`Method::MonteCarlo`](crate::Method).
+/// Distributions of the pressures of all cells, from the independent samples of [`PressureMethod::MonteCarlo`](crate::PressureMethod).
 ///
 /// Contact probabilities and means use all samples. Whole fields are kept for as many leading samples as fit into 512
 /// MiB; standard errors, quantiles and expansions use those samples.

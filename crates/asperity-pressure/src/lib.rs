@@ -2,7 +2,7 @@
 //!
 //! A random surface is pressed against a rigid plane. The pressure p at one cell is a random variable with a point mass
 //! at zero, P(p = 0) = 1 − P(contact), and a continuous part. [`Problem`] defines the pressure, [`solve`] evaluates it
-//! on a design of samples ξ, and [`MethodComparison`] estimates its distribution by several [`Method`]s with the same
+//! on a design of samples ξ, and [`MethodComparison`] estimates its distribution by several [`PressureMethod`]s with the same
 //! number of contact solutions and compares each with an independent Monte Carlo reference.
 
 mod band;
@@ -30,6 +30,7 @@ pub mod surrogate;
 #[cfg(test)]
 mod testing;
 
+pub use asperity_results::PressureMethod;
 pub use band::{Band, QuantileResult};
 #[doc(hidden)]
 pub use comparison::Solutions;
@@ -39,7 +40,7 @@ pub use failure::FailureReason;
 pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};
 pub use homogeneity::Homogeneity;
 pub use likeness::ContactLikeness;
-pub use method::{Method, MethodError};
+pub use method::MethodError;
 #[doc(hidden)]
 pub use nested::NestedSamples;
 pub use nested::{CoarseSolves, Quantity};

@@ -68,7 +68,7 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
 
 #[cfg(test)]
 mod tests {
-    use asperity_results::{InputValue, KindResult, MemberAnswers, MemberResult, VariedKey};
+    use asperity_results::{InputValue, MemberAnswers, MemberResult, MotionKind, VariedKey};
 
     use super::answers::answers;
     use super::figure::figure;
@@ -125,7 +125,7 @@ mod tests {
             (member.failed, member.reason) = (false, None);
             member.answers = MemberAnswers {
                 vibrates: Some(damping < limit),
-                kind: Some(if damping < limit { KindResult::StickSlip } else { KindResult::None }),
+                kind: Some(if damping < limit { MotionKind::StickSlip } else { MotionKind::None }),
                 limit_damping_ratio: Some(limit),
                 damping_margin: Some(damping - limit),
                 ..MemberAnswers::default()

@@ -1,6 +1,6 @@
 //! The verdict in words.
 
-use asperity_results::{Assumed, ModelResult, VerdictResult};
+use asperity_results::{Assumed, MachineModel, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::named;
@@ -34,7 +34,7 @@ impl Headline {
             return Self::of_one_machine(verdict, noun, interval);
         }
         let before = format!("{noun} is ");
-        let coupled = verdict.model == ModelResult::ModeCoupling;
+        let coupled = verdict.model == MachineModel::ModeCoupling;
         let event =
             if coupled { "flutter".into() } else { format!("{}, once started from standstill", vibrate(verdict)) };
         let range = leading_range(verdict);
@@ -67,7 +67,7 @@ impl Headline {
     /// Returns the verdict on a machine whose values are all exact.
     fn of_one_machine(verdict: &VerdictResult, noun: &str, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let before = String::from("The machine ");
-        if verdict.model == ModelResult::ModeCoupling {
+        if verdict.model == MachineModel::ModeCoupling {
             let distance = significant(verdict.nominal.damping_margin.abs(), 3);
             let (answer, side) =
                 if verdict.nominal.vibrates { ("squeals", "above") } else { ("does not squeal", "below") };
@@ -186,7 +186,7 @@ fn probability_sentence(verdict: &VerdictResult) -> String {
     let is_rare = leading_range(verdict).unwrap_or(verdict.probability_interval)[1] < RARE;
     match verdict.probability_from_steady_sliding {
         // Coupled modes flutter however their motion begins.
-        Some(sliding) if !is_rare && verdict.model == ModelResult::StickSlip => {
+        Some(sliding) if !is_rare && verdict.model == MachineModel::StickSlip => {
             format!("{}; {} from steady sliding.", sentence.trim_end_matches('.'), percent(sliding))
         }
         _ => sentence,
@@ -196,7 +196,7 @@ fn probability_sentence(verdict: &VerdictResult) -> String {
 /// Returns a phrase on steady sliding in a machine of exact values that vibrates; `None` for a quiet machine.
 pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
     let nominal = &verdict.nominal;
-    if !nominal.vibrates || verdict.friction_fluctuates || verdict.model == ModelResult::ModeCoupling {
+    if !nominal.vibrates || verdict.friction_fluctuates || verdict.model == MachineModel::ModeCoupling {
         return None;
     }
     if nominal.steady_sliding_unstable {
@@ -247,7 +247,7 @@ pub(crate) fn sampled_percent(fraction: f64, [low, high]: [f64; 2]) -> String {
 
 /// Returns the noun for the most frequent kind of vibration.
 pub(crate) fn noun(verdict: &VerdictResult) -> &'static str {
-    if verdict.model == ModelResult::ModeCoupling {
+    if verdict.model == MachineModel::ModeCoupling {
         return "Squeal by mode coupling";
     }
     let kind = verdict

@@ -1,7 +1,7 @@
 //! Names and values of models, methods, motions and inputs, for readers.
 
 use asperity_results::keys;
-use asperity_results::{DistributionResult, FrictionResult, KindResult, PressureMethod, Quantiles};
+use asperity_results::{DistributionResult, FrictionResult, MotionKind, PressureMethod, Quantiles};
 
 use crate::format::{Dimension, fixed};
 
@@ -137,14 +137,14 @@ pub(crate) fn method_name(method: PressureMethod) -> &'static str {
 }
 
 /// Returns the name of a kind of motion for readers.
-pub(crate) fn kind_in_words(kind: KindResult) -> &'static str {
+pub(crate) fn kind_in_words(kind: MotionKind) -> &'static str {
     match kind {
-        KindResult::StickSlip => "stick-slip",
-        KindResult::Overtaking => "overtaking",
-        KindResult::SlipCycle => "slip cycle",
-        KindResult::Flutter => "flutter",
-        KindResult::Divergence => "divergence",
-        KindResult::None => "steady sliding",
+        MotionKind::StickSlip => "stick-slip",
+        MotionKind::Overtaking => "overtaking",
+        MotionKind::SlipCycle => "slip cycle",
+        MotionKind::Flutter => "flutter",
+        MotionKind::Divergence => "divergence",
+        MotionKind::None => "steady sliding",
     }
 }
 

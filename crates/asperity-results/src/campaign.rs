@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{InputValue, KindResult, Pair, SCHEMA_VERSION};
+use crate::{InputValue, MotionKind, Pair, SCHEMA_VERSION};
 
 /// Rows of all members of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -91,7 +91,7 @@ pub struct MemberAnswers {
     /// Margin of the damping: damping ratio minus `limit_damping_ratio`.
     pub damping_margin: Option<f64>,
     /// Kind of motion, with uncertain values at their centres.
-    pub kind: Option<KindResult>,
+    pub kind: Option<MotionKind>,
     /// Whether the machine vibrates if its motion begins in stick, with uncertain values at their centres.
     pub vibrates: Option<bool>,
     /// Probability of vibration over the uncertain values.

@@ -14,7 +14,7 @@ pub struct FrictionResult {
     /// Body that is rough. Unless it is the track alone, windows along the strips are no path: correlation lengths, drifts and
     /// return levels are `null` or empty, and standard deviations are those between windows of different parts.
     #[serde(default)]
-    pub body: RoughBodyResult,
+    pub body: RoughBody,
     /// Length of the window.
     pub window_m: f64,
     /// Width of the window.
@@ -47,17 +47,21 @@ impl FrictionResult {
     }
 }
 
-/// Rough body of a sliding contact.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum RoughBodyResult {
-    /// Track: friction fluctuates along the path.
-    #[default]
-    Track,
-    /// Slider: friction is constant for each part.
-    Slider,
-    /// Both: friction differs between parts and fluctuates along the path.
-    Both,
+crate::choice! {
+    /// Rough body of a sliding contact.
+    ///
+    /// Friction fluctuates along the path only if new contacts form on the way. A rough slider on a smooth track carries its
+    /// contacts along, so the friction coefficient of a part is constant and parts differ by a constant.
+    #[derive(Default)]
+    pub enum RoughBody: "rough body" {
+        /// A smooth slider passes over a rough track: friction fluctuates along the path.
+        #[default]
+        Track = "track",
+        /// A rough slider on a smooth track carries its contacts along: friction is constant for each part.
+        Slider = "slider",
+        /// Both: friction differs from part to part and fluctuates along the path.
+        Both = "both",
+    }
 }
 
 /// The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the study names or,

@@ -6,6 +6,7 @@
 //! at 95 %. Results hold no clock, host or number of threads, so equal studies give equal bytes.
 
 mod campaign;
+pub mod choice;
 mod companions;
 mod comparison;
 mod cutoff;
@@ -38,10 +39,10 @@ pub use field::Field;
 pub use friction::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
     GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult, ReturnLevelResult,
-    RoughBodyResult, StationarityResult, TailResult, UpscalingResult,
+    RoughBody, StationarityResult, TailResult, UpscalingResult,
 };
 pub use labelled::{Answer, FieldKind, LabelledField};
-pub use mode_coupling::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, ModelResult};
+pub use mode_coupling::{CoupledCycleResult, CoupledMotion, MachineModel, ModeCouplingResult};
 pub use pressure::{
     CoarseEntry, GlobalExpansionEntry, HomogeneityEntry, IndexEntry, MapsEntry, MethodEntry, PressureMethod,
     PressureQuantile, PressureResult, ScalarEntry, ScalarQuantile, SensitivityEntry,
@@ -65,7 +66,7 @@ pub use verdict::{
 };
 pub use verdict_tables::{AreaAsOne, ProbabilityMap, ProbabilityMapAxis};
 pub use vibration::{
-    CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult, MapResolutionResult, MapResult,
+    CrossingResult, CycleResult, DampingResult, EnsembleResult, MapResolutionResult, MapResult, MotionKind,
     MotionResult, PointsResult, VibrationResult,
 };
 

@@ -3,17 +3,18 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{KindResult, Pair};
+use crate::{MotionKind, Pair};
 
-/// Model of the machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ModelResult {
-    /// One mass with one degree of freedom. Its margin is one of the damping ratio, ζ − ζ_v.
-    #[default]
-    StickSlip,
-    /// One mass with two degrees of freedom. Its margin is one of the friction coefficient, μ_c − μ.
-    ModeCoupling,
+crate::choice! {
+    /// Model of the machine.
+    #[derive(Default)]
+    pub enum MachineModel: "model" {
+        /// One degree of freedom, and friction that depends on the velocity. Its margin is one of the damping ratio, ζ − ζ_v.
+        #[default]
+        StickSlip = "stick_slip",
+        /// Two degrees of freedom that friction couples. Its margin is one of the friction coefficient, μ_c − μ.
+        ModeCoupling = "mode_coupling",
+    }
 }
 
 /// Long-term motion of the machine.
@@ -58,7 +59,7 @@ pub struct ModeCouplingResult {
     /// Whether steady sliding is unstable.
     pub steady_sliding_unstable: bool,
     /// Kind of the motion: `flutter`, `divergence` or `none`.
-    pub kind: KindResult,
+    pub kind: MotionKind,
     /// Frequency at which flutter begins at μ_c; `null` without flutter.
     pub onset_frequency_hz: Option<f64>,
     /// Frequencies of the two modes of small motion, the slow one first; 0 without vibration.

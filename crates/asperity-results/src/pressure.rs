@@ -53,55 +53,26 @@ pub struct PressureResult {
     pub sensitivities: Vec<SensitivityEntry>,
 }
 
-/// Method that estimates the distribution of the pressure.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PressureMethod {
-    /// Independent samples.
-    MonteCarlo,
-    /// Ten Latin hypercubes.
-    LatinHypercube,
-    /// Ten randomisations of Sobol' points.
-    Sobol,
-    /// Chaos expansion of the pressure in contact, on the Latin hypercubes.
-    PolynomialChaos,
-    /// Chaos expansion of the logarithm of the pressure in contact, on the same samples.
-    PolynomialChaosLog,
-    /// Chaos expansion on the Monte Carlo samples, in variables rotated to the cell.
-    PolynomialChaosLocal,
-    /// Multilevel estimator.
-    #[default]
-    Default,
-}
-
-impl PressureMethod {
-    /// All methods, in the order of reports.
-    pub const ALL: [Self; 7] = [
-        Self::MonteCarlo,
-        Self::LatinHypercube,
-        Self::Sobol,
-        Self::PolynomialChaos,
-        Self::PolynomialChaosLog,
-        Self::PolynomialChaosLocal,
-        Self::Default,
-    ];
-
-    /// Returns the name in `results.json` and in the columns of tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::MonteCarlo => "monte_carlo",
-            Self::LatinHypercube => "latin_hypercube",
-            Self::Sobol => "sobol",
-            Self::PolynomialChaos => "polynomial_chaos",
-            Self::PolynomialChaosLog => "polynomial_chaos_log",
-            Self::PolynomialChaosLocal => "polynomial_chaos_local",
-            Self::Default => "default",
-        }
-    }
-
-    /// Returns the method of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
+crate::choice! {
+    /// Method that estimates the distribution of the pressure.
+    #[derive(Default)]
+    pub enum PressureMethod: "method for the pressure" {
+        /// Empirical distribution of independent samples.
+        MonteCarlo = "monte_carlo",
+        /// Mean of the empirical distributions of ten Latin hypercubes.
+        LatinHypercube = "latin_hypercube",
+        /// Mean of the empirical distributions of ten randomisations of Sobol' points.
+        Sobol = "sobol",
+        /// Eq. (8): chaos expansion of the pressure in contact in the leading variables ξ, on the Latin hypercubes.
+        PolynomialChaos = "polynomial_chaos",
+        /// Eq. (9): chaos expansion of the logarithm of the pressure in contact, on the same samples.
+        PolynomialChaosLog = "polynomial_chaos_log",
+        /// Eq. (8) on the Monte Carlo samples, in variables ξ rotated to the cell.
+        PolynomialChaosLocal = "polynomial_chaos_local",
+        /// Multilevel estimator: Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the cell that
+        /// predict the coarse results.
+        #[default]
+        Default = "default",
     }
 }
 

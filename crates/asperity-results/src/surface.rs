@@ -270,7 +270,7 @@ pub struct CovarianceCandidateResult {
 }
 
 /// A Karhunen–Loève expansion.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KarhunenLoeveResult {
     /// Number of terms.
@@ -282,7 +282,7 @@ pub struct KarhunenLoeveResult {
 }
 
 /// Changes that made the scan's own autocorrelation a covariance. All correlations are relative to the variance.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EmpiricalCovariance {
     /// Fraction of the variance removed with the map's mean; lags and variance are corrected for it.

@@ -66,13 +66,6 @@ impl Table {
         Self { names: Vec::new(), columns: columns("", &T::fields(), &rows) }
     }
 
-    /// Returns the table with `prefix` before the names of its columns.
-    #[must_use]
-    pub fn prefixed(mut self, prefix: &str) -> Self {
-        self.columns.iter_mut().for_each(|(name, _)| name.insert_str(0, prefix));
-        self
-    }
-
     /// Moves the named column, the abscissa, to the front.
     #[must_use]
     pub fn with_first(mut self, name: &str) -> Self {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AreaAsOne, KindResult, ModelResult, Pair, ProbabilityMap};
+use crate::{AreaAsOne, MachineModel, MotionKind, Pair, ProbabilityMap};
 
 /// Probability of vibration over the uncertain values of a study, what decides it and what changes it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -13,7 +13,7 @@ use crate::{AreaAsOne, KindResult, ModelResult, Pair, ProbabilityMap};
 pub struct VerdictResult {
     /// Model of the machine. It decides what a margin is.
     #[serde(default)]
-    pub model: ModelResult,
+    pub model: MachineModel,
     /// Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick.
     pub expected_vibration_share: f64,
     /// Its 95 % interval: the error of the computation.
@@ -179,7 +179,7 @@ pub struct NominalMachine {
     /// Whether it vibrates if its motion begins in stick.
     pub vibrates: bool,
     /// Kind of its motion.
-    pub kind: KindResult,
+    pub kind: MotionKind,
     /// Whether its steady sliding is unstable.
     pub steady_sliding_unstable: bool,
     /// Smallest change of velocity after which it vibrates from steady sliding; `null` if none is needed or none suffices.

@@ -7,36 +7,30 @@ use serde::{Deserialize, Serialize};
 
 use crate::{DistributionResult, Pair};
 
-/// Kind of motion that the machine settles into.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum KindResult {
-    /// The mass sticks to the belt in every period.
-    StickSlip,
-    /// The mass exceeds the belt's velocity and never sticks.
-    Overtaking,
-    /// The mass stays slower than the belt throughout the period.
-    SlipCycle,
-    /// Two modes that friction couples grow to a vibration.
-    Flutter,
-    /// Friction pulls the mass away without vibration.
-    Divergence,
-    /// Steady sliding.
-    #[default]
-    None,
+crate::choice! {
+    /// Kind of motion that a machine settles into. Every kind except [`MotionKind::None`] is vibration.
+    #[derive(Default)]
+    pub enum MotionKind: "kind of motion" {
+        /// The mass sticks to the belt in every period.
+        StickSlip = "stick_slip",
+        /// The mass passes the velocity of the belt (the relative velocity changes its sign) and never sticks.
+        Overtaking = "overtaking",
+        /// The mass stays slower than the belt throughout the period.
+        SlipCycle = "slip_cycle",
+        /// Two modes that friction couples grow to a vibration.
+        Flutter = "flutter",
+        /// Friction pulls the mass away without vibration.
+        Divergence = "divergence",
+        /// Steady sliding.
+        #[default]
+        None = "none",
+    }
 }
 
-impl KindResult {
-    /// Returns the name in `results.json`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::StickSlip => "stick_slip",
-            Self::Overtaking => "overtaking",
-            Self::SlipCycle => "slip_cycle",
-            Self::Flutter => "flutter",
-            Self::Divergence => "divergence",
-            Self::None => "none",
-        }
+impl MotionKind {
+    /// Returns whether the motion of one degree of freedom is vibration.
+    pub fn is_vibration(self) -> bool {
+        self != Self::None
     }
 }
 
@@ -69,7 +63,7 @@ pub struct VibrationResult {
     /// Damping ratio ζ_v above which no vibration persists; `null` if the search failed.
     pub limit_damping_ratio: Option<f64>,
     /// Kind of motion without fluctuation, started in stick, at the study's damping ratio.
-    pub kind: KindResult,
+    pub kind: MotionKind,
     /// Whether steady sliding is unstable there; `null` under forcing.
     pub steady_sliding_unstable: Option<bool>,
     /// Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if none is
@@ -186,7 +180,7 @@ pub struct MotionResult {
     /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
     /// Fraction of the time in each kind of motion.
-    pub kind_shares: BTreeMap<KindResult, f64>,
+    pub kind_shares: BTreeMap<MotionKind, f64>,
     /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,
     /// 95 % interval of `exit_rate`.
@@ -208,7 +202,7 @@ pub struct DampingResult {
     /// Damping ratio.
     pub damping_ratio: f64,
     /// Kind of motion without noise.
-    pub kind: KindResult,
+    pub kind: MotionKind,
     /// Slips that reach a negative velocity, without noise.
     pub cycles_deterministic: u64,
     /// Mean number of these slips with noise.

@@ -42,9 +42,9 @@ pub use band_slopes::{BandSlopes, Roughness};
 pub use composite::CompositeModel;
 pub use covariance::{CovarianceRequest, SurfaceCovariance};
 pub use error::SurfaceModelError;
-pub use generated::{CapturedModes, GAMMA, Generated, PatchSize, RIDGES, XiOrder};
+pub use generated::{GAMMA, Generated, PatchSize, RIDGES, XiOrder};
 pub use request::{Measurable, SurfaceRequest};
-pub use selection::{CovarianceCandidate, SelectedCovariance};
+pub use selection::SelectedCovariance;
 pub use trial::TrialMaps;
 pub use variation::Variation;
 

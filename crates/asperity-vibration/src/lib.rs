@@ -33,7 +33,6 @@ mod cycle;
 mod deterministic;
 mod ensemble;
 mod events;
-mod kind;
 pub mod law;
 mod locked;
 mod margin;
@@ -61,6 +60,7 @@ mod weakening;
 
 use thiserror::Error;
 
+pub use asperity_results::MotionKind;
 pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
 pub use cloud::phase_cloud;
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
@@ -68,7 +68,6 @@ pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use deterministic::deterministic_slips;
 pub use ensemble::{Ensemble, EnsembleSettings, FailedTrajectory, Fraction, Passages, Rate};
 pub use events::{Drive, Event, EventKind, Phase};
-pub use kind::MotionKind;
 pub use law::{FrictionTable, VelocityLaw};
 pub use locked::locked_boundary;
 pub use margin::DampingMargins;
@@ -87,7 +86,7 @@ pub use structure::{
     CurveParameter, CurveSettings, ForcedCycle, Mark, MarkKind, Separatrix, SeparatrixKind, SlipCycle, Turnover, basin,
     bifurcation_diagram, critical_curve, forced_cycles, locked_curve, separatrix, slip_cycles, smallest_kick,
 };
-pub use sweep::{Crossing, DampingSweep, crossings_without_fluctuation, damping_sweep};
+pub use sweep::{DampingSweep, crossings_without_fluctuation, damping_sweep};
 pub use trajectory::{Slips, Trajectory, TrajectorySettings};
 pub use waveform::{Waveform, WaveformSettings};
 

@@ -1,5 +1,6 @@
 //! Ensembles over damping, and the damping ratios at which vibration ends under noise.
 
+use asperity_results::CrossingResult;
 use serde::{Deserialize, Serialize};
 
 use super::{Count, Ensemble, EnsembleSettings, Oscillator, VibrationError, limit_cycle, limit_damping};
@@ -25,32 +26,18 @@ pub struct DampingSweep {
     pub ensembles: Vec<Ensemble>,
 }
 
-/// Damping ratio at which vibration falls through a level.
-///
-/// φ(ζ) is the mean, over the realisations of friction, of the fraction of the second half of the time spent in
-/// vibration ([`super::Passages::late_share`]). The crossing is the largest ζ at which φ equals the level. Without
-/// fluctuation φ is 1 or 0, and all crossings equal the largest damping ratio with vibration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Crossing {
-    /// Level of φ.
-    pub share: f64,
-    /// Damping ratio; none if φ does not fall through the level in the range of the search.
-    pub damping_ratio: Option<f64>,
-    /// 95 % interval: the damping ratios at which the level lies within 1.96 standard errors of the mean over the
-    /// trajectories, the larger ones of both sides of the crossing. An end that the search did not reach is the end of its range.
-    pub interval: Option<[f64; 2]>,
-    /// Reason why there is no crossing.
-    pub reason: Option<String>,
-}
-
-impl Crossing {
-    fn none(share: f64, reason: String) -> Self {
-        Self { share, damping_ratio: None, interval: None, reason: Some(reason) }
-    }
+fn no_crossing(share: f64, reason: String) -> CrossingResult {
+    CrossingResult { share, reason: Some(reason), ..CrossingResult::default() }
 }
 
 impl DampingSweep {
     /// Returns the crossings of φ through each of the levels.
+    ///
+    /// φ(ζ) is the mean, over the realisations of friction, of the fraction of the second half of the time spent in
+    /// vibration ([`super::Passages::late_share`]). A crossing is the largest ζ at which φ equals the level. Without
+    /// fluctuation φ is 1 or 0, and all crossings equal the largest damping ratio with vibration. The interval holds the
+    /// damping ratios at which the level lies within 1.96 standard errors of the mean over the trajectories; an end that
+    /// the search did not reach is the end of its range.
     ///
     /// Every crossing is bracketed by the damping ratios of the sweep, by 0, or by twice the damping ratio at which
     /// vibration ends without fluctuation. It is then bisected with further ensembles of the same realisations, until
@@ -67,7 +54,7 @@ impl DampingSweep {
         levels: &[f64],
         settings: &EnsembleSettings,
         monitor: &dyn Monitor,
-    ) -> Result<Vec<Crossing>, VibrationError> {
+    ) -> Result<Vec<CrossingResult>, VibrationError> {
         let settings = EnsembleSettings { sample_capacity: 0, ..*settings };
         let share = |damping: f64| {
             let ensemble = Ensemble::simulate(&oscillator.with_damping(damping)?, process, &settings, &Quiet(monitor))?;
@@ -101,7 +88,7 @@ pub fn crossings_without_fluctuation(
     levels: &[f64],
     least: f64,
     monitor: &dyn Monitor,
-) -> Result<Vec<Crossing>, VibrationError> {
+) -> Result<Vec<CrossingResult>, VibrationError> {
     if oscillator.forcing().is_some() {
         let share = |damping: f64| {
             if monitor.cancelled() {
@@ -117,10 +104,13 @@ pub fn crossings_without_fluctuation(
         found => Some(found?).filter(|limit| *limit > 0.0),
     };
     let crossing = |&share: &f64| match limit {
-        Some(limit) => Crossing { share, damping_ratio: Some(limit), interval: Some([limit, limit]), reason: None },
-        None => {
-            Crossing::none(share, "without fluctuation of friction there is no vibration at any damping ratio".into())
-        }
+        Some(limit) => CrossingResult {
+            share,
+            damping_ratio: Some(limit),
+            damping_ratio_interval: Some([limit, limit]),
+            reason: None,
+        },
+        None => no_crossing(share, "without fluctuation of friction there is no vibration at any damping ratio".into()),
     };
     Ok(levels.iter().map(crossing).collect())
 }
@@ -149,18 +139,18 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn crossings(&mut self, levels: &[f64]) -> Result<Vec<Crossing>, VibrationError> {
+    fn crossings(&mut self, levels: &[f64]) -> Result<Vec<CrossingResult>, VibrationError> {
         levels
             .iter()
             .map(|&level| match self.crossing(level) {
                 Err(error @ (VibrationError::Cancelled(_) | VibrationError::Parameter { .. })) => Err(error),
-                Err(error) => Ok(Crossing::none(level, format!("the search ended: {error}"))),
+                Err(error) => Ok(no_crossing(level, format!("the search ended: {error}"))),
                 found => found,
             })
             .collect()
     }
 
-    fn crossing(&mut self, level: f64) -> Result<Crossing, VibrationError> {
+    fn crossing(&mut self, level: f64) -> Result<CrossingResult, VibrationError> {
         let percent = sentence::digits(100.0 * level);
         let (low, high) = match self.fall(level)? {
             Fall::Between(low, high) => (low, high),
@@ -169,11 +159,11 @@ impl Search<'_> {
                     "vibration takes more than {percent} % of the time up to the damping ratio {}, where the search ends",
                     sentence::digits(self.top)
                 );
-                return Ok(Crossing::none(level, reason));
+                return Ok(no_crossing(level, reason));
             }
             Fall::Below => {
                 let reason = format!("vibration takes less than {percent} % of the time even without damping");
-                return Ok(Crossing::none(level, reason));
+                return Ok(no_crossing(level, reason));
             }
         };
         // If all trajectories agree on both sides, φ jumps between them.
@@ -191,7 +181,12 @@ impl Search<'_> {
             Fall::Above => self.top,
             Fall::Below => 0.0,
         };
-        Ok(Crossing { share: level, damping_ratio: Some(damping_ratio), interval: Some([first, last]), reason: None })
+        Ok(CrossingResult {
+            share: level,
+            damping_ratio: Some(damping_ratio),
+            damping_ratio_interval: Some([first, last]),
+            reason: None,
+        })
     }
 
     /// Returns the fall through a level that may lie outside the range of φ.
@@ -302,7 +297,7 @@ mod tests {
                 let wanted = 0.2 + 0.004 * (1.0 / crossing.share - 1.0).ln();
                 let error = (crossing.damping_ratio.unwrap() - wanted).abs();
                 assert!(error < TOLERANCE * wanted, "{known:?}: {crossing:?} instead of {wanted}");
-                let [low, high] = crossing.interval.unwrap();
+                let [low, high] = crossing.damping_ratio_interval.unwrap();
                 assert!(low <= wanted && wanted <= high && high - low <= 1.1 * TOLERANCE * wanted, "{crossing:?}");
             }
         }
@@ -311,7 +306,9 @@ mod tests {
         let weak = |_: f64| Ok(Count { mean: 0.6, std: 0.0, se: 0.0 });
         let found = Search { points: Vec::new(), top: 0.4, share: &weak }.crossings(&LEVELS).unwrap();
         assert!(found[0].reason.as_ref().unwrap().contains("even without damping"));
-        assert!(found.iter().all(|crossing| crossing.damping_ratio.is_none() && crossing.interval.is_none()));
+        assert!(
+            found.iter().all(|crossing| crossing.damping_ratio.is_none() && crossing.damping_ratio_interval.is_none())
+        );
     }
 
     #[test]
@@ -324,7 +321,7 @@ mod tests {
                 let found = Search { points: Vec::new(), top: 0.4, share: &share }.crossings(&LEVELS).unwrap();
                 for (count, crossing) in held.iter_mut().zip(found) {
                     let wanted = 0.2 + 0.02 * standard_normal_quantile(1.0 - crossing.share);
-                    let [low, high] = crossing.interval.unwrap();
+                    let [low, high] = crossing.damping_ratio_interval.unwrap();
                     *count += usize::from(low <= wanted && wanted <= high);
                 }
             }
@@ -346,7 +343,8 @@ mod tests {
             let sweep = damping_sweep(&oscillator, &[0.14, 0.22, 0.3], &process, &settings, &Silent).unwrap();
             let found = sweep.crossings(&oscillator, &process, &LEVELS, &settings, &Silent).unwrap();
             for crossing in &found {
-                let ([a, b], damping_ratio) = (crossing.interval.unwrap(), crossing.damping_ratio.unwrap());
+                let ([a, b], damping_ratio) =
+                    (crossing.damping_ratio_interval.unwrap(), crossing.damping_ratio.unwrap());
                 assert!(a <= damping_ratio && damping_ratio <= b);
             }
             found[2].damping_ratio.unwrap() - found[0].damping_ratio.unwrap()

@@ -261,7 +261,7 @@ fn cells_of_a_stationary_periodic_patch_are_pooled_and_every_method_finds_their_
     let outcomes = estimates(&small_study(), &problem, &Silent).unwrap();
     let reference = MethodComparison { seed: 6, ..small_study() }.run(&problem, &Silent).unwrap().reference.estimate;
     let [contact, its_se] = [reference.contact_probability, reference.contact_probability_se];
-    assert_eq!(outcomes.len(), Method::ALL.len() + 5);
+    assert_eq!(outcomes.len(), PressureMethod::ALL.len() + 5);
     for (name, found) in names().into_iter().zip(outcomes) {
         let found = found.unwrap();
         let error = found.contact_probability - found.contact_probability_bias.unwrap_or(0.0) - contact;

@@ -12,6 +12,8 @@ use self::positive::{Beneath, PositiveCorrelation, Spline, made_positive};
 use self::taper::Taper;
 use super::estimate::{Autocorrelation, EstimateError};
 use super::model::StationaryCovariance;
+use asperity_results::EmpiricalCovariance;
+
 use crate::fourier::{RealFft2, good_length};
 use crate::map::HeightMap;
 
@@ -41,32 +43,9 @@ pub enum MeasuredCovarianceError {
     NoPairs,
 }
 
-/// Changes that turned an autocorrelation into a covariance; correlations are relative to the variance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredReport {
-    /// Fraction of the variance lost with the subtracted mean; lags and variance are corrected for it.
-    pub mean_fraction: f64,
-    /// Standard error √(Σρ²/N) of a lag near zero where the field is uncorrelated.
-    pub standard_error: f64,
-    /// Largest lag along x, over all directions, with weight 1, in metre.
-    pub reliable_x_m: f64,
-    /// Largest lag along y with weight 1, in metre.
-    pub reliable_y_m: f64,
-    /// Whether the correlation decays along x within the map; if not, the taper shortens it.
-    pub decayed_x: bool,
-    /// Whether the correlation decays along y within the map.
-    pub decayed_y: bool,
-    /// Largest change of a lag by the taper.
-    pub taper_change: f64,
-    /// Fraction of the variance in negative values of the tapered spectrum, which were set to zero.
-    pub clipped_variance: f64,
-    /// Largest change of a lag by balancing the spectrum and truncating its square root.
-    pub clipping_change: f64,
-}
-
 /// Covariance of a measured map: its own autocorrelation, corrected to a positive semi-definite function.
 ///
-/// It is derived from an [`Autocorrelation`] in six steps, whose changes [`MeasuredReport`] lists:
+/// It is derived from an [`Autocorrelation`] in six steps, whose changes [`EmpiricalCovariance`] lists:
 ///
 /// 1. *Slope.* Near zero the correlation is 1 − γ/σ² with the semivariance γ, whose errors are relative to γ; it is
 ///    blended into the autocorrelation as the taper falls. The autocorrelation has a kink at zero, due to the heights
@@ -101,7 +80,7 @@ pub struct MeasuredCovariance {
     spline: Spline,
     dx_m: f64,
     dy_m: f64,
-    report: MeasuredReport,
+    report: EmpiricalCovariance,
 }
 
 impl MeasuredCovariance {
@@ -152,8 +131,8 @@ impl MeasuredCovariance {
             made_positive(&tapered, |x, y| taper.wavevector(x, y));
         let (reliable_x_m, reliable_y_m) = taper.reliable_m();
         let (decayed_x, decayed_y) = taper.decayed();
-        let report = MeasuredReport {
-            mean_fraction,
+        let report = EmpiricalCovariance {
+            mean_share: mean_fraction,
             standard_error: taper.standard_error(),
             reliable_x_m,
             reliable_y_m,
@@ -287,7 +266,7 @@ impl MeasuredCovariance {
     }
 
     /// Returns the changes made to the autocorrelation.
-    pub fn report(&self) -> MeasuredReport {
+    pub fn report(&self) -> EmpiricalCovariance {
         self.report
     }
 

@@ -46,7 +46,9 @@ fn every_sampler_finds_the_known_distribution_of_a_shifted_wave() {
         // 99.99 % point of √n D: 2.23.
         let reference = distance(&results.reference.estimate.distribution);
         assert!(reference < 2.23 / 400.0_f64.sqrt(), "reference {reference:.4}");
-        for method in [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol, Method::Default] {
+        for method in
+            [PressureMethod::MonteCarlo, PressureMethod::LatinHypercube, PressureMethod::Sobol, PressureMethod::Default]
+        {
             let (estimate, _) = results.estimate(method).unwrap();
             let distance = distance(&estimate.distribution);
             assert!(distance < 2.23 / 120.0_f64.sqrt(), "{} {distance:.4}", method.name());
@@ -54,7 +56,7 @@ fn every_sampler_finds_the_known_distribution_of_a_shifted_wave() {
             assert!(error.abs() < 4.0 * estimate.contact_probability_se, "{} {error:.4}", method.name());
         }
         // In one variable, each of the ten designs of twelve samples places the point mass to within one stratum.
-        for method in [Method::LatinHypercube, Method::Sobol] {
+        for method in [PressureMethod::LatinHypercube, PressureMethod::Sobol] {
             let error = results.estimate(method).unwrap().0.contact_probability - (1.0 - cdf(0.0));
             assert!(error.abs() <= 1.0 / 12.0, "{} {error:.4}", method.name());
         }
@@ -66,7 +68,7 @@ fn the_published_expansion_finds_a_linear_pressure_and_counts_its_point_mass_twi
     shifted_wave(0.7e-6, |problem, cdf| {
         let comparison = MethodComparison { variables: 1, degree: 1, surrogate_samples: 20_000, ..small_comparison() };
         let results = comparison.run(problem, &Silent).unwrap();
-        let (estimate, _) = results.estimate(Method::PolynomialChaos).unwrap();
+        let (estimate, _) = results.estimate(PressureMethod::PolynomialChaos).unwrap();
         // In contact p is exactly linear in ξ, up to the faint wave.
         assert!(estimate.leave_one_out_error.unwrap() < 1e-8);
         // Samples out of contact enter F_c as well: F(0) = 1 − P + P·Φ(d/σ).
@@ -85,8 +87,8 @@ fn a_centre_cell_is_in_contact_at_most_half_the_time_at_the_median_plane() {
     let reference = &results.reference;
     assert!(reference.estimate.contact_probability < 0.5 + 4.0 * reference.estimate.contact_probability_se);
     assert!(reference.estimate.contact_probability > 0.02);
-    let (controlled, _) = results.estimate(Method::Default).unwrap();
-    let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
+    let (controlled, _) = results.estimate(PressureMethod::Default).unwrap();
+    let (plain, _) = results.estimate(PressureMethod::MonteCarlo).unwrap();
     assert!(controlled.contact_probability_se < 0.8 * plain.contact_probability_se);
     let error = controlled.contact_probability - reference.estimate.contact_probability;
     let se = controlled.contact_probability_se.hypot(reference.estimate.contact_probability_se);
@@ -116,7 +118,7 @@ fn every_statistic_of_every_method_keeps_to_the_hardness() {
             within("quantile", name, &[estimate.distribution.quantile(probability), interval.low, interval.high]);
         }
     }
-    assert_eq!(methods, Method::ALL.len() + 1);
+    assert_eq!(methods, PressureMethod::ALL.len() + 1);
     // Scalars of the contact respect their own limits.
     for (quantity, largest) in [(Quantity::ContactFraction, 1.0), (Quantity::MeanPressure, hardness)] {
         let scalar = scalar(&results, quantity).unwrap();
@@ -137,7 +139,7 @@ fn cells_of_a_free_patch_differ_and_the_height_of_the_cell_matters_most() {
     let p_value = fields.homogeneity.as_ref().unwrap().p_value;
     assert!(p_value < 0.05, "{p_value}");
     // The same samples, evaluated for the cell alone.
-    let (plain, _) = results.estimate(Method::MonteCarlo).unwrap();
+    let (plain, _) = results.estimate(PressureMethod::MonteCarlo).unwrap();
     assert_eq!(fields.contact_probability[[8, 8]], plain.contact_probability);
     assert!((fields.mean_pa[[8, 8]] - plain.mean_pa).abs() < 1e-6 * plain.mean_pa);
     let explained = |set: VariableSet| {
@@ -167,11 +169,11 @@ fn cells_of_a_stationary_periodic_patch_are_pooled() {
     assert!(homogeneity.p_value > 1e-3, "{homogeneity:?}");
     // The reference pools the cells of each solution.
     assert_eq!(results.reference.sites, 256);
-    let (plain, reference) = (&results.estimate(Method::MonteCarlo).unwrap().0, &results.reference.estimate);
+    let (plain, reference) = (&results.estimate(PressureMethod::MonteCarlo).unwrap().0, &results.reference.estimate);
     let se = plain.contact_probability_se.hypot(reference.contact_probability_se);
     assert!((plain.contact_probability - reference.contact_probability).abs() < 4.0 * se);
     assert!(reference.contact_probability_se < 0.6 * plain.contact_probability_se);
-    let (local, comparison) = results.estimate(Method::PolynomialChaosLocal).unwrap();
+    let (local, comparison) = results.estimate(PressureMethod::PolynomialChaosLocal).unwrap();
     assert!(local.band.is_some() && local.mean_se_pa > 0.0 && comparison.ks_distance < 0.3);
 }
 
@@ -181,9 +183,9 @@ fn too_few_samples_in_contact_are_a_recorded_reason() {
     let problem = Problem::new(&surface, &half_space, Control::Plane { height_m: 0.0 }, None).unwrap();
     let comparison = MethodComparison { fine_solves: 60, variables: 8, degree: 3, ..small_comparison() };
     let results = comparison.run(&problem, &Silent).unwrap();
-    let latin = results.estimate(Method::LatinHypercube).unwrap();
+    let latin = results.estimate(PressureMethod::LatinHypercube).unwrap();
     let in_contact = (latin.0.contact_probability * 60.0).round() as usize;
-    for method in [Method::PolynomialChaos, Method::PolynomialChaosLog] {
+    for method in [PressureMethod::PolynomialChaos, PressureMethod::PolynomialChaosLog] {
         let result = results.methods.iter().find(|r| r.method == method).unwrap();
         let wanted = RegressionError::TooFewSamples { samples: in_contact, coefficients: 165 };
         assert_eq!(result.outcome.as_ref().unwrap_err(), &MethodError::Regression(wanted));
@@ -226,11 +228,11 @@ fn more_xi_variables_than_sobol_points_have_are_a_recorded_reason() {
     let sizes =
         MethodComparison { fine_solves: 40, reference_samples: 40, surrogate_samples: 100, ..small_comparison() };
     let results = sizes.run(&problem, &Silent).unwrap();
-    let sobol = results.methods.iter().find(|r| r.method == Method::Sobol).unwrap();
+    let sobol = results.methods.iter().find(|r| r.method == PressureMethod::Sobol).unwrap();
     let wanted = SamplingError::TooManyDimensions { dimensions: 2000, limit: 1867 };
     assert_eq!(sobol.outcome, Err(MethodError::Sampling(wanted)));
     assert_eq!(sobol.fine_solves, 0);
-    assert!(results.estimate(Method::LatinHypercube).is_some());
+    assert!(results.estimate(PressureMethod::LatinHypercube).is_some());
 }
 
 #[test]

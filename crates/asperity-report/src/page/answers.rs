@@ -1,7 +1,7 @@
 //! The headline answers of a page.
 
 use asperity_results::{
-    DampingResult, EnsembleResult, FrictionResult, KindResult, ModeCouplingResult, PressureResult, RoughBodyResult,
+    DampingResult, EnsembleResult, FrictionResult, ModeCouplingResult, MotionKind, PressureResult, RoughBody,
     VibrationResult,
 };
 
@@ -91,9 +91,9 @@ fn friction(friction: &FrictionResult) -> Answer {
     let point = &friction.operating_point;
     let brackets = if point.mean_interval.is_some() { "; brackets are the 95 % interval" } else { "" };
     let parts = match friction.body {
-        RoughBodyResult::Track => "",
-        RoughBodyResult::Slider => " between parts (the slider is rough, and the friction of a part is constant)",
-        RoughBodyResult::Both => " between parts and along the path (both bodies are rough)",
+        RoughBody::Track => "",
+        RoughBody::Slider => " between parts (the slider is rough, and the friction of a part is constant)",
+        RoughBody::Both => " between parts and along the path (both bodies are rough)",
     };
     let of_scan = point.mean_of_scan.map_or_else(String::new, |mean| {
         format!(" The scan itself, pressed like the random strips, has {}.", significant(mean, 4))
@@ -186,10 +186,10 @@ pub fn vibration_answer(vibration: &VibrationResult) -> String {
 
 fn vibrates(vibration: &VibrationResult) -> Answer {
     let kind = match vibration.kind {
-        KindResult::StickSlip => " The motion is stick-slip: the mass sticks to the belt in every period.",
-        KindResult::Overtaking => " The mass overtakes the belt in every period and never sticks.",
-        KindResult::SlipCycle => " The mass stays slower than the belt and never sticks.",
-        KindResult::Flutter | KindResult::Divergence | KindResult::None => "",
+        MotionKind::StickSlip => " The motion is stick-slip: the mass sticks to the belt in every period.",
+        MotionKind::Overtaking => " The mass overtakes the belt in every period and never sticks.",
+        MotionKind::SlipCycle => " The mass stays slower than the belt and never sticks.",
+        MotionKind::Flutter | MotionKind::Divergence | MotionKind::None => "",
     };
     let period = vibration.cycle.period.map_or(String::new(), |t| format!(" The period is {}/ω₀.", significant(t, 4)));
     let detail = format!(
@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn the_answer_distinguishes_vibration_once_started_unstable_sliding_and_no_vibration() {
-        let of = |limit_cycle: bool, unstable: Option<bool>, kick: Option<f64>, kind: KindResult| {
+        let of = |limit_cycle: bool, unstable: Option<bool>, kick: Option<f64>, kind: MotionKind| {
             let vibration = VibrationResult {
                 damping_ratio: 0.11,
                 critical_damping_ratio: Some(0.1),
@@ -340,17 +340,17 @@ mod tests {
             assert!(found[1].detail.contains("up to ζ = 0.1 only"), "{}", found[1].detail);
             (found[0].answer.replace('\u{a0}', " "), found[0].detail.clone())
         };
-        let (answer, detail) = of(true, Some(false), Some(0.0032), KindResult::SlipCycle);
+        let (answer, detail) = of(true, Some(false), Some(0.0032), MotionKind::SlipCycle);
         assert_eq!(
             answer,
             "Yes, once started (from standstill or by a kick of 3.2 mm/s); steady sliding alone stays quiet"
         );
         assert!(detail.contains("slower than the belt"), "{detail}");
-        assert_eq!(of(true, Some(true), None, KindResult::StickSlip).0, "Yes: steady sliding is unstable");
-        assert!(of(true, Some(true), None, KindResult::Overtaking).1.contains("overtakes the belt"));
-        assert!(of(false, Some(false), None, KindResult::None).0.starts_with("No: every motion"));
+        assert_eq!(of(true, Some(true), None, MotionKind::StickSlip).0, "Yes: steady sliding is unstable");
+        assert!(of(true, Some(true), None, MotionKind::Overtaking).1.contains("overtakes the belt"));
+        assert!(of(false, Some(false), None, MotionKind::None).0.starts_with("No: every motion"));
         // A machine under a force.
-        assert!(of(true, None, None, KindResult::StickSlip).0.starts_with("Yes: a limit cycle"));
+        assert!(of(true, None, None, MotionKind::StickSlip).0.starts_with("Yes: a limit cycle"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The strip below the verdict: one number of every link of the chain, with a small picture.
 
-use asperity_results::{Field, ModelResult, SurfaceResult};
+use asperity_results::{Field, MachineModel, SurfaceResult};
 
 use crate::Run;
 use crate::cells::{DASH, percent};
@@ -133,7 +133,7 @@ fn vibration(run: &Run) -> Option<Link> {
         None => ("quiet".into(), "no sampled machine vibrates".into()),
     };
     let picture = picture.filter(|_| verdict.nominal.vibrates);
-    let section = if verdict.model == ModelResult::ModeCoupling { "mode-coupling" } else { "vibration" };
+    let section = if verdict.model == MachineModel::ModeCoupling { "mode-coupling" } else { "vibration" };
     Some(Link { section, number, words, picture })
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use asperity_results::{
-    AtMeanLoad, DistributionResult, FrictionResult, LevelResult, OperatingPoint, Pair, Prescribed, RoughBodyResult,
+    AtMeanLoad, DistributionResult, FrictionResult, LevelResult, OperatingPoint, Pair, Prescribed, RoughBody,
     UncertaintyResult,
 };
 
@@ -41,14 +41,14 @@ pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
         format!(" At the operating point ({}) μ = {mean}. {}", place(point), conditions(friction))
     });
     let described = match friction.map(|friction| friction.body).unwrap_or_default() {
-        RoughBodyResult::Track => {
+        RoughBody::Track => {
             "The friction coefficient of a window that slides over the rough track, as a stochastic process"
         }
-        RoughBodyResult::Slider => {
+        RoughBody::Slider => {
             "The friction coefficient of a window of the rough slider, which carries its contacts along: it is constant for each \
              part, and standard deviations are those between parts"
         }
-        RoughBodyResult::Both => {
+        RoughBody::Both => {
             "The friction coefficient of a window between two rough bodies: standard deviations contain differences between parts \
              and the fluctuation along the path"
         }

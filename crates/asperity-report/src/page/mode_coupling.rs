@@ -1,6 +1,6 @@
 //! The machine of two coupled modes: its answer and its table.
 
-use asperity_results::{KindResult, ModeCouplingResult};
+use asperity_results::{ModeCouplingResult, MotionKind};
 
 use crate::format::{Dimension, significant};
 use crate::page::answer::Answer;
@@ -10,8 +10,8 @@ use crate::page::data_table::DataTable;
 /// Answers whether the machine flutters.
 pub(super) fn answer(result: &ModeCouplingResult) -> Answer {
     let answer = match result.kind {
-        KindResult::Flutter => "Yes: steady sliding is unstable, and two modes grow together",
-        KindResult::Divergence => "No, but friction pulls the mass away",
+        MotionKind::Flutter => "Yes: steady sliding is unstable, and two modes grow together",
+        MotionKind::Divergence => "No, but friction pulls the mass away",
         _ => "No: steady sliding is stable",
     };
     let critical = result.critical_friction.map_or_else(

@@ -6,7 +6,7 @@ mod remedies;
 mod rests_on;
 pub(crate) mod text;
 
-use asperity_results::{Assumed, Driver, ModelResult, Quantiles, VerdictResult};
+use asperity_results::{Assumed, Driver, MachineModel, Quantiles, VerdictResult};
 
 use crate::Run;
 use crate::cells::{percent as table_percent, shown};
@@ -67,7 +67,7 @@ fn numbers(verdict: &VerdictResult) -> Html {
         sentences.push(text(computed_to(verdict)));
         sentences.extend(half_of_the_time(verdict).map(text));
         sentences.extend(over_unknowns(verdict));
-        let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == ModelResult::StickSlip);
+        let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == MachineModel::StickSlip);
         sentences.extend(sliding.map(|sliding| text(format!("From steady sliding {}.", percent(sliding)))));
     }
     sentences.extend(not_stated(verdict).into_iter().map(|value| text(format!("Not stated: {value}."))));
@@ -205,20 +205,20 @@ fn assumed(assumed: &Assumed) -> Vec<String> {
 }
 
 /// Returns the formula of the margin.
-fn margin_of(model: ModelResult) -> &'static str {
+fn margin_of(model: MachineModel) -> &'static str {
     match model {
-        ModelResult::StickSlip => "ζ − ζ_v",
-        ModelResult::ModeCoupling => "μ_c − μ",
+        MachineModel::StickSlip => "ζ − ζ_v",
+        MachineModel::ModeCoupling => "μ_c − μ",
     }
 }
 
 /// Returns the section's first sentences.
-pub(super) fn lead(model: ModelResult) -> &'static str {
+pub(super) fn lead(model: MachineModel) -> &'static str {
     match model {
-        ModelResult::StickSlip => {
+        MachineModel::StickSlip => {
             "How much each uncertain value decides, and every input. A machine vibrates if its damping ratio ζ is below the limit ζ_v."
         }
-        ModelResult::ModeCoupling => {
+        MachineModel::ModeCoupling => {
             "How much each uncertain value decides, and every input. A machine flutters if its friction coefficient μ is above the \
              critical one μ_c."
         }

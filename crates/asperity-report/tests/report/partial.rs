@@ -1,7 +1,7 @@
 //! The report of partial runs.
 
 use asperity_results::{
-    FrictionResult, KindResult, LevelResult, PressureResult, Results, SurfaceResult, VibrationResult,
+    FrictionResult, LevelResult, MotionKind, PressureResult, Results, SurfaceResult, VibrationResult,
 };
 
 use crate::documents::{elements, text};
@@ -79,7 +79,7 @@ fn every_column_of_every_table_may_be_undefined() {
 
 #[test]
 fn undefined_results_are_dashes_and_never_errors() {
-    let kind = KindResult::None;
+    let kind = MotionKind::None;
     let results = Results {
         surface: Some(SurfaceResult::default()),
         pressure: Some(PressureResult::default()),

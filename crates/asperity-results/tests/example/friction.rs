@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use asperity_results::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint,
     CutoffResult, FailedPoint, FinerPitch, FrictionResult, GoodnessResult, LevelResult, OperatingPoint,
-    PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
-    RoughBodyResult, ScanCutoff, ScanFriction, StationarityResult, TailResult, UncertainLevel, UncertainParameter,
-    UncertainResponse, UncertaintyResult, UpscalingResult,
+    PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult, RoughBody,
+    ScanCutoff, ScanFriction, StationarityResult, TailResult, UncertainLevel, UncertainParameter, UncertainResponse,
+    UncertaintyResult, UpscalingResult,
 };
 
 use super::law;
@@ -140,7 +140,7 @@ pub(super) fn friction() -> FrictionResult {
         }
     };
     FrictionResult {
-        body: RoughBodyResult::Track,
+        body: RoughBody::Track,
         window_m: 6e-4,
         window_width_m: 7.5e-5,
         strip_width_m: 7.5e-5,

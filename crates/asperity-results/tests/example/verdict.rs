@@ -1,9 +1,9 @@
 //! An invented verdict.
 
 use asperity_results::{
-    AreaAsOne, Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, KindResult, LearntFriction, MarginQuantile,
-    ModelResult, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn, VerdictResult,
-    VibratingMachines,
+    AreaAsOne, Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MachineModel,
+    MarginQuantile, MotionKind, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn,
+    VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -38,7 +38,7 @@ pub(crate) fn verdict() -> VerdictResult {
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
         friction_unresolved: false,
-        model: ModelResult::StickSlip,
+        model: MachineModel::StickSlip,
         vibration_threshold: 0.1,
         friction_fluctuates: false,
         probability: 0.64,
@@ -69,7 +69,7 @@ pub(crate) fn verdict() -> VerdictResult {
         duration_s: 2.0,
         nominal: NominalMachine {
             vibrates: true,
-            kind: KindResult::StickSlip,
+            kind: MotionKind::StickSlip,
             steady_sliding_unstable: false,
             kick_m_per_s: Some(0.013),
             limit_damping_ratio: Some(0.018),

@@ -3,8 +3,8 @@
 use std::f64::consts::E;
 
 use asperity_results::{
-    CoupledCycleResult, CoupledMotion, CrossingResult, CycleResult, DampingResult, EnsembleResult, KindResult,
-    MapResolutionResult, MapResult, ModeCouplingResult, MotionResult, PointsResult, VibrationResult,
+    CoupledCycleResult, CoupledMotion, CrossingResult, CycleResult, DampingResult, EnsembleResult, MapResolutionResult,
+    MapResult, ModeCouplingResult, MotionKind, MotionResult, PointsResult, VibrationResult,
 };
 
 use super::law;
@@ -37,7 +37,7 @@ pub(crate) fn mode_coupling() -> ModeCouplingResult {
         friction_margin: Some(-0.035),
         limit_damping_ratio: Some(0.0913),
         steady_sliding_unstable: true,
-        kind: KindResult::Flutter,
+        kind: MotionKind::Flutter,
         onset_frequency_hz: Some(2250.0),
         mode_frequencies_hz: [2240.0, 2260.0],
         mode_growth_rates_per_s: [41.0, -1041.0],
@@ -61,7 +61,7 @@ pub(super) fn vibration() -> VibrationResult {
             let lost = cycles[0] - cycles[upscaling];
             DampingResult {
                 damping_ratio,
-                kind: if cycles[0] > 0.0 { KindResult::StickSlip } else { KindResult::None },
+                kind: if cycles[0] > 0.0 { MotionKind::StickSlip } else { MotionKind::None },
                 cycles_deterministic: cycles[0] as u64,
                 cycles_mean: cycles[upscaling],
                 difference_mean: lost,
@@ -85,7 +85,7 @@ pub(super) fn vibration() -> VibrationResult {
         damping_ratio_interval: Some([damping_ratio - 2e-4, damping_ratio + 2e-4]),
         reason: None,
     };
-    let shares = [(KindResult::StickSlip, 0.7), (KindResult::Overtaking, 0.0997), (KindResult::SlipCycle, 0.0)];
+    let shares = [(MotionKind::StickSlip, 0.7), (MotionKind::Overtaking, 0.0997), (MotionKind::SlipCycle, 0.0)];
     let ensemble = |upscaling: usize, friction_std, std| EnsembleResult {
         friction_std,
         clipped_fraction: 0.0,
@@ -106,7 +106,7 @@ pub(super) fn vibration() -> VibrationResult {
         critical_damping_ratio: Some(0.204_830_150_5),
         hopf_damping_ratio: Some(0.204_805_7),
         limit_damping_ratio: Some(0.204_830_150_5),
-        kind: KindResult::StickSlip,
+        kind: MotionKind::StickSlip,
         steady_sliding_unstable: Some(true),
         cycle: CycleResult {
             damping_ratio: 0.17,

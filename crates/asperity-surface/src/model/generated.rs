@@ -12,6 +12,7 @@ use crate::{
     CorrectedField, GaussianSurface, KarhunenLoeve, ModesRoute, Predistorted, RandomSurface, SpectralField, Translated,
     TranslationCorrection, WeierstrassMandelbrot, modes_for_slopes, modes_memory_bytes,
 };
+use asperity_results::KarhunenLoeveResult;
 
 /// Ratio of neighbouring wavenumbers of Weierstrass–Mandelbrot surfaces.
 pub const GAMMA: f64 = 1.5;
@@ -39,17 +40,6 @@ pub enum XiOrder {
     Wavevector,
 }
 
-/// Number of terms of a Karhunen–Loève expansion, and the variance in them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CapturedModes {
-    /// Number of terms.
-    pub modes: usize,
-    /// Fraction of the variance in these terms.
-    pub captured_variance: f64,
-    /// Fraction of the mean squared slope on the patch's grid in these terms.
-    pub captured_slope_variance: f64,
-}
-
 /// Size of the generator of a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PatchSize {
@@ -64,7 +54,7 @@ pub struct Generated {
     /// Generator.
     pub surface: Box<dyn RandomSurface>,
     /// Karhunen–Loève expansion; `None` for the other generators.
-    pub karhunen_loeve: Option<CapturedModes>,
+    pub karhunen_loeve: Option<KarhunenLoeveResult>,
     /// Standard deviation of the heights, averaged over the patch, over that of the marginal distribution.
     pub std_share: f64,
     /// Warnings in sentences.
@@ -294,7 +284,7 @@ impl Field<'_> {
                 sentence::digits((captured_slope_variance / variance).sqrt()),
             ));
         }
-        let karhunen_loeve = Some(CapturedModes { modes, captured_variance, captured_slope_variance });
+        let karhunen_loeve = Some(KarhunenLoeveResult { modes, captured_variance, captured_slope_variance });
         let (surface, std_share): (Box<dyn RandomSurface>, f64) = match rescale {
             None => (self.translated(field)?, 1.0),
             Some(true) => (Box::new(field.rescaled()), 1.0),

@@ -14,6 +14,7 @@ use asperity_base::translation::TranslationKind;
 use super::generated::CLIPPED_VARIANCE;
 use super::{CovarianceRequest, Roughness, SurfaceCovariance, SurfaceModel, SurfaceModelError, Texture, TrialMaps};
 use crate::scanned::ScannedSurface;
+use asperity_results::CovarianceCandidateResult;
 
 /// Largest root mean square of ln(measured/model spectral density) over the band of a model that is selected.
 const LARGEST_MISFIT: f64 = 0.3;
@@ -44,22 +45,11 @@ pub struct SelectedCovariance {
     /// Length in metre of the shortest wave that the scan resolves; `None` for a stated covariance.
     pub shortest_wave_m: Option<f64>,
     /// Covariances that were compared.
-    pub candidates: Vec<CovarianceCandidate>,
+    pub candidates: Vec<CovarianceCandidateResult>,
     /// Sentence on the reason of the selection, if there was a choice.
     pub reason: Option<String>,
     /// Warnings in sentences.
     pub warnings: Vec<String>,
-}
-
-/// Covariance that was compared with the scan.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CovarianceCandidate {
-    /// Name of the model, or `empirical`.
-    pub model: String,
-    /// Misfit of a fitted model.
-    pub misfit: Option<f64>,
-    /// Expected Sdq of its surfaces over Sdq of the scan, within the band.
-    pub slope_ratio: Option<f64>,
 }
 
 /// Comparison of covariances by the slopes of their random surfaces.
@@ -131,7 +121,7 @@ pub(super) fn select(
             })
             .collect::<Result<_, SurfaceModelError>>()?,
     };
-    let candidate = |(fit, _, ratio): &(CovarianceFit, SurfaceCovariance, Option<f64>)| CovarianceCandidate {
+    let candidate = |(fit, _, ratio): &(CovarianceFit, SurfaceCovariance, Option<f64>)| CovarianceCandidateResult {
         model: fit.covariance.model().name().to_owned(),
         misfit: Some(fit.misfit),
         slope_ratio: *ratio,
@@ -294,7 +284,7 @@ fn measured_choice(
 fn own_choice(judge: &Judge<'_>, own: SurfaceCovariance, failure: &str) -> SelectedCovariance {
     let ratio = judge.ratio(&own);
     let mut chosen = SelectedCovariance::new(own);
-    let candidate = CovarianceCandidate { model: "empirical".into(), misfit: None, slope_ratio: ratio };
+    let candidate = CovarianceCandidateResult { model: "empirical".into(), misfit: None, slope_ratio: ratio };
     chosen.candidates.push(candidate);
     chosen.reason = Some(format!("The scan's own covariance was taken because {failure}."));
     if is_near(ratio, SLOPE_TOLERANCE) {

@@ -64,12 +64,12 @@ fn ridge() -> Rotated<Covariance> {
 fn reliable_lags_equal_the_estimate_except_for_the_mean_and_the_clipping() {
     let (estimate, measured) = measure(&sample(&ridge(), unit_grid(192, 160), 0));
     let report = measured.report();
-    assert!(report.decayed_x && report.decayed_y && report.clipping_change < 0.03 && report.mean_fraction < 0.05);
+    assert!(report.decayed_x && report.decayed_y && report.clipping_change < 0.03 && report.mean_share < 0.05);
     // Within the ellipse of the reliable lags: a disc that fits into it.
     let reach = 0.4 * report.reliable_x_m.min(report.reliable_y_m);
     assert!(reach > 4.0, "{report:?}");
     for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1), (-1, 1), (3, 2), (-3, 2), (4, -1)] {
-        let before = (1.0 - report.mean_fraction) * estimate.correlation(x, y) + report.mean_fraction;
+        let before = (1.0 - report.mean_share) * estimate.correlation(x, y) + report.mean_share;
         let found = measured.correlation(x as f64, y as f64);
         assert!((found - before).abs() <= report.clipping_change + 1e-9, "({x}, {y}): {found} {before}");
         assert!((found - measured.correlation(-x as f64, -y as f64)).abs() < 1e-12);
@@ -152,7 +152,7 @@ fn a_smooth_map_stays_smooth() {
                 let (estimate, measured) = measure(&HeightMap::new(map.grid(), heights).unwrap());
                 let own = (estimate.semivariance_m2(1, 0).unwrap() + estimate.semivariance_m2(0, 1).unwrap())
                     / estimate.variance_m2();
-                let fraction = 1.0 - measured.report().mean_fraction;
+                let fraction = 1.0 - measured.report().mean_share;
                 ratios.push((slopes(|x, y| measured.correlation(x, y)) / (2.0 * fraction * own)).sqrt());
             }
             let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;

@@ -17,7 +17,7 @@ pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
 use crate::study::check::FrictionSource;
-use crate::study::result::{CampaignResults, KindResult, MemberAnswers, MemberResult, MemberWarning, Results};
+use crate::study::result::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, MotionKind, Results};
 use crate::study::run::{SharedFriction, Stages};
 use crate::study::{
     RunBlocks, Stage, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash, sentence,
@@ -540,7 +540,7 @@ fn answers(results: &Results, window: Option<&WindowFriction>, damping: Option<f
         found.probability_interval = Some(verdict.probability_interval);
     } else if let Some(vibration) = &results.vibration {
         found.limit_damping_ratio = vibration.limit_damping_ratio;
-        (found.kind, found.vibrates) = (Some(vibration.kind), Some(vibration.kind != KindResult::None));
+        (found.kind, found.vibrates) = (Some(vibration.kind), Some(vibration.kind != MotionKind::None));
     } else if let Some(coupled) = &results.mode_coupling {
         found.limit_damping_ratio = coupled.limit_damping_ratio;
         (found.kind, found.vibrates) = (Some(coupled.kind), Some(coupled.steady_sliding_unstable));

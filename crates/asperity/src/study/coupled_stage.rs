@@ -5,7 +5,7 @@ use crate::study::check::VibrationStudy;
 use crate::study::file::ContactSpring;
 use crate::study::motion_entries::{coupled_cycle_result, instability_result};
 use crate::study::output::StageOutput;
-use crate::study::result::{CoupledCycleResult, CoupledMotion, KindResult, ModeCouplingResult};
+use crate::study::result::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, MotionKind};
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::mode_coupling::{
     CoupledRegime, EigenvalueScan, Mode, Model, SCAN_POINTS, eigenvalue_scan, instability, limit_cycle, modes, onset,
@@ -53,7 +53,7 @@ pub(super) fn run(study: &VibrationStudy, model: &Model, window: &WindowFriction
     let kind = instability_result(instability(model)?);
     let found = modes(model, friction);
     // Without damping a motion about stable steady sliding goes on for ever.
-    let neutral = model.damping() == [0.0; 3] && kind == KindResult::None;
+    let neutral = model.damping() == [0.0; 3] && kind == MotionKind::None;
     let motion = if neutral || model.steady(friction).is_none() {
         None
     } else {
@@ -71,7 +71,7 @@ pub(super) fn run(study: &VibrationStudy, model: &Model, window: &WindowFriction
         critical_friction: critical.map(|critical| critical.friction),
         friction_margin: critical.map(|critical| critical.friction - friction),
         limit_damping_ratio: model.limit_damping_ratio(friction),
-        steady_sliding_unstable: kind != KindResult::None,
+        steady_sliding_unstable: kind != MotionKind::None,
         kind,
         onset_frequency_hz: critical.filter(|critical| critical.frequency > 0.0).map(|c| hertz(c.frequency)),
         mode_frequencies_hz: found.map(|mode| hertz(mode.frequency)),

@@ -22,7 +22,7 @@ use crate::study::check::FrictionStudy;
 use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::plausibility::implausible_friction;
-use crate::study::result::{FrictionResult, LevelResult, RoughBodyResult};
+use crate::study::result::{FrictionResult, LevelResult};
 use crate::study::series::map_field;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{Study, StudyError};
@@ -38,16 +38,6 @@ impl Study {
         self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
     }
 }
-
-/// Returns the rough bodies in results.
-fn rough_body(body: RoughBody) -> RoughBodyResult {
-    match body {
-        RoughBody::Track => RoughBodyResult::Track,
-        RoughBody::Slider => RoughBodyResult::Slider,
-        RoughBody::Both => RoughBodyResult::Both,
-    }
-}
-
 /// Output of the friction stage.
 pub(super) struct FrictionStage {
     /// Operating level.
@@ -121,7 +111,8 @@ pub(super) fn run(
         uncertainty,
         ..result_of_levels(study, &problem, &levels, lead, nominal_area_m2)
     };
-    let mut output = output_of_levels(&levels, lead, study.body, generated.warnings.clone());
+    let mut output = output_of_levels(&result.levels, &levels, lead, study.body);
+    output.warnings.splice(0..0, generated.warnings.clone());
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", map_field(grid, "Pa", pressure_pa.clone())));
     }
@@ -155,7 +146,7 @@ fn result_of_levels(
         ..entries::level_result(level, study.body, nominal_area_m2)
     };
     FrictionResult {
-        body: rough_body(study.body),
+        body: study.body,
         window_m: problem.window.length_m(),
         window_width_m: problem.window.width_m(),
         strip_width_m: problem.grid().height_m(),
@@ -165,9 +156,9 @@ fn result_of_levels(
     }
 }
 
-/// Returns the tables of all levels and of the operating level, with `warnings` and those of the levels.
-fn output_of_levels(levels: &[SolvedLevel], lead: usize, body: RoughBody, mut warnings: Vec<String>) -> StageOutput {
-    warnings.extend(levels.iter().flat_map(words::level_warnings));
+/// Returns the tables and the warnings of all levels and of the operating level.
+fn output_of_levels(results: &[LevelResult], levels: &[SolvedLevel], lead: usize, body: RoughBody) -> StageOutput {
+    let mut warnings: Vec<String> = levels.iter().flat_map(words::level_warnings).collect();
     let level = &levels[lead];
     let place = level.control.name();
     warnings.extend(implausible_friction(level.mean).map(|warning| format!("at {place}, {warning}")));
@@ -175,7 +166,7 @@ fn output_of_levels(levels: &[SolvedLevel], lead: usize, body: RoughBody, mut wa
         warnings.extend(words::drift(level));
         warnings.extend(words::correlation(level));
     }
-    let mut tables = tables::of_levels(levels, body);
+    let mut tables = tables::of_levels(results, levels, body);
     tables.extend(tables::of_lead(level, body));
     StageOutput { tables, warnings, ..StageOutput::default() }
 }

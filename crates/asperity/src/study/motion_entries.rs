@@ -1,29 +1,19 @@
 //! Conversion of kinds of motion and cycles of either machine to entries of `results.json`.
 
 use crate::friction::process::Steady;
-use crate::study::result::{CoupledCycleResult, KindResult};
+use crate::study::result::CoupledCycleResult;
 use crate::vibration::mode_coupling::{CoupledCycle, CoupledTrajectory, CoupledTrajectorySettings, Instability, Model};
 use crate::vibration::{MotionKind, Scales, VibrationError};
 
 /// Points of one period from which the velocity amplitude is read.
 const PERIOD_POINTS: usize = 1024;
 
-/// Returns a kind of motion under its name in `results.json`.
-pub(super) fn kind_result(kind: MotionKind) -> KindResult {
-    match kind {
-        MotionKind::StickSlip => KindResult::StickSlip,
-        MotionKind::Overtaking => KindResult::Overtaking,
-        MotionKind::SlipCycle => KindResult::SlipCycle,
-        MotionKind::None => KindResult::None,
-    }
-}
-
 /// Returns the kind of motion of two coupled modes by the stability of steady sliding.
-pub(super) fn instability_result(instability: Option<Instability>) -> KindResult {
+pub(super) fn instability_result(instability: Option<Instability>) -> MotionKind {
     match instability {
-        Some(Instability::Flutter) => KindResult::Flutter,
-        Some(Instability::Divergence) => KindResult::Divergence,
-        None => KindResult::None,
+        Some(Instability::Flutter) => MotionKind::Flutter,
+        Some(Instability::Divergence) => MotionKind::Divergence,
+        None => MotionKind::None,
     }
 }
 

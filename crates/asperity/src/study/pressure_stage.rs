@@ -10,7 +10,7 @@ use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use crate::friction::LevelControl;
 use crate::map::HeightMap;
 use crate::monitor::Monitor;
-use crate::pressure::{Method, MethodComparison, Problem};
+use crate::pressure::{MethodComparison, PressureMethod, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::half_space::half_space;
@@ -26,7 +26,8 @@ use entries::Prescribed;
 const LARGE_BIAS: f64 = 0.25;
 
 /// Methods whose contact solutions the others share.
-const DESIGNS: [Method; 3] = [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol];
+const DESIGNS: [PressureMethod; 3] =
+    [PressureMethod::MonteCarlo, PressureMethod::LatinHypercube, PressureMethod::Sobol];
 
 /// Output of the pressure stage.
 pub(super) struct PressureStage {

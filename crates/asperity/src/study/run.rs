@@ -11,6 +11,7 @@ use crate::map::BoundaryKind;
 use crate::monitor::{Cancelled, Monitor};
 use crate::study::check::{FrictionSource, SurfaceStudy, VibrationStudy};
 use crate::study::output::Gathered;
+use crate::study::result::KarhunenLoeveResult;
 use crate::study::result::{Outcome, Results};
 use crate::study::store::file_hash;
 use crate::study::surface_stage::SurfaceStage;
@@ -19,7 +20,6 @@ use crate::study::{
     FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
     friction_stage, implausible_friction, pressure_stage, sentence, surface_stage, verdict, vibration_stage,
 };
-use crate::surface::model::CapturedModes;
 
 impl Study {
     /// Returns the scan files, `folder` being the folder of the study file.
@@ -279,7 +279,7 @@ impl Study {
         of_surface: &dyn Debug,
         surface: &SurfaceStage,
         gathered: &mut Gathered,
-    ) -> Result<Option<CapturedModes>, StudyError> {
+    ) -> Result<Option<KarhunenLoeveResult>, StudyError> {
         let Some(study) = &self.pressure else { return Ok(None) };
         let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
         let stage = stages.run(Stage::Pressure.name(), &[of_surface, study, &self.seed()], |monitor| {

@@ -1,11 +1,11 @@
 //! Entries of `results.json` for scans and random surfaces.
 
-use crate::correlation::{CorrelationModel, MeasuredReport, StationaryCovariance};
+use crate::correlation::{CorrelationModel, StationaryCovariance};
 use crate::study::result::{
-    Companions, CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, PartStatistics,
-    PooledResult, ScanOfPart, SpreadResult, SurfaceStatistics, finite, pair,
+    Companions, CovarianceResult, PartStatistics, PooledResult, ScanOfPart, SpreadResult, SurfaceStatistics, finite,
+    pair,
 };
-use crate::surface::model::{CapturedModes, SelectedCovariance, SurfaceCovariance};
+use crate::surface::model::{SelectedCovariance, SurfaceCovariance};
 use crate::surface::pooling::Pooled;
 use crate::surface::scanned::{MapStatistics, PooledStatistics};
 use crate::surface::uncertainty::Estimate;
@@ -111,18 +111,8 @@ fn pooled_result(pooled: &Pooled) -> PooledResult {
     PooledResult { value, interval: pair(pooled.interval), standard_error, within_std, between_std }
 }
 
-pub(super) fn karhunen_loeve_result(found: CapturedModes) -> KarhunenLoeveResult {
-    let CapturedModes { modes, captured_variance, captured_slope_variance } = found;
-    KarhunenLoeveResult { modes, captured_variance, captured_slope_variance }
-}
-
 /// Converts the selection of a covariance to its entry of `results.json`.
 pub fn covariance_result(selected: &SelectedCovariance) -> CovarianceResult {
-    let candidates = selected.candidates.iter().map(|candidate| CovarianceCandidateResult {
-        model: candidate.model.clone(),
-        misfit: candidate.misfit,
-        slope_ratio: candidate.slope_ratio,
-    });
     let covariance = &selected.covariance;
     let [decay_length_x_m, decay_length_y_m] = covariance.decay_lengths_m();
     let common = CovarianceResult {
@@ -137,13 +127,11 @@ pub fn covariance_result(selected: &SelectedCovariance) -> CovarianceResult {
         misfit: selected.misfit,
         slope_ratio: selected.slope_ratio,
         slope_cutoff_m: selected.slope_cutoff_m,
-        candidates: candidates.collect(),
+        candidates: selected.candidates.clone(),
         empirical: None,
     };
     match covariance {
-        SurfaceCovariance::Empirical(own) => {
-            CovarianceResult { empirical: Some(empirical_result(own.report())), ..common }
-        }
+        SurfaceCovariance::Empirical(own) => CovarianceResult { empirical: Some(own.report()), ..common },
         SurfaceCovariance::Model(own) => {
             let (smoothness, hurst) = match own.model() {
                 CorrelationModel::Matern { nu } => (Some(nu), None),
@@ -153,19 +141,5 @@ pub fn covariance_result(selected: &SelectedCovariance) -> CovarianceResult {
             let (length_x_m, length_y_m) = (own.length_x_m(), own.length_y_m());
             CovarianceResult { model: own.model().name().into(), length_x_m, length_y_m, smoothness, hurst, ..common }
         }
-    }
-}
-
-fn empirical_result(report: MeasuredReport) -> EmpiricalCovariance {
-    EmpiricalCovariance {
-        mean_share: report.mean_fraction,
-        standard_error: report.standard_error,
-        reliable_x_m: report.reliable_x_m,
-        reliable_y_m: report.reliable_y_m,
-        decayed_x: report.decayed_x,
-        decayed_y: report.decayed_y,
-        taper_change: report.taper_change,
-        clipped_variance: report.clipped_variance,
-        clipping_change: report.clipping_change,
     }
 }

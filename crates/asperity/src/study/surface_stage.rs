@@ -7,15 +7,15 @@ use crate::map::HeightMap;
 use crate::pressure::ContactLikeness;
 use crate::study::check::SurfaceStudy;
 use crate::study::output::StageOutput;
-use crate::study::result::{CovarianceResult, MeasuredSurface, SurfaceResult, distribution_result};
+use crate::study::result::{
+    CovarianceResult, KarhunenLoeveResult, MeasuredSurface, SurfaceResult, distribution_result,
+};
 use crate::study::scan_tables::scan_tables;
 use crate::study::surface_model::model_of;
-use crate::study::surface_result::{covariance_result, karhunen_loeve_result, part_statistics, surface_statistics};
+use crate::study::surface_result::{covariance_result, part_statistics, surface_statistics};
 use crate::study::surface_scans::{measure_all, of_one};
 use crate::study::{StudyError, sentence};
-use crate::surface::model::{
-    CapturedModes, CompositeModel, CovarianceRequest, Measurable, SurfaceModelError, SurfaceRequest,
-};
+use crate::surface::model::{CompositeModel, CovarianceRequest, Measurable, SurfaceModelError, SurfaceRequest};
 use crate::surface::scanned::ScannedSurface;
 
 /// Model of the random surfaces, and the scans on which it is measured.
@@ -37,7 +37,7 @@ pub(super) struct SurfaceStage {
 
 impl SurfaceStage {
     /// Returns the entry of `results.json`; `karhunen_loeve` is the expansion on the patches of the pressure stage.
-    pub(super) fn result(&self, karhunen_loeve: Option<CapturedModes>) -> SurfaceResult {
+    pub(super) fn result(&self, karhunen_loeve: Option<KarhunenLoeveResult>) -> SurfaceResult {
         let measured = match &self.measured {
             None => MeasuredSurface::Stated {},
             Some(ScannedSurface { part: Some(part), .. }) => {
@@ -46,7 +46,7 @@ impl SurfaceStage {
             Some(scan) => MeasuredSurface::Scan(Box::new(surface_statistics(&scan.statistics))),
         };
         let (covariance, marginal) = (self.covariance.clone(), distribution_result(&self.model.surface.marginal));
-        SurfaceResult { measured, covariance, marginal, karhunen_loeve: karhunen_loeve.map(karhunen_loeve_result) }
+        SurfaceResult { measured, covariance, marginal, karhunen_loeve }
     }
 }
 

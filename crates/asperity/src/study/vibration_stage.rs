@@ -18,7 +18,6 @@ use crate::friction::{Upscaling, WindowFriction};
 use crate::monitor::Monitor;
 use crate::study::StudyError;
 use crate::study::check::{FrictionSource, VibrationStudy};
-use crate::study::motion_entries::kind_result;
 use crate::study::output::StageOutput;
 use crate::study::result::{VibrationResult, distribution_result};
 use crate::study::run_machine::RunMachine;
@@ -85,7 +84,7 @@ pub(super) fn run(
         critical_damping_ratio: critical.map(|c| c.critical_damping_ratio),
         hopf_damping_ratio: critical.map(|c| c.hopf_damping_ratio),
         limit_damping_ratio: found_or_none(limit_damping(&oscillator))?,
-        kind: kind_result(regime.kind()),
+        kind: regime.kind(),
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
         kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),

@@ -115,7 +115,7 @@ fn results_and_tables_agree_for_every_method() {
     let table = &outcome.tables["pressure_methods"];
     let refused = pressure["methods"].as_array().unwrap().iter().filter(|m| m["failure"].is_string()).count();
     assert_eq!(table.names().len(), 8 - refused);
-    assert_eq!(table.column("mean_low_pa").unwrap()[0], number(&pressure["mean_interval"][0]));
+    assert_eq!(table.column("mean_low").unwrap()[0], number(&pressure["mean_interval"][0]));
     for method in pressure["methods"].as_array().unwrap() {
         let name = method["name"].as_str().unwrap();
         let coarse = method["coarse_solves"].as_array().unwrap();
@@ -138,7 +138,6 @@ fn results_and_tables_agree_for_every_method() {
         };
         assert!(method["failure"].is_null(), "{name}");
         assert_eq!(table.column("work_in_fine_solves").unwrap()[row], work);
-        assert_eq!(table.column("quantile_90_pa").unwrap()[row], number(&method["quantiles"][2]["pressure_pa"]));
         // Intervals of models are corrected for their bias.
         let within = |value: &str, bias: &str, interval: &str| {
             let ends = [0, 1].map(|end| number(&method[interval][end]));

@@ -5,7 +5,7 @@ use std::path::Path;
 use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
 use asperity::monitor::Silent;
 use asperity::study::Study;
-use asperity::study::result::{KindResult, VibrationResult};
+use asperity::study::result::{MotionKind, VibrationResult};
 use asperity::vibration::law::Stribeck;
 use asperity::vibration::{Drive, Ensemble, EnsembleSettings, Oscillator, Parameters, VelocityLaw};
 
@@ -100,7 +100,7 @@ fn overtaking_counts_as_vibration_in_every_result_of_a_study() {
         let found = run_all(&text).results.vibration.unwrap();
         let limit = found.critical_damping_ratio.unwrap();
         for damping in &found.paper.damping {
-            assert_eq!(damping.kind, KindResult::Overtaking);
+            assert_eq!(damping.kind, MotionKind::Overtaking);
             assert_eq!((damping.sustained_share, damping.vibration_share), (1.0, 1.0), "{damping:?}");
             assert!((damping.cycles_mean - 600.0 / 6.2948).abs() < 3.0, "{damping:?}");
         }
@@ -228,7 +228,7 @@ fn a_machine_that_vibrates_once_started_has_its_kick_in_si() {
         run_all(&format!("{steady}{keys}")).results.vibration.unwrap()
     };
     let found = run(0.111);
-    assert_eq!((found.kind, found.cycle.limit_cycle), (KindResult::StickSlip, true));
+    assert_eq!((found.kind, found.cycle.limit_cycle), (MotionKind::StickSlip, true));
     assert_eq!(found.steady_sliding_unstable, Some(false));
     // SciPy, DOP853 with bisection; ζ_c as published.
     assert!((found.kick_m_per_s.unwrap() / VELOCITY_UNIT - 0.0966).abs() < 2e-4, "{:?}", found.kick_m_per_s);
@@ -236,7 +236,7 @@ fn a_machine_that_vibrates_once_started_has_its_kick_in_si() {
     let unstable = run(0.1);
     assert_eq!((unstable.steady_sliding_unstable, unstable.kick_m_per_s), (Some(true), None));
     let quiet = run(0.2);
-    assert_eq!((quiet.kind, quiet.kick_m_per_s, quiet.cycle.limit_cycle), (KindResult::None, None, false));
+    assert_eq!((quiet.kind, quiet.kick_m_per_s, quiet.cycle.limit_cycle), (MotionKind::None, None, false));
 }
 
 #[test]

@@ -64,7 +64,7 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
             NAME,
             "Mean and standard deviation of the friction coefficient over penetration",
             "Mean and standard deviation of μ over the windows at each penetration",
-            [("Mean of μ", "mean", "at_mean_load"), ("Std of μ", "std", "std_at_mean_load")],
+            [("Mean of μ", "mean", "at_mean_load_mean"), ("Std of μ", "std", "at_mean_load_std")],
             uncertain.map_or("", |_| over),
         ),
         (
@@ -159,8 +159,8 @@ fn near((low, high): (f64, f64), all: (f64, f64)) -> (f64, f64) {
 
 /// Returns the coefficient of variation at the mean load. Its interval is that of the std: the error of the mean is negligible.
 fn variation_at_mean_load(table: &Table, order: &[usize]) -> Option<Curve> {
-    let mean = Curve::new(table, "at_mean_load", order)?.y;
-    let std = Curve::new(table, "std_at_mean_load", order)?;
+    let mean = Curve::new(table, "at_mean_load_mean", order)?.y;
+    let std = Curve::new(table, "at_mean_load_std", order)?;
     let over = |values: Vec<f64>| values.iter().zip(&mean).map(|(value, mean)| value / mean).collect();
     Some(Curve { y: over(std.y), limits: std.limits.map(|limits| limits.map(over)) })
 }

@@ -1,6 +1,7 @@
 //! The distribution function of the pressure by every method (Fig. 2 of the paper).
 
 use asperity_results::PressureMethod;
+use asperity_results::choice::Choice;
 
 use crate::Run;
 use crate::figures::pressure::style::style;
@@ -58,7 +59,7 @@ impl<'a> Bands<'a> {
 
 /// Returns the name of a column for readers: that of its method, or of the reference.
 fn column_name(column: &str) -> String {
-    PressureMethod::from_name(column).map_or_else(|| column.replace('_', " "), |method| method_name(method).to_owned())
+    PressureMethod::from_name(column).map_or_else(|_| column.replace('_', " "), |method| method_name(method).to_owned())
 }
 
 /// Interpolates a tabulated distribution function: linear between its points except at jumps, and constant beyond.
@@ -98,7 +99,9 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let mut cdf = Chart::new(axis.clone(), y);
     let pen = |index: usize, name: &str| match is_reference(name) {
         true => Pen { opacity: 0.55, ..Pen::new(GREY, 5.0, Dash::Solid) },
-        false => PressureMethod::from_name(name).map_or_else(|| plot::pen(index.saturating_sub(1)), |own| style(own).0),
+        false => {
+            PressureMethod::from_name(name).map_or_else(|_| plot::pen(index.saturating_sub(1)), |own| style(own).0)
+        }
     };
     for (index, (name, values)) in methods.iter().enumerate() {
         let (x, y) = with_step(&axis, pressure, values);

@@ -1,6 +1,6 @@
 //! The card of the values that decide the verdict.
 
-use asperity_results::{Driver, ModelResult, VerdictResult};
+use asperity_results::{Driver, MachineModel, VerdictResult};
 
 use crate::format::significant;
 use crate::markup::{Html, html};
@@ -52,8 +52,8 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
         "Total Sobol’ indices"
     };
     let margin = match verdict.model {
-        ModelResult::StickSlip => "damping ratio − limit",
-        ModelResult::ModeCoupling => "critical friction coefficient − friction coefficient",
+        MachineModel::StickSlip => "damping ratio − limit",
+        MachineModel::ModeCoupling => "critical friction coefficient − friction coefficient",
     };
     let others = match drivers.len() {
         count if count > SHOWN => format!("; {} more below", count - SHOWN),

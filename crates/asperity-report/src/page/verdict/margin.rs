@@ -1,6 +1,6 @@
 //! The margin as a picture: the limit of the damping ratio over the uncertain values, and the damping ratio of the machine.
 
-use asperity_results::{ModelResult, VerdictResult};
+use asperity_results::{MachineModel, VerdictResult};
 
 use crate::Run;
 use crate::format::{Unit, count, significant};
@@ -57,7 +57,7 @@ struct Cell {
 
 impl Limits {
     pub(super) fn new(run: &Run, verdict: &VerdictResult) -> Self {
-        let coupled = verdict.model == ModelResult::ModeCoupling;
+        let coupled = verdict.model == MachineModel::ModeCoupling;
         let central = match &run.results.mode_coupling {
             Some(result) if coupled => result.friction + verdict.nominal.damping_margin,
             _ => verdict.nominal.limit_damping_ratio.unwrap_or(0.0) + verdict.nominal.damping_margin,

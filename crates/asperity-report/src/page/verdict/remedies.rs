@@ -1,6 +1,6 @@
 //! The card of the changes that make vibration improbable.
 
-use asperity_results::{ModelResult, Reach, Remedy, VerdictResult};
+use asperity_results::{MachineModel, Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
 use crate::format::significant;
@@ -131,7 +131,7 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.
 fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
     const STATE: &str = "State remedies in [verdict] to compute changes of any value, with their intervals.";
-    if verdict.model == ModelResult::ModeCoupling {
+    if verdict.model == MachineModel::ModeCoupling {
         let limit = verdict.nominal.limit_damping_ratio.filter(|_| verdict.nominal.vibrates);
         let sentence = limit.map_or_else(String::new, |limit| {
             format!(

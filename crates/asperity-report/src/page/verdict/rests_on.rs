@@ -1,7 +1,7 @@
 //! The card of the inputs of the verdict, by origin.
 
 use asperity_results::keys::{DefaultValue, Key, KeyDefault};
-use asperity_results::{InputKind, InputValue, ModelResult, RestsOn};
+use asperity_results::{InputKind, InputValue, MachineModel, RestsOn};
 
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
@@ -9,12 +9,12 @@ use crate::run::RESULTS;
 use crate::words::{dimension, in_words, named};
 
 /// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
-pub(super) fn card(inputs: &[RestsOn], model: ModelResult) -> Html {
+pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     let machine = match model {
-        ModelResult::StickSlip => {
+        MachineModel::StickSlip => {
             "One mass with falling friction: stick-slip, groan and judder. Squeal by mode coupling is another machine."
         }
-        ModelResult::ModeCoupling => {
+        MachineModel::ModeCoupling => {
             "Two modes coupled by friction: squeal. Stick-slip, groan and judder by falling friction are another machine."
         }
     };

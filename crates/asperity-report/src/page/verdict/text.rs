@@ -1,6 +1,6 @@
 //! The verdict as text, for terminals.
 
-use asperity_results::{AreaAsOne, ModelResult, VerdictResult};
+use asperity_results::{AreaAsOne, MachineModel, VerdictResult};
 
 use crate::cells::{percent, plain};
 use crate::format::{count, significant};
@@ -46,7 +46,7 @@ fn computation(verdict: &VerdictResult) -> String {
     let part = |source: &str, half_width: f64| format!("{} ±{}", source, significant(100.0 * half_width, 2));
     let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(&error.source, error.half_width)).collect();
     let mut text = format!("{} machines", count(verdict.evaluations));
-    if verdict.model == ModelResult::StickSlip {
+    if verdict.model == MachineModel::StickSlip {
         text += &format!(" over {} s", significant(verdict.duration_s, 3));
     }
     if !parts.is_empty() {

@@ -5,7 +5,7 @@ use crate::contact::memory_bytes;
 use crate::friction::RoughBody;
 use crate::map::BoundaryKind;
 use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
-use crate::study::result::ModelResult;
+use crate::study::result::MachineModel;
 use crate::study::verdict::judge::LATER;
 use crate::study::verdict::replicates::REPLICATES;
 use crate::study::verdict::scan::POINTS as SCAN_POINTS;
@@ -30,9 +30,9 @@ impl Study {
     pub(super) fn verdict_estimate(&self, threads: usize) -> Option<StageEstimate> {
         let (study, vibration) = (self.verdict.as_ref()?, self.vibration.as_ref()?);
         let friction = self.friction.as_ref().filter(|_| matches!(vibration.friction, FrictionSource::Computed(_)));
-        let model = if vibration.coupled.is_some() { ModelResult::ModeCoupling } else { ModelResult::StickSlip };
+        let model = if vibration.coupled.is_some() { MachineModel::ModeCoupling } else { MachineModel::StickSlip };
         // Coupled modes have the mean friction coefficient.
-        let fluctuates = model == ModelResult::StickSlip
+        let fluctuates = model == MachineModel::StickSlip
             && match &vibration.friction {
                 FrictionSource::Stated(stated) => stated.std > 0.0,
                 FrictionSource::File(_) => true,
@@ -92,7 +92,7 @@ impl Study {
 }
 
 /// Returns the numbers of machines that are evaluated with constant friction for a remedy, and that ensembles decide.
-fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: ModelResult, fluctuates: bool) -> [usize; 2] {
+fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: MachineModel, fluctuates: bool) -> [usize; 2] {
     let (points, per_target) = match (study.places.len(), fluctuates) {
         (0, _) => (1, EVALUATIONS_PER_TARGET),
         (_, true) => (remedies::FLUCTUATING_POINTS, FLUCTUATING_EVALUATIONS_PER_TARGET),
@@ -105,7 +105,7 @@ fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: ModelResult, f
 }
 
 /// Returns the number of machines of the map.
-fn map_machines(study: &VerdictStudy, model: ModelResult) -> usize {
+fn map_machines(study: &VerdictStudy, model: MachineModel) -> usize {
     let [x, y, ..] = &study.remedies[..] else { return 0 };
     let points = if study.places.is_empty() { 1 } else { REPLICATES * map::POINTS };
     let is_damping = [x, y].iter().any(|remedy| margins::is_damping(remedy.place, model));

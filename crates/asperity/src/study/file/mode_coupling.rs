@@ -3,21 +3,10 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use asperity_base::choice;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-choice! {
-    /// Model of the machine.
-    #[derive(Default)]
-    pub enum MachineModel: "model" {
-        /// One degree of freedom, and friction that depends on the velocity.
-        #[default]
-        StickSlip = "stick_slip",
-        /// Two degrees of freedom that friction couples.
-        ModeCoupling = "mode_coupling",
-    }
-}
+pub use asperity_results::MachineModel;
 
 /// Stiffness of the contact spring of two coupled modes: a number, or `"surface"`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -148,24 +148,10 @@ impl SolvedCutoffs {
         };
         result.known = known(&result, &anchor);
         let mut output = StageOutput::default();
-        output.tables.push(("friction_cutoff", table(&result)));
+        output.tables.push(("friction_cutoff", Table::of(&result.points)));
         output.assumptions.push(result.known.clone());
         Some((result, output))
     }
-}
-
-fn table(result: &CutoffResult) -> Table {
-    let column = |value: &dyn Fn(&CutoffPoint) -> f64| result.points.iter().map(value).collect::<Vec<f64>>();
-    let end = |point: &CutoffPoint, end: usize| point.mean_interval.map_or(f64::NAN, |interval| interval[end]);
-    Table::new([
-        ("cutoff_m", column(&|p| p.cutoff_m)),
-        ("mean", column(&|p| p.mean)),
-        ("mean_low", column(&|p| end(p, 0))),
-        ("mean_high", column(&|p| end(p, 1))),
-        ("rms_slope", column(&|p| p.rms_slope)),
-        ("plastic_fraction", column(&|p| p.plastic_fraction)),
-    ])
-    .with_first("cutoff_m")
 }
 
 /// Interpolates the mean at a cutoff linearly in the logarithm of the wavelength; returns the mean of the nearest end beyond it.

@@ -7,14 +7,15 @@ use crate::friction::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::friction::load_curve::LoadPoint;
 use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
-use crate::stats::{Histogram, ProcessEstimate, sorted_present};
+use crate::stats::{Histogram, sorted_present};
 use crate::study::Table;
+use crate::study::result::LevelResult;
 
 type Tables = Vec<(&'static str, Table)>;
 
 /// Moments and load of all levels, and the course of friction along one strip if that is a path.
-pub(super) fn of_levels(levels: &[SolvedLevel], body: RoughBody) -> Tables {
-    let mut tables = vec![("friction_levels", levels_table(levels)), ("friction_load_curve", load_curve_table(levels))];
+pub(super) fn of_levels(results: &[LevelResult], levels: &[SolvedLevel], body: RoughBody) -> Tables {
+    let mut tables = vec![("friction_levels", Table::of(results)), ("friction_load_curve", load_curve_table(levels))];
     tables.extend((body == RoughBody::Track).then(|| ("friction_trace", trace_table(levels))));
     tables
 }
@@ -32,44 +33,6 @@ pub(super) fn of_lead(lead: &SolvedLevel, body: RoughBody) -> Tables {
     tables
 }
 
-fn low(estimate: Option<ProcessEstimate>) -> f64 {
-    estimate.map_or(f64::NAN, |estimate| estimate.interval.low)
-}
-
-fn high(estimate: Option<ProcessEstimate>) -> f64 {
-    estimate.map_or(f64::NAN, |estimate| estimate.interval.high)
-}
-
-fn levels_table(levels: &[SolvedLevel]) -> Table {
-    let column = |value: &dyn Fn(&SolvedLevel) -> f64| levels.iter().map(value).collect::<Vec<f64>>();
-    // These results do not exist without a variance.
-    let of = |l: &SolvedLevel, value: f64| if l.heavy_tail.is_none() { value } else { f64::NAN };
-    Table::new([
-        ("percentile", column(&|l| l.control.percentile().unwrap_or(f64::NAN))),
-        ("penetration_m", column(&|l| l.strips.penetration_m)),
-        ("mean_pressure_pa", column(&|l| l.strips.mean_pressure_pa)),
-        ("mean", column(&|l| l.quotient_mean().unwrap_or(f64::NAN))),
-        ("mean_low", column(&|l| of(l, low(l.statistics.estimates.mean)))),
-        ("mean_high", column(&|l| of(l, high(l.statistics.estimates.mean)))),
-        ("std", column(&|l| of(l, l.statistics.moments.std))),
-        ("std_low", column(&|l| of(l, low(l.statistics.estimates.std)))),
-        ("std_high", column(&|l| of(l, high(l.statistics.estimates.std)))),
-        ("coefficient_of_variation", column(&|l| of(l, l.statistics.moments.coefficient_of_variation()))),
-        ("coefficient_of_variation_low", column(&|l| of(l, low(l.statistics.estimates.coefficient_of_variation)))),
-        ("coefficient_of_variation_high", column(&|l| of(l, high(l.statistics.estimates.coefficient_of_variation)))),
-        ("skewness", column(&|l| of(l, l.statistics.moments.skewness))),
-        ("skewness_low", column(&|l| of(l, low(l.statistics.estimates.skewness)))),
-        ("skewness_high", column(&|l| of(l, high(l.statistics.estimates.skewness)))),
-        ("excess_kurtosis", column(&|l| of(l, l.statistics.moments.excess_kurtosis))),
-        ("at_mean_load", column(&|l| l.mean)),
-        ("at_mean_load_low", column(&|l| low(l.process.estimates.mean))),
-        ("at_mean_load_high", column(&|l| high(l.process.estimates.mean))),
-        ("std_at_mean_load", column(&|l| l.process.moments.std)),
-        ("std_at_mean_load_low", column(&|l| low(l.process.estimates.std))),
-        ("std_at_mean_load_high", column(&|l| high(l.process.estimates.std))),
-    ])
-}
-
 /// Load against depth, from the shallowest level.
 fn load_curve_table(levels: &[SolvedLevel]) -> Table {
     let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_strips(&level.strips)).collect();
@@ -84,7 +47,6 @@ fn load_curve_table(levels: &[SolvedLevel]) -> Table {
     ])
 }
 
-/// μ(s) of the first strip at every level.
 /// Returns the column of a level in the table of traces.
 fn trace_column(level: LevelControl) -> String {
     match level {
@@ -95,6 +57,7 @@ fn trace_column(level: LevelControl) -> String {
     }
 }
 
+/// μ(s) of the first strip at every level.
 fn trace_table(levels: &[SolvedLevel]) -> Table {
     let first = levels.iter().filter_map(|level| level.strips.records.first()).next();
     let mut columns = vec![("position_m".to_owned(), first.map_or_else(Vec::new, |record| record.position_m.clone()))];

@@ -1,8 +1,8 @@
 //! Conversion of the pressure distribution to entries of `results.json`.
 
-use crate::pressure::{ComparisonResults, Method, MethodResult, PressureEstimate};
+use crate::pressure::{ComparisonResults, MethodResult, PressureEstimate};
 use crate::study::pressure_stage::{indices, maps, scalars};
-use crate::study::result::{CoarseEntry, MethodEntry, PressureMethod, PressureQuantile, PressureResult, finite, pair};
+use crate::study::result::{CoarseEntry, MethodEntry, PressureQuantile, PressureResult, finite, pair};
 
 /// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
@@ -42,19 +42,6 @@ pub(super) fn summary(results: &ComparisonResults, prescribed: &Prescribed) -> P
     }
 }
 
-/// Returns the method by its name in `results.json`.
-fn method_name(method: Method) -> PressureMethod {
-    match method {
-        Method::MonteCarlo => PressureMethod::MonteCarlo,
-        Method::LatinHypercube => PressureMethod::LatinHypercube,
-        Method::Sobol => PressureMethod::Sobol,
-        Method::PolynomialChaos => PressureMethod::PolynomialChaos,
-        Method::PolynomialChaosLog => PressureMethod::PolynomialChaosLog,
-        Method::PolynomialChaosLocal => PressureMethod::PolynomialChaosLocal,
-        Method::Default => PressureMethod::Default,
-    }
-}
-
 fn method_entry(method: &MethodResult) -> MethodEntry {
     let coarse_solves = method.coarse_solves.iter().map(|coarse| CoarseEntry {
         nx: coarse.shape.1,
@@ -65,7 +52,7 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
     let coarse_solves: Vec<CoarseEntry> = coarse_solves.collect();
     let coarse_work: f64 = coarse_solves.iter().map(|coarse| coarse.work_in_fine_solves).sum();
     let prescribed = MethodEntry {
-        name: method_name(method.method),
+        name: method.method,
         fine_solves: method.fine_solves,
         coarse_solves,
         work_in_fine_solves: method.fine_solves as f64 + coarse_work,
@@ -104,17 +91,4 @@ fn quantiles(estimate: &PressureEstimate) -> Vec<PressureQuantile> {
         pressure_pa_interval: estimate.quantile_interval_pa(probability).map(pair),
     };
     PROBABILITIES.into_iter().map(quantile).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_method_has_one_name_in_results_tables_and_tasks() {
-        for method in Method::ALL {
-            let name = method_name(method);
-            assert_eq!([name.name(), serde_json::to_value(name).unwrap().as_str().unwrap()], [method.name(); 2]);
-        }
-    }
 }

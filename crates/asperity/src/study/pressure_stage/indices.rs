@@ -48,21 +48,8 @@ fn index(name: &str, first: SampleEstimate, total: SampleEstimate) -> IndexEntry
 pub(super) fn table(entries: &[SensitivityEntry]) -> Table {
     let rows = || entries.iter().flat_map(|entry| entry.indices.iter().map(move |index| (entry, index)));
     let names = rows().map(|(entry, index)| format!("{}: {}: {}", entry.quantity, entry.variables, index.name));
-    type Value = fn(&SensitivityEntry, &IndexEntry) -> f64;
-    let columns: [(&str, Value); 10] = [
-        ("first_order", |_, index| index.first_order),
-        ("first_order_se", |_, index| index.first_order_se),
-        ("first_order_low", |_, index| index.first_order_interval[0]),
-        ("first_order_high", |_, index| index.first_order_interval[1]),
-        ("total", |_, index| index.total),
-        ("total_se", |_, index| index.total_se),
-        ("total_low", |_, index| index.total_interval[0]),
-        ("total_high", |_, index| index.total_interval[1]),
-        ("terms", |entry, _| entry.terms.map_or(f64::NAN, |terms| terms as f64)),
-        ("cross_validated_error", |entry, _| entry.cross_validated_error.unwrap_or(f64::NAN)),
-    ];
-    let columns = columns.map(|(name, value)| (name, rows().map(|(entry, index)| value(entry, index)).collect()));
-    Table::with_names(names.collect(), columns)
+    let indices: Vec<IndexEntry> = rows().map(|(_, index)| index.clone()).collect();
+    Table::with_names(names.collect(), Table::of(&indices).into_columns())
 }
 
 #[cfg(test)]

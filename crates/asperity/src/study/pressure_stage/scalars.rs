@@ -34,22 +34,7 @@ pub(super) fn entry(scalar: &ScalarResult) -> ScalarEntry {
 /// Returns a row for each scalar, in the unit of its name.
 pub(super) fn table(scalars: &[ScalarEntry]) -> Table {
     let names = scalars.iter().map(|scalar| scalar.name.clone()).collect();
-    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut add = |name: String, value: &dyn Fn(&ScalarEntry) -> f64| {
-        columns.push((name, scalars.iter().map(value).collect()));
-    };
-    add("mean".into(), &|s| s.mean);
-    add("mean_se".into(), &|s| s.mean_se);
-    add("mean_low".into(), &|s| s.mean_interval[0]);
-    add("mean_high".into(), &|s| s.mean_interval[1]);
-    add("std".into(), &|s| s.std);
-    for (k, quantile) in scalars.iter().take(1).flat_map(|s| s.quantiles.iter().enumerate()) {
-        let name = format!("quantile_{}", (100.0 * quantile.probability).round());
-        add(name.clone(), &|s| s.quantiles[k].value);
-        add(format!("{name}_low"), &|s| s.quantiles[k].value_interval[0]);
-        add(format!("{name}_high"), &|s| s.quantiles[k].value_interval[1]);
-    }
-    Table::with_names(names, columns)
+    Table::with_names(names, Table::of(scalars).into_columns())
 }
 
 /// Returns the quantiles of the scalars at evenly spaced probabilities.

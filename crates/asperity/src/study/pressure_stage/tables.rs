@@ -1,10 +1,10 @@
 //! Tables behind the figures of the pressure stage.
 
 use crate::chaos::DiscreteDistribution;
-use crate::pressure::{Band, ComparisonResults, Method};
+use crate::pressure::{Band, ComparisonResults, PressureMethod};
 use crate::study::Table;
 use crate::study::pressure_stage::{indices, scalars};
-use crate::study::result::{MethodEntry, Pair, PressureResult};
+use crate::study::result::{MethodEntry, PressureResult};
 
 pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, Table)> {
     let mut tables = vec![
@@ -42,7 +42,7 @@ fn cdf(results: &ComparisonResults) -> Table {
     let column =
         |distribution: &DiscreteDistribution| -> Vec<f64> { pressures.iter().map(|p| distribution.cdf(*p)).collect() };
     let mut columns = vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(reference))];
-    for method in Method::ALL {
+    for &method in PressureMethod::ALL {
         columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.distribution))));
     }
     Table::new(columns)
@@ -52,7 +52,7 @@ fn cdf(results: &ComparisonResults) -> Table {
 /// and 95 % limits, pointwise and simultaneous.
 fn bands(results: &ComparisonResults) -> Table {
     let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
-    let methods = Method::ALL.into_iter().map(|method| {
+    let methods = PressureMethod::ALL.iter().map(|&method| {
         let estimate = results.estimate(method).map(|(estimate, _)| estimate);
         (method.name(), estimate.and_then(|estimate| estimate.band.as_ref()))
     });
@@ -82,48 +82,22 @@ fn bands(results: &ComparisonResults) -> Table {
 
 /// Returns a row for each method with an estimate, the reference first.
 fn methods(summary: &PressureResult) -> Table {
-    let methods: Vec<&MethodEntry> = summary.methods.iter().filter(|method| method.failure.is_none()).collect();
-    let end = |interval: Option<Pair>, end: usize| interval.map_or(f64::NAN, |interval| interval[end]);
-    let names = std::iter::once("reference".to_owned()).chain(methods.iter().map(|m| m.name.name().to_owned()));
-    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut add = |name: &str, reference: Option<f64>, values: Vec<Option<f64>>| {
-        let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN));
-        columns.push((name.to_owned(), std::iter::once(reference.unwrap_or(f64::NAN)).chain(values).collect()));
+    let reference = MethodEntry {
+        fine_solves: summary.reference_samples,
+        work_in_fine_solves: summary.reference_samples as f64,
+        failed_samples: summary.failed_samples,
+        contact_probability: Some(summary.contact_probability),
+        contact_probability_se: summary.contact_probability_se,
+        contact_probability_interval: summary.contact_probability_interval,
+        mean_pa: Some(summary.mean_pa),
+        mean_se_pa: summary.mean_se_pa,
+        mean_interval: summary.mean_interval,
+        std_pa: Some(summary.std_pa),
+        ..MethodEntry::default()
     };
-    let of = |value: &dyn Fn(&MethodEntry) -> Option<f64>| -> Vec<Option<f64>> {
-        methods.iter().map(|method| value(method)).collect()
-    };
-    let samples = Some(summary.reference_samples as f64);
-    add("fine_solves", samples, of(&|m| Some(m.fine_solves as f64)));
-    add("work_in_fine_solves", samples, of(&|m| Some(m.work_in_fine_solves)));
-    add("contact_probability", Some(summary.contact_probability), of(&|m| m.contact_probability));
-    add("contact_probability_bias", None, of(&|m| m.contact_probability_bias));
-    add("contact_probability_se", summary.contact_probability_se, of(&|m| m.contact_probability_se));
-    for (i, side) in ["low", "high"].into_iter().enumerate() {
-        let own = summary.contact_probability_interval.map(|interval| interval[i]);
-        add(&format!("contact_probability_{side}"), own, of(&|m| Some(end(m.contact_probability_interval, i))));
-    }
-    add("mean_pa", Some(summary.mean_pa), of(&|m| m.mean_pa));
-    add("mean_bias_pa", None, of(&|m| m.mean_bias_pa));
-    add("mean_se_pa", summary.mean_se_pa, of(&|m| m.mean_se_pa));
-    for (i, side) in ["low", "high"].into_iter().enumerate() {
-        let own = summary.mean_interval.map(|interval| interval[i]);
-        add(&format!("mean_{side}_pa"), own, of(&|m| Some(end(m.mean_interval, i))));
-    }
-    add("std_pa", Some(summary.std_pa), of(&|m| m.std_pa));
-    for (k, quantile) in summary.quantiles.iter().enumerate() {
-        let percent = (100.0 * quantile.probability).round();
-        add(
-            &format!("quantile_{percent}_pa"),
-            Some(quantile.pressure_pa),
-            of(&|m| m.quantiles.get(k).map(|q| q.pressure_pa)),
-        );
-        for (i, side) in ["low", "high"].into_iter().enumerate() {
-            let found = of(&|m| m.quantiles.get(k).map(|q| end(q.pressure_pa_interval, i)));
-            add(&format!("quantile_{percent}_{side}_pa"), Some(end(quantile.pressure_pa_interval, i)), found);
-        }
-    }
-    add("ks_distance", None, of(&|m| m.ks_distance));
-    add("wasserstein_1_over_std", None, of(&|m| m.wasserstein_1_over_std));
-    Table::with_names(names.collect(), columns)
+    let methods = summary.methods.iter().filter(|method| method.failure.is_none()).cloned();
+    let methods: Vec<MethodEntry> = std::iter::once(reference).chain(methods).collect();
+    let names = methods[1..].iter().map(|method| method.name.name());
+    let names = std::iter::once("reference").chain(names).map(str::to_owned).collect();
+    Table::with_names(names, Table::of(&methods).into_columns())
 }

@@ -80,15 +80,7 @@ fn numbers(all: f64) -> Vec<f64> {
 
 /// Returns the table of the probabilities.
 pub(super) fn table(rows: &[AreaAsOne]) -> (&'static str, Table) {
-    let column = |of: fn(&AreaAsOne) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
-    let table = Table::new([
-        ("windows", column(|row| row.windows)),
-        ("friction_std", column(|row| row.friction_std)),
-        ("probability", column(|row| row.probability)),
-        ("probability_low", column(|row| row.probability_interval[0])),
-        ("probability_high", column(|row| row.probability_interval[1])),
-    ]);
-    (TABLE, table.with_first("windows"))
+    (TABLE, Table::of(rows))
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::friction::WindowFriction;
 use crate::study::check::VibrationStudy;
-use crate::study::motion_entries::{coupled_cycle_result, instability_result, kind_result};
-use crate::study::result::{KindResult, ModelResult, NominalMachine};
+use crate::study::motion_entries::{coupled_cycle_result, instability_result};
+use crate::study::result::{MachineModel, MotionKind, NominalMachine};
 use crate::vibration::mode_coupling::{Model, friction_margin, instability, limit_cycle_within, modes};
 use crate::vibration::{DampingMargins, Oscillator, Scales, VibrationError, limit_cycle, limit_damping, smallest_kick};
 
@@ -34,7 +34,7 @@ pub(super) struct Margins {
 /// Vibration of a machine.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Vibration {
-    pub(super) kind: KindResult,
+    pub(super) kind: MotionKind,
     pub(super) frequency_hz: f64,
     /// Amplitude of the velocity; `None` for motion that does not repeat.
     pub(super) velocity_amplitude_m_per_s: Option<f64>,
@@ -51,10 +51,10 @@ impl Dynamics {
         }
     }
 
-    pub(super) fn model(&self) -> ModelResult {
+    pub(super) fn model(&self) -> MachineModel {
         match self {
-            Self::StickSlip(_) => ModelResult::StickSlip,
-            Self::ModeCoupling(_) => ModelResult::ModeCoupling,
+            Self::StickSlip(_) => MachineModel::StickSlip,
+            Self::ModeCoupling(_) => MachineModel::ModeCoupling,
         }
     }
 
@@ -72,9 +72,9 @@ impl Dynamics {
     }
 
     /// Returns the kind of motion.
-    pub(super) fn kind(&self) -> Result<KindResult, VibrationError> {
+    pub(super) fn kind(&self) -> Result<MotionKind, VibrationError> {
         match self {
-            Self::StickSlip(oscillator) => Ok(kind_result(limit_cycle(oscillator)?.kind())),
+            Self::StickSlip(oscillator) => Ok(limit_cycle(oscillator)?.kind()),
             Self::ModeCoupling(model) => Ok(instability_result(instability(model)?)),
         }
     }
@@ -86,7 +86,7 @@ impl Dynamics {
                 let velocity = 0.5 * (cycle.velocity_max - cycle.velocity_min) * scales.velocity_m_per_s();
                 let displacement = 0.5 * (cycle.displacement_max - cycle.displacement_min) * scales.length_m();
                 Vibration {
-                    kind: kind_result(cycle.kind),
+                    kind: cycle.kind,
                     frequency_hz: 1.0 / (cycle.period * scales.time_s()),
                     velocity_amplitude_m_per_s: Some(velocity),
                     displacement_amplitude_m: Some(displacement),

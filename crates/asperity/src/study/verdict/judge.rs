@@ -7,7 +7,7 @@ use crate::friction::WindowFriction;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::Interval;
 use crate::study::check::VerdictStudy;
-use crate::study::result::ModelResult;
+use crate::study::result::MachineModel;
 use crate::study::sentence;
 
 /// Factor of the duration after which the probability is computed again.
@@ -37,7 +37,7 @@ impl<'a> Judge<'a> {
         seed: u64,
         monitor: &'a dyn Monitor,
     ) -> Self {
-        let is_coupled = nominal.dynamics.model() == ModelResult::ModeCoupling;
+        let is_coupled = nominal.dynamics.model() == MachineModel::ModeCoupling;
         let upscaled_std = nominal.window.upscaled_std(nominal.study.upscaling);
         Self {
             threshold: study.threshold,

@@ -14,7 +14,6 @@ use crate::friction::{MeanErrors, Upscaling, WindowFriction};
 use crate::study::StudyFile;
 use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
 use crate::study::file::{Hold, MachineModel};
-use crate::study::result::ModelResult;
 use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, Point, numbers};
 
 /// Number of samples that can be drawn.
@@ -104,11 +103,8 @@ impl<'a> Machines<'a> {
     }
 
     /// Returns the model of all machines.
-    pub(super) fn model(&self) -> ModelResult {
-        match self.central.file.vibration.as_ref().map(|section| section.model) {
-            Some(MachineModel::ModeCoupling) => ModelResult::ModeCoupling,
-            Some(MachineModel::StickSlip) | None => ModelResult::StickSlip,
-        }
+    pub(super) fn model(&self) -> MachineModel {
+        self.central.file.vibration.as_ref().map(|section| section.model).unwrap_or_default()
     }
 
     /// Returns the errors of the mean friction that all machines share.

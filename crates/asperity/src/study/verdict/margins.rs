@@ -6,7 +6,7 @@ use super::machines::{Change, Machines};
 use super::sampled::Evaluated;
 use crate::monitor::{Cancelled, Monitor};
 use crate::study::file::Hold;
-use crate::study::result::ModelResult;
+use crate::study::result::MachineModel;
 use crate::study::uncertain::Place;
 
 /// Name of the damping ratio.
@@ -61,8 +61,8 @@ pub(super) fn margins(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monit
 }
 
 /// Returns whether a change of a value changes the margins by as much as the damping ratios. The margin of coupled modes is one of friction.
-pub(in crate::study) fn is_damping(place: Place, model: ModelResult) -> bool {
-    place.name() == DAMPING && model == ModelResult::StickSlip
+pub(in crate::study) fn is_damping(place: Place, model: MachineModel) -> bool {
+    place.name() == DAMPING && model == MachineModel::StickSlip
 }
 
 /// Limits of the damping ratio of machines. They do not depend on the damping ratio, so machines that differ from known ones in it alone

@@ -10,7 +10,7 @@ use super::sampled::Sampled;
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::quantile_sorted;
 use crate::study::Table;
-use crate::study::result::{ModelResult, Quantiles, VibratingMachines};
+use crate::study::result::{MachineModel, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
 pub(in crate::study) const MOST_ROWS: usize = 4096;
@@ -26,8 +26,8 @@ pub(super) fn vibrating_machines(
     monitor: &dyn Monitor,
 ) -> Result<Option<VibratingMachines>, Cancelled> {
     let most = match machines.model() {
-        ModelResult::StickSlip => MOST,
-        ModelResult::ModeCoupling => MOST_COUPLED,
+        MachineModel::StickSlip => MOST,
+        MachineModel::ModeCoupling => MOST_COUPLED,
     };
     let vibrates = |index: &usize| sampled.machines[*index].as_ref().is_ok_and(|m| m.margins.from_stick < 0.0);
     let indices: Vec<usize> = (0..sampled.machines.len()).filter(vibrates).take(most).collect();

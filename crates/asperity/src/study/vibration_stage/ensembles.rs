@@ -3,13 +3,12 @@
 use asperity_base::choice::Choice;
 
 use super::clipping::clipping_warning;
-use super::entries::{crossing_result, damping_result, motion_result, points_result};
+use super::entries::{damping_result, motion_result, points_result};
 use super::tables::{cloud_table, portrait_table};
 use crate::friction::process::{Cancellable, FrictionProcess, ProcessModel};
 use crate::friction::{Upscaling, WindowFriction};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::study::check::VibrationStudy;
-use crate::study::motion_entries::kind_result;
 use crate::study::output::left_out;
 use crate::study::result::{DampingResult, EnsembleResult, PointsResult};
 use crate::study::run_machine::RunMachine;
@@ -172,7 +171,7 @@ impl<'a> Ensembles<'a> {
             friction_std,
             clipped_fraction,
             damping,
-            crossings: crossings.into_iter().map(crossing_result).collect(),
+            crossings,
             reattachment: points_result(&ensemble.reattachments),
             release: points_result(&ensemble.releases),
             motion: Some(motion_result(&ensemble)),
@@ -195,7 +194,7 @@ impl<'a> Ensembles<'a> {
             let fraction = if kind.is_vibration() { 1.0 } else { 0.0 };
             damping.push(DampingResult {
                 damping_ratio,
-                kind: kind_result(kind),
+                kind,
                 cycles_deterministic: cycles,
                 cycles_mean: cycles as f64,
                 cycles_se: 0.0,
@@ -210,7 +209,7 @@ impl<'a> Ensembles<'a> {
             });
         }
         let crossings = crossings_without_fluctuation(&self.oscillator, &LEVELS, self.study.damping_sweep.1, monitor)?;
-        let crossings = crossings.into_iter().map(crossing_result).collect();
+
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
             friction_std,

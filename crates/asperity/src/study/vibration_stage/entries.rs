@@ -1,8 +1,7 @@
 //! Conversion of vibration results to entries of `results.json`.
 
-use crate::study::motion_entries::kind_result;
-use crate::study::result::{CrossingResult, CycleResult, DampingResult, MotionResult, PointsResult, finite};
-use crate::vibration::{Crossing, Ensemble, MotionKind, Regime, SampleDistribution};
+use crate::study::result::{CycleResult, DampingResult, MotionResult, PointsResult, finite};
+use crate::vibration::{Ensemble, MotionKind, Regime, SampleDistribution};
 
 pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
     let cycle = regime.cycle();
@@ -21,7 +20,7 @@ pub(super) fn cycle_result(damping_ratio: f64, regime: &Regime) -> CycleResult {
 pub(super) fn damping_result(damping_ratio: f64, kind: MotionKind, ensemble: &Ensemble) -> DampingResult {
     DampingResult {
         damping_ratio,
-        kind: kind_result(kind),
+        kind,
         cycles_deterministic: ensemble.cycles_deterministic,
         cycles_mean: ensemble.cycles.mean,
         cycles_se: ensemble.cycles.se,
@@ -34,11 +33,6 @@ pub(super) fn damping_result(damping_ratio: f64, kind: MotionKind, ensemble: &En
         sustained_share_interval: ensemble.passages.sustained.interval,
         failed_samples: ensemble.failures.len(),
     }
-}
-
-pub(super) fn crossing_result(crossing: Crossing) -> CrossingResult {
-    let Crossing { share, damping_ratio, interval, reason } = crossing;
-    CrossingResult { share, damping_ratio, damping_ratio_interval: interval, reason }
 }
 
 pub(super) fn points_result(points: &SampleDistribution) -> PointsResult {
@@ -60,7 +54,7 @@ pub(super) fn motion_result(ensemble: &Ensemble) -> MotionResult {
         stick_share: ensemble.stick_share.mean,
         stick_share_se: ensemble.stick_share.se,
         share_in_cycle: passages.share_in_cycle,
-        kind_shares: passages.kinds.iter().map(|(kind, share)| (kind_result(*kind), *share)).collect(),
+        kind_shares: passages.kinds.iter().map(|(kind, share)| (*kind, *share)).collect(),
         exit_rate: passages.exit_rate.map(|rate| rate.value),
         exit_rate_interval: passages.exit_rate.map(|rate| rate.interval),
         entry_rate: passages.entry_rate.map(|rate| rate.value),

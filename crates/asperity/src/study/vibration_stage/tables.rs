@@ -5,7 +5,7 @@ use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
 use crate::stats::Histogram;
 use crate::study::Table;
-use crate::study::result::{DampingResult, EnsembleResult};
+use crate::study::result::EnsembleResult;
 use crate::vibration::{
     EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, VibrationError, phase_cloud,
 };
@@ -13,24 +13,18 @@ use crate::vibration::{
 /// Number of times at which the surviving fraction is tabulated.
 const SURVIVAL_POINTS: usize = 201;
 
+/// Returns the ensembles over the damping ratio; what they have in common does not name the upscaling.
 pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Table {
-    let column = |result: &EnsembleResult, value: &dyn Fn(&DampingResult) -> f64| -> Vec<f64> {
-        result.damping.iter().map(value).collect()
-    };
-    let mut columns = vec![
-        ("damping_ratio".to_owned(), column(paper, &|d| d.damping_ratio)),
-        ("cycles_deterministic".into(), column(paper, &|d| d.cycles_deterministic as f64)),
-    ];
-    for (name, result) in [("paper", paper), ("area", area)] {
-        columns.push((format!("{name}_cycles_mean"), column(result, &|d| d.cycles_mean)));
-        columns.push((format!("{name}_difference_mean"), column(result, &|d| d.difference_mean)));
-        columns.push((format!("{name}_difference_low"), column(result, &|d| d.difference_interval[0])));
-        columns.push((format!("{name}_difference_high"), column(result, &|d| d.difference_interval[1])));
-        columns.push((format!("{name}_sustained_share"), column(result, &|d| d.sustained_share)));
-        columns.push((format!("{name}_sustained_share_low"), column(result, &|d| d.sustained_share_interval[0])));
-        columns.push((format!("{name}_sustained_share_high"), column(result, &|d| d.sustained_share_interval[1])));
-    }
-    Table::new(columns)
+    const COMMON: [&str; 2] = ["damping_ratio", "cycles_deterministic"];
+    let columns = [("paper", paper), ("area", area)].map(|(upscaling, result)| {
+        let columns = Table::of(&result.damping).into_columns().into_iter();
+        columns.map(move |(name, values)| match COMMON.contains(&name.as_str()) {
+            true => (name, values),
+            false => (format!("{upscaling}_{name}"), values),
+        })
+    });
+    let [paper, area] = columns;
+    Table::new(paper.chain(area.filter(|(name, _)| !COMMON.contains(&name.as_str()))))
 }
 
 /// Returns a histogram of points and the normal density of equal mean and standard deviation; `None` for too few

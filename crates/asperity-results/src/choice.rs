@@ -99,7 +99,7 @@ impl<T: Choice> JsonSchema for ByName<T> {
 /// documentation of a variant is its description. The crate that uses it depends on `serde`.
 ///
 /// ```
-/// asperity_base::choice! {
+/// asperity_results::choice! {
 ///     /// Edge of a patch.
 ///     #[derive(Default)]
 ///     pub enum Edge: "boundary" {
