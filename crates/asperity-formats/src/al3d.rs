@@ -13,32 +13,21 @@
 //! vendor's program hides depths with a repeatability above `DepthResFilterVal`; here they are missing, with a
 //! warning.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::{ByteOrder, Sample};
+use crate::{
+    ByteOrder, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large,
+};
 
-use crate::{Format, FormatError, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Al3d,
-        extensions: &["al3d"],
-        vendor: "Alicona (Bruker)",
-        known_by: "`AliconaImaging\\0\\r\\n`",
-        reads: "the depth image; no files of a texture alone",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, InvalidPixelValue and above, repeatability beyond DepthResFilterVal",
-        orientation: "the first stored row is row 0, as in the texture beside it",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["al3d"],
+    vendor: "Alicona (Bruker)",
+    known_by: "`AliconaImaging\\0\\r\\n`",
+    reads: "the depth image; no files of a texture alone",
+    missing_points: "NaN, InvalidPixelValue and above, repeatability beyond DepthResFilterVal",
+    orientation: "the first stored row is row 0, as in the texture beside it",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Al3d, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 /// First bytes of every file.

@@ -1,6 +1,5 @@
 //! Zip archives and compressed streams: search for files, and limits of unpacking.
 
-use crate::error::{Result, shown};
 use std::cmp::Ordering;
 use std::io::{self, Cursor, Read};
 
@@ -11,9 +10,7 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
 
-use crate::large;
-use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError, Location, MAX_POINTS};
+use crate::{ByteOrder, Format, FormatError, Location, MAX_POINTS, Result, Sample, large, shown};
 
 /// Size in bytes that every stream may unpack to.
 const FREE_BYTES: u64 = 1 << 23;

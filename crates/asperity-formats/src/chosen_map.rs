@@ -1,8 +1,6 @@
 //! Choice of a map in files that also hold other quantities.
 
-use crate::error::{Result, shown};
-use crate::selection::{some_of, unique};
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Format, FormatError, ReadOptions, Result, Scan, shown, some_of, unique};
 
 /// Height map that was chosen in a file with other quantities beside heights.
 #[derive(Debug)]

@@ -2,32 +2,21 @@
 //!
 //! Gwyddion's user guide describes the format. Without `XReal` and `YReal` a field has no size, which the guide sets to 1.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
 use crate::sections::sections;
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit,
+    per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Gsf,
-        extensions: &["gsf"],
-        vendor: "Gwyddion simple field",
-        known_by: "`Gwyddion Simple Field 1.0`",
-        reads: "float32",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN",
-        orientation: "the first stored line is row 0",
-        tested: Tested::OtherPrograms,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["gsf"],
+    vendor: "Gwyddion simple field",
+    known_by: "`Gwyddion Simple Field 1.0`",
+    reads: "float32",
+    missing_points: "NaN",
+    orientation: "the first stored line is row 0",
+    tested: Tested::OtherPrograms,
+    ..Description::new(Format::Gsf, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";

@@ -26,7 +26,8 @@ mod piece;
 mod tree;
 mod value;
 
-use crate::error::Result;
+use crate::Result;
+
 pub(crate) use dataset::Dataset;
 pub(crate) use file::File;
 pub(crate) use header::Object;

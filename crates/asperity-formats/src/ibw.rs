@@ -6,31 +6,20 @@
 //!
 //! Layout: WaveMetrics, *Igor Pro Technical Note PTN003: Igor Binary Format*.
 
-use crate::error::Result;
+use crate::{
+    ByteOrder, ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested,
+    TextLimit, large, latin1, per_metre, utf8_or_latin1,
+};
 
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, TextLimit, latin1, utf8_or_latin1};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Ibw,
-        extensions: &["ibw"],
-        vendor: "Asylum Research, WaveMetrics Igor",
-        known_by: "version 5 and a check sum over 384 bytes",
-        reads: "version 5; integers, float32, float64; matrices and layers",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN",
-        orientation: "y points upwards; row 0 is the last stored line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| order(bytes).is_some(),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["ibw"],
+    vendor: "Asylum Research, WaveMetrics Igor",
+    known_by: "version 5 and a check sum over 384 bytes",
+    reads: "version 5; integers, float32, float64; matrices and layers",
+    missing_points: "NaN",
+    orientation: "y points upwards; row 0 is the last stored line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Ibw, |bytes| order(bytes).is_some(), read)
 };
 
 const VERSION: i16 = 5;

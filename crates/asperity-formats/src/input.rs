@@ -4,11 +4,8 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::error::{Result, shown};
-use crate::large::Shape;
-use crate::sample::{ByteOrder, Sample};
 use crate::scan::{matrix, shape};
-use crate::{Format, FormatError, Location};
+use crate::{ByteOrder, Format, FormatError, Location, Result, Sample, Shape, shown};
 
 /// Bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]

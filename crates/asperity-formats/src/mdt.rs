@@ -5,30 +5,15 @@
 //!
 //! The vendor's description of version 1 is public; the frames of arrays of newer programs (type 106) have another layout and are not read.
 
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::Input;
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
+use crate::{ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, large, per_metre};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Mdt,
-        extensions: &["mdt"],
-        vendor: "NT-MDT",
-        known_by: "0x01B093FF",
-        reads: "frames of scans, int16; no arrays, spectra or texts",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "lines from the bottom up; row 0 is the last line",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["mdt"],
+    vendor: "NT-MDT",
+    known_by: "0x01B093FF",
+    reads: "frames of scans, int16; no arrays, spectra or texts",
+    orientation: "lines from the bottom up; row 0 is the last line",
+    ..Description::new(Format::Mdt, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"\x01\xb0\x93\xff";

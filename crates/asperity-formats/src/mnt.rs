@@ -12,31 +12,19 @@ use std::io::{Cursor, Read};
 use cfb::CompoundFile;
 
 use crate::archive::{beyond_reason, damaged, may_unpack, unpack};
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
 use crate::foreign::{OLE_MAGIC, is_mountains};
-use crate::input::{Input, utf16_text};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ByteOrder, ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, per_metre, utf16_text,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Mnt,
-        extensions: &["mnt"],
-        vendor: "Digital Surf",
-        known_by: "an OLE file with `ScopedContents`",
-        reads: "int16 and int32 of measured surfaces; no derived layers, which files do not hold",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "a picture of marks",
-        orientation: "the first stored line is row 0, as in SUR",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["mnt"],
+    vendor: "Digital Surf",
+    known_by: "an OLE file with `ScopedContents`",
+    reads: "int16 and int32 of measured surfaces; no derived layers, which files do not hold",
+    missing_points: "a picture of marks",
+    orientation: "the first stored line is row 0, as in SUR",
+    ..Description::new(Format::Mnt, |bytes| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes), read)
 };
 
 const STREAM: &str = "ScopedContents";

@@ -7,32 +7,24 @@
 //!
 //! The vendor published no description. Gwyddion's user guide describes the header; fields of unknown meaning become metadata.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
 use crate::sections::{Section, quantity, sections};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan, large};
+use crate::{
+    ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit, large,
+    per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Nanoscope,
-        extensions: &["spm", "000", "001"],
-        vendor: "Digital Instruments, Veeco, Bruker",
-        known_by: "`\\*File list`",
-        reads: "int16, int32, version 4.3 and later; no force curves",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "lines from the bottom up; row 0 is the last line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| STARTS.iter().any(|start| bytes.starts_with(start)) || bytes.starts_with(AS_TEXT),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["spm", "000", "001"],
+    vendor: "Digital Instruments, Veeco, Bruker",
+    known_by: "`\\*File list`",
+    reads: "int16, int32, version 4.3 and later; no force curves",
+    orientation: "lines from the bottom up; row 0 is the last line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(
+        Format::Nanoscope,
+        |bytes| STARTS.iter().any(|start| bytes.starts_with(start)) || bytes.starts_with(AS_TEXT),
+        read,
+    )
 };
 
 /// First bytes of a file, and of a file whose data are text.

@@ -17,36 +17,24 @@ mod classic;
 mod contents;
 mod enhanced;
 
-use self::contents::{Contents, Dimension, HEIGHTS, MAX_NUMBERS, Value, Variable, transposed};
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
+use self::contents::{Contents, Dimension, HEIGHTS, MAX_NUMBERS, Value, Variable, transposed};
 use crate::foreign::TO_MATRIX;
-use crate::hdf5;
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{
+    Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, hdf5, large, per_metre,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::NetCdf,
-        extensions: &["nc", "nc4", "cdf"],
-        vendor: "Unidata",
-        known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",
-        reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
-        orientation: "the first y is the top row; (x, y) is turned to (y, x)",
-        tested: Tested::OtherPrograms,
-    },
+pub(crate) const CODEC: Description = Description {
+    extensions: &["nc", "nc4", "cdf"],
+    vendor: "Unidata",
+    known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",
+    reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
+    missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
+    orientation: "the first y is the top row; (x, y) is turned to (y, x)",
+    tested: Tested::OtherPrograms,
     // HDF5 files that are not DATX are tried as netCDF-4: the registry tries DATX first.
-    detect: |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes),
-    read,
-    write: None,
+    ..Description::new(Format::NetCdf, |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes), read)
 };
 
 /// Variable of the missing points in files of SurfaceTopography.

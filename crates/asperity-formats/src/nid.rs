@@ -5,32 +5,20 @@
 //!
 //! The vendor published the layout with the scripts of its program; fields of unknown meaning become metadata.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::{ByteOrder, Sample};
 use crate::sections::{Section, section, sections};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan, large};
+use crate::{
+    ByteOrder, ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested,
+    TextLimit, large, per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Nid,
-        extensions: &["nid"],
-        vendor: "Nanosurf",
-        known_by: "`[DataSet]`",
-        reads: "integers of 8 to 32 bits; no curves",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "lines from the bottom up; row 0 is the last line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["nid"],
+    vendor: "Nanosurf",
+    known_by: "`[DataSet]`",
+    reads: "integers of 8 to 32 bits; no curves",
+    orientation: "lines from the bottom up; row 0 is the last line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Nid, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"[DataSet]";

@@ -7,31 +7,22 @@
 //! The vendor published no description. Readers of several authors and files agree on the layout; fields of unknown
 //! meaning are left out. Numbers are little-endian.
 
-use crate::error::Result;
+use crate::input::Kind;
+use crate::{Description, Field, Format, Input, ReadOptions, Result, Sample, Scan, Tested, large};
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Field, Input, Kind};
-use crate::large;
-use crate::sample::Sample;
-
-use crate::{Format, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Nms,
-        extensions: &["nms", "orginal"],
-        vendor: "NanoFocus",
-        known_by: "`OM_MS_` at byte 32",
-        reads: "uint16; no profiles",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "intensity 0, numbers outside of n_low to n_high",
-        orientation: "the first stored line is row 0, as in the intensities beside it",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.get(VERSION.1..).is_some_and(|rest| rest.starts_with(VERSION_START)),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["nms", "orginal"],
+    vendor: "NanoFocus",
+    known_by: "`OM_MS_` at byte 32",
+    reads: "uint16; no profiles",
+    missing_points: "intensity 0, numbers outside of n_low to n_high",
+    orientation: "the first stored line is row 0, as in the intensities beside it",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(
+        Format::Nms,
+        |bytes| bytes.get(VERSION.1..).is_some_and(|rest| rest.starts_with(VERSION_START)),
+        read,
+    )
 };
 
 /// Size of the header in bytes.

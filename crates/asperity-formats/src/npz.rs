@@ -8,7 +8,6 @@
 //! for (x, y), or `dx` and `dy`, in metre or in the unit at the end (`pixel_size_um`). Other short arrays are
 //! metadata. The format itself defines none of these conventions.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Write};
 
@@ -16,34 +15,24 @@ use ndarray::Array2;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::archive::Archive;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::large::Shape;
 use crate::npy::Header;
 use crate::scan::matrix;
-use crate::selection::some_of;
-use crate::unit::per_metre;
 use crate::x3p::ZIP_MAGIC;
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::{
+    Archive, Description, Format, FormatError, Input, Location, ReadOptions, Result, Scan, Shape, Tested, per_metre,
+    some_of,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Npz,
-        extensions: &["npz"],
-        vendor: "NumPy",
-        known_by: "zip archive whose first file is .npy",
-        reads: "two-dimensional arrays of the types of NPY, stored or deflated; `pixel_size`, `pitch`, `spacing`, \
-                `dx` and `dy` for the pixel size; units at the end of names (`gap_um`)",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, ±inf",
-        orientation: "the first index is the row",
-        tested: Tested::OtherPrograms,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["npz"],
+    vendor: "NumPy",
+    known_by: "zip archive whose first file is .npy",
+    reads: "two-dimensional arrays of the types of NPY, stored or deflated; `pixel_size`, `pitch`, `spacing`, \
+            `dx` and `dy` for the pixel size; units at the end of names (`gap_um`)",
+    missing_points: "NaN, ±inf",
+    orientation: "the first index is the row",
+    tested: Tested::OtherPrograms,
+    ..Description::new(Format::Npz, detect, read)
 };
 
 /// Size in bytes of a local file header of a zip archive before the name of the file.

@@ -14,34 +14,22 @@
 
 mod object;
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, Kind, latin1};
-use crate::large;
-use crate::sample::{ByteOrder, Sample};
-use crate::selection::unique;
-use crate::{Format, ReadOptions, Scan};
+use crate::input::Kind;
+use crate::{ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, large, latin1, unique};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Opd,
-        extensions: &["opd"],
-        vendor: "Wyko (Veeco, Bruker)",
-        known_by: "`\\x01\\x00Directory`",
-        reads: "float32, int16, uint8",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "1e38 and above, 32766 and above (int16), NaN",
-        orientation: "columns from the bottom up; row 0 is the last number of every column",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(SIGNATURE),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["opd"],
+    vendor: "Wyko (Veeco, Bruker)",
+    known_by: "`\\x01\\x00Directory`",
+    reads: "float32, int16, uint8",
+    missing_points: "1e38 and above, 32766 and above (int16), NaN",
+    orientation: "columns from the bottom up; row 0 is the last number of every column",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Opd, |bytes| bytes.starts_with(SIGNATURE), read)
 };
 
 /// First bytes of a file: two bytes and the start of the directory's own entry.

@@ -9,30 +9,18 @@
 
 use std::collections::BTreeMap;
 
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::{Input, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, TextLimit, per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Opdx,
-        extensions: &["opdx"],
-        vendor: "Bruker",
-        known_by: "`VCA DATA`",
-        reads: "float32; no profiles",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN",
-        orientation: "the first stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["opdx"],
+    vendor: "Bruker",
+    known_by: "`VCA DATA`",
+    reads: "float32; no profiles",
+    missing_points: "NaN",
+    orientation: "the first stored line is row 0",
+    ..Description::new(Format::Opdx, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"VCA DATA";

@@ -1,11 +1,10 @@
 //! List of all formats, and their detection.
 
 use crate::archive::GZIP_MAGIC;
-use crate::codec::{Codec, Description};
-use crate::{Format, foreign};
+use crate::{Description, Format, foreign};
 
 /// All formats in the order of detection: signatures first, X3P after the other zip archives, text last.
-const CODECS: [&Codec; 35] = [
+const CODECS: [&Description; 35] = [
     &crate::plux::CODEC,
     &crate::npz::CODEC,
     &crate::oir::CODEC,
@@ -45,18 +44,18 @@ const CODECS: [&Codec; 35] = [
 
 /// Returns the table of formats.
 pub fn descriptions() -> impl Iterator<Item = &'static Description> {
-    CODECS.iter().map(|codec| &codec.description)
+    CODECS.into_iter()
 }
 
 impl Format {
     /// Returns the functions of the format; `None` for [`Format::Gzip`], which wraps other formats.
-    pub(crate) fn codec(self) -> Option<&'static Codec> {
-        CODECS.into_iter().find(|codec| codec.description.format == self)
+    pub(crate) fn codec(self) -> Option<&'static Description> {
+        CODECS.into_iter().find(|codec| codec.format == self)
     }
 
     /// Returns whether files of this format state the distance between points.
     pub fn stores_pitch(self) -> bool {
-        self.codec().is_some_and(|codec| codec.description.stores_pitch)
+        self.codec().is_some_and(|codec| codec.stores_pitch)
     }
 
     /// Detects the format of content. Returns `None` for unknown content.
@@ -71,14 +70,14 @@ impl Format {
         if foreign::recognise(bytes, bytes.len() as u64).is_some() {
             return None;
         }
-        CODECS.into_iter().find(|codec| (codec.detect)(bytes)).map(|codec| codec.description.format)
+        CODECS.into_iter().find(|codec| (codec.detect)(bytes)).map(|codec| codec.format)
     }
 
     /// Returns the format that is written with an extension (without dot, in any case).
     pub fn from_extension(extension: &str) -> Option<Self> {
         let extension = extension.to_ascii_lowercase();
-        let written = CODECS.into_iter().filter(|codec| codec.write.is_some()).map(|codec| &codec.description);
-        written.filter(|known| known.extensions.contains(&extension.as_str())).map(|known| known.format).next()
+        let mut written = CODECS.into_iter().filter(|codec| codec.write.is_some());
+        written.find(|codec| codec.extensions.contains(&extension.as_str())).map(|codec| codec.format)
     }
 }
 
@@ -86,12 +85,12 @@ impl Format {
 pub(crate) fn written_extensions() -> String {
     let written = CODECS.iter().filter(|codec| codec.write.is_some());
     let extensions: Vec<String> =
-        written.flat_map(|codec| codec.description.extensions).map(|extension| format!(".{extension}")).collect();
+        written.flat_map(|codec| codec.extensions).map(|extension| format!(".{extension}")).collect();
     extensions.join(" ")
 }
 
 /// Returns the names of the formats that are read, for a message.
 pub(crate) fn read_names() -> String {
-    let read = CODECS.iter().filter(|codec| !codec.description.reads.is_empty());
-    read.map(|codec| codec.description.format.name()).collect::<Vec<_>>().join(", ")
+    let read = CODECS.iter().filter(|codec| !codec.reads.is_empty());
+    read.map(|codec| codec.format.name()).collect::<Vec<_>>().join(", ")
 }

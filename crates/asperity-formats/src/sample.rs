@@ -1,6 +1,6 @@
 //! Number types of stored data.
 
-use crate::large::{self, Shape};
+use crate::{Shape, large};
 
 /// Number of values that are decoded at a time.
 const ROW_NUMBERS: usize = 1 << 12;

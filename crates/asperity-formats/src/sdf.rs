@@ -18,37 +18,29 @@
 
 mod write;
 
-use crate::error::Result;
 use std::str::FromStr;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
-use crate::large::{self, Shape};
-use crate::sample::Sample;
 use crate::scan::{matrix, shape};
 use crate::text::header::Header as Notes;
 use crate::text::lines;
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::{
+    Description, Format, FormatError, Input, Location, ReadOptions, Result, Sample, Scan, Shape, Tested, large, latin1,
+};
 pub use write::{SdfData, write_sdf};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Sdf,
-        extensions: &["sdf"],
-        vendor: "ISO 25178-71",
-        known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",
-        reads: "text and binary; int8 to int32, uint8 to uint32, float32, float64",
-        writes: "binary float64, or text by option",
-        stores_pitch: true,
-        missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
-        orientation: "the first profile (y = 0) is row 0",
-        tested: Tested::OtherPrograms,
-    },
-    detect: |bytes| Version::detect(bytes).is_some(),
-    read,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["sdf"],
+    vendor: "ISO 25178-71",
+    known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",
+    reads: "text and binary; int8 to int32, uint8 to uint32, float32, float64",
+    writes: "binary float64, or text by option",
+    missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
+    orientation: "the first profile (y = 0) is row 0",
+    tested: Tested::OtherPrograms,
     write: Some(|scan| write_sdf(scan, SdfData::Double)),
+    ..Description::new(Format::Sdf, |bytes| Version::detect(bytes).is_some(), read)
 };
 
 /// Kind of file according to its first bytes.

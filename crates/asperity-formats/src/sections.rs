@@ -2,9 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::Scan;
-use crate::error::Result;
-use crate::input::{Input, TextLimit};
+use crate::{Input, Result, Scan, TextLimit};
 
 /// Section of a header.
 pub(crate) struct Section<'a> {

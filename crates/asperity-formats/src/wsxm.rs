@@ -6,32 +6,20 @@
 //! The vendor published no description of the integers' scale. Files state the same scale a second time by `Conversion Factor 00` per volt
 //! and `DSP voltage range`.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
 use crate::sections::{Section, quantity, section, sections};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit,
+    per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Wsxm,
-        extensions: &["stp", "top"],
-        vendor: "WSxM Solutions (Nanotec)",
-        known_by: "`WSxM file copyright`",
-        reads: "int16, float32, float64; images only",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "from the lower right corner on; row 0 is the last line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(b"WSxM file copyright"),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["stp", "top"],
+    vendor: "WSxM Solutions (Nanotec)",
+    known_by: "`WSxM file copyright`",
+    reads: "int16, float32, float64; images only",
+    orientation: "from the lower right corner on; row 0 is the last line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Wsxm, |bytes| bytes.starts_with(b"WSxM file copyright"), read)
 };
 
 /// Second line of an image, and third line up to the number.

@@ -6,32 +6,21 @@
 //!
 //! The vendor published no description. SurfaceTopography and Gwyddion agree on the layout.
 
-use crate::archive::{Archive, unpack_zstandard};
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::Input;
-use crate::large::Shape;
-use crate::sample::{ByteOrder, Sample};
+use crate::archive::unpack_zstandard;
 use crate::scan::MAX_POINTS;
-use crate::xml::Document;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
+use crate::{
+    Archive, ByteOrder, Description, Document, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape,
+    large,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Zon,
-        extensions: &["zon"],
-        vendor: "Keyence",
-        known_by: "`KPK0`, `KPK1`",
-        reads: "int32; also packed with Zstandard",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "the two lowest bits of the second array",
-        orientation: "the first stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(b"KPK0") || bytes.starts_with(PACKED),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["zon"],
+    vendor: "Keyence",
+    known_by: "`KPK0`, `KPK1`",
+    reads: "int32; also packed with Zstandard",
+    missing_points: "the two lowest bits of the second array",
+    orientation: "the first stored line is row 0",
+    ..Description::new(Format::Zon, |bytes| bytes.starts_with(b"KPK0") || bytes.starts_with(PACKED), read)
 };
 
 const PACKED: &[u8] = b"KPK1";

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::blocks::{Blocks, Z_UNIT};
 use crate::date::utc;
-use crate::input::{self, Input, latin1};
+use crate::{Input, input, latin1};
 
 /// Type of a field.
 #[derive(Clone, Copy)]

@@ -1,14 +1,9 @@
 //! Reader of Gwyddion files.
 
-use crate::error::Result;
 use std::collections::{BTreeMap, HashMap};
 
 use super::object::{CONTAINER, Component, DATA_FIELD, MAGIC, MAGIC_1, Object, UNIT};
-use crate::chosen_map::ChosenMap;
-use crate::input::{Input, TextLimit};
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{ChosenMap, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, TextLimit, per_metre};
 
 /// Maximum number of images of one file.
 const MAX_IMAGES: usize = 1 << 16;

@@ -1,6 +1,5 @@
 //! Datasets: datatype, shape, and data in one of three layouts.
 
-use crate::error::Result;
 use std::borrow::Cow;
 
 use super::datatype::{Class, Datatype, dimensions};
@@ -10,7 +9,7 @@ use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_V
 use super::layout::{self, Chunks, Filter};
 use super::piece::Piece;
 use super::value::Value;
-use crate::sample::{ByteOrder, Sample};
+use crate::{ByteOrder, Result, Sample};
 
 /// Dataset with its header.
 pub(crate) struct Dataset<'a> {

@@ -4,8 +4,7 @@ use super::file::File;
 use super::header::DATATYPE;
 use super::header::Object;
 use super::piece::Piece;
-use crate::error::Result;
-use crate::sample::{ByteOrder, Sample};
+use crate::{ByteOrder, Result, Sample};
 
 /// Maximum depth of nested types.
 const MAX_DEPTH: usize = 8;

@@ -3,9 +3,7 @@
 use std::cell::Cell;
 
 use super::piece::Piece;
-use crate::Format;
-use crate::error::Result;
-use crate::input::Input;
+use crate::{Format, Input, Result};
 
 /// First bytes of every file.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";

@@ -5,7 +5,7 @@ use super::header::Object;
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
 use super::piece::Piece;
 use super::tree::Keys;
-use crate::error::Result;
+use crate::Result;
 
 /// Keys of the tree of a symbol table: offsets of names.
 const NAMES: Keys = Keys { kind: 0, bytes: 8 };

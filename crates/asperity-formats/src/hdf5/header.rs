@@ -2,7 +2,7 @@
 
 use super::file::{File, MAX_ENTRIES};
 use super::piece::Piece;
-use crate::error::Result;
+use crate::Result;
 
 pub(super) const DATASPACE: u16 = 0x01;
 pub(super) const LINK_INFO: u16 = 0x02;

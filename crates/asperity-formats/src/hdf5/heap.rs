@@ -3,7 +3,7 @@
 use super::file::File;
 use super::piece::Piece;
 use super::tree::width;
-use crate::error::Result;
+use crate::Result;
 
 /// Maximum size of a name in bytes.
 const MAX_NAME_BYTES: usize = 4096;

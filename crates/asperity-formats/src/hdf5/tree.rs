@@ -2,7 +2,7 @@
 
 use super::file::File;
 use super::piece::Piece;
-use crate::error::Result;
+use crate::Result;
 
 /// Maximum number of levels of a version 2 tree. Each level multiplies the records at least by ten.
 const MAX_DEPTH: u16 = 16;

@@ -5,7 +5,7 @@ use super::file::{File, MAX_ENTRIES};
 use super::header::Object;
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
 use super::piece::Piece;
-use crate::error::{Result, shown};
+use crate::{Result, shown};
 
 /// Maximum number of numbers of a value that are shown as text.
 const SHOWN_NUMBERS: usize = 16;

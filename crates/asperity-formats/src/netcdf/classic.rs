@@ -4,11 +4,7 @@
 //! 64-bit Data Format Specifications.
 
 use super::contents::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable, transposed};
-use crate::Format;
-use crate::error::Result;
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::{ByteOrder, Sample};
+use crate::{ByteOrder, Format, Input, Result, Sample, Shape, large};
 
 /// Tags of the three lists.
 const DIMENSIONS: u32 = 0x0a;

@@ -1,9 +1,6 @@
 //! Content of a file of either kind.
 
-use crate::FormatError;
-use crate::large::{self, Shape};
-use crate::sample::Sample;
-use crate::unit::per_metre;
+use crate::{FormatError, Sample, Shape, large, per_metre};
 
 /// Variable of the map in files of SurfaceTopography.
 pub(super) const HEIGHTS: &str = "heights";

@@ -1,9 +1,9 @@
 //! NetCDF-4: variables are HDF5 datasets, and dimensions are datasets that are dimension scales.
 
-use crate::error::Result;
 use std::collections::HashMap;
 
 use super::contents::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use crate::Result;
 use crate::hdf5::{File, Object, shown_name};
 
 /// Attributes that connect datasets and are not shown to the user.

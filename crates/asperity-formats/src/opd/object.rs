@@ -4,8 +4,7 @@
 //! consists of a `float64`, the name of its unit and the symbol of the unit, each text after its length as `uint32`,
 //! and the relation of the unit to the SI. The OPDx files of the same vendor use the same layout of values.
 
-use crate::Format;
-use crate::input::Input;
+use crate::{Format, Input};
 
 const INT32: u8 = 0x06;
 const TEXT: u8 = 0x12;

@@ -1,12 +1,9 @@
 //! Header of an object: fields, axes and metadata.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::FormatError;
-use crate::input::{Field, Input, Kind};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
+use crate::input::Kind;
+use crate::{ByteOrder, Field, FormatError, Input, Result, Sample, per_metre};
 
 /// First bytes of an object.
 pub(super) const SIGNATURE: &[u8; 12] = b"DIGITAL SURF";

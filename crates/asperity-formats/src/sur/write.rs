@@ -4,9 +4,7 @@ use super::header::{
     AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME, SIGNATURE,
     VOID_BELOW_MINIMUM,
 };
-use crate::error::Result;
-use crate::sample::Sample;
-use crate::{Format, FormatError, Scan};
+use crate::{Format, FormatError, Result, Sample, Scan};
 
 /// Number type of the heights in a file to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

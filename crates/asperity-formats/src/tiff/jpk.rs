@@ -7,8 +7,7 @@
 
 use super::description::Units;
 use super::directory::{Directory, Tag};
-use crate::error::Result;
-use crate::unit::per_metre;
+use crate::{Result, per_metre};
 
 const VERSION: Tag = Tag(0x8000, "version");
 const WIDTH: Tag = Tag(0x8042, "grid width");

@@ -5,12 +5,9 @@
 //! Layout of the header: Park Systems, *TIFF Format of XEI*; Gwyddion and SurfaceTopography read the same fields.
 
 use super::directory::{Directory, Tag};
-use crate::chosen_map::ChosenMap;
-use crate::error::Result;
-use crate::input::{Input, utf16_text};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
-use crate::{FormatError, ReadOptions, Scan, large};
+use crate::{
+    ByteOrder, ChosenMap, FormatError, Input, ReadOptions, Result, Sample, Scan, large, per_metre, utf16_text,
+};
 
 const MAGIC: Tag = Tag(50432, "magic number of Park Systems");
 const VERSION: Tag = Tag(50433, "version");

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::conditions::{number, offset};
-use crate::input::{Field, Input, utf16_text};
-use crate::sample::ByteOrder;
+use crate::{ByteOrder, Field, Input, utf16_text};
 
 /// Offset of the version of Keyence's library: four bytes, the main number last.
 const LIBRARY_VERSION: usize = 4;

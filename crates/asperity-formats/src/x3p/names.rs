@@ -1,6 +1,6 @@
 //! Names in an archive: files, elements of `main.xml` and number types.
 
-use crate::sample::Sample;
+use crate::Sample;
 
 /// File of the archive that describes all others.
 pub(super) const MAIN: &str = "main.xml";

@@ -1,14 +1,11 @@
 //! Reader of X3P.
 
-use crate::error::{Result, shown};
 use md5::{Digest, Md5};
 
 use super::names::{CHECKSUM, MAIN, path, sample};
-use crate::archive::{Archive, hexadecimal};
-use crate::sample::Sample;
-use crate::scan;
-use crate::xml::{Document, Value};
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::archive::hexadecimal;
+use crate::xml::Value;
+use crate::{Archive, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, scan, shown};
 
 /// Largest `main.xml` in bytes: it holds a data list of two million points.
 const MAX_MAIN_BYTES: u64 = 1 << 26;

@@ -1,6 +1,5 @@
 //! Writer of X3P.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
@@ -13,8 +12,8 @@ use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::names::{CHECKSUM, MAIN, POINT_DATA, SAMPLES, VALID_POINTS};
 use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit};
-use crate::sample::{Sample, stored};
-use crate::{Format, FormatError, Scan};
+use crate::sample::stored;
+use crate::{Format, FormatError, Result, Sample, Scan};
 
 /// Number type of the heights in a file to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
