@@ -1,14 +1,15 @@
 //! Zip archives and compressed streams: search for files, and limits of unpacking.
 
 use std::cmp::Ordering;
-use std::io::{self, Cursor, Read};
+use std::io::{self, Cursor, Read, Write};
 
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use md5::{Digest, Md5};
 use ruzstd::decoding::StreamingDecoder;
-use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use crate::{ByteOrder, Format, FormatError, Location, MAX_POINTS, Result, Sample, large, shown};
 
@@ -300,6 +301,26 @@ impl<'a> Archive<'a> {
             }
         }
     }
+}
+
+/// Writes a zip archive whose bytes depend only on its files, not on clock or host.
+pub(crate) fn written(
+    files: &[(&str, &[u8])],
+    method: CompressionMethod,
+    level: Option<i64>,
+) -> Result<Vec<u8>, ZipError> {
+    let options = SimpleFileOptions::default()
+        .compression_method(method)
+        .compression_level(level)
+        .last_modified_time(DateTime::default())
+        .system(System::Unix)
+        .unix_permissions(0o644);
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for &(name, bytes) in files {
+        zip.start_file(name, options.large_file(u32::try_from(bytes.len()).is_err()))?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
 }
 
 /// First bytes of a gzip stream.

@@ -91,16 +91,14 @@ pub use replace::{
 };
 pub(crate) use sample::{ByteOrder, Sample};
 pub use scan::{MAX_POINTS, Scan};
-pub use sdf::{SdfData, write_sdf};
+pub use sdf::write_sdf;
 pub use selection::{Channel, ReadOptions};
 pub(crate) use selection::{some_of, unique};
-pub use sur::{SurData, write_sur};
-pub use text::separator::Separator;
-pub use text::write_text;
+pub use sur::write_sur;
 pub use unit::LengthUnit;
 pub(crate) use unit::per_metre;
 pub use vtk::{write_vtk, write_vtk_fields};
-pub use x3p::{X3pData, write_x3p};
+pub use x3p::write_x3p;
 pub(crate) use xml::Document;
 
 #[cfg(doctest)]

@@ -9,12 +9,12 @@
 //! metadata. The format itself defines none of these conventions.
 
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Write};
+use std::io;
 
 use ndarray::Array2;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::CompressionMethod;
 
+use crate::archive::written;
 use crate::npy::Header;
 use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
@@ -227,18 +227,10 @@ fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
 /// # Errors
 /// A name occurs twice.
 pub fn write_npz(arrays: &[(&str, Vec<u8>)]) -> io::Result<Vec<u8>> {
-    // The archive stores no time and no attributes of this machine.
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(1))
-        .last_modified_time(DateTime::default())
-        .unix_permissions(0o644);
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in arrays {
-        archive.start_file(format!("{name}{EXTENSION}"), options)?;
-        archive.write_all(bytes)?;
-    }
-    Ok(archive.finish()?.into_inner())
+    let names: Vec<String> = arrays.iter().map(|(name, _)| format!("{name}{EXTENSION}")).collect();
+    let files: Vec<(&str, &[u8])> =
+        names.iter().zip(arrays).map(|(name, (_, bytes))| (name.as_str(), bytes.as_slice())).collect();
+    Ok(written(&files, CompressionMethod::Deflated, Some(1))?)
 }
 
 /// Reads the two-dimensional array of this name from a NumPy archive.

@@ -28,18 +28,18 @@ use crate::text::separator::Separator;
 use crate::{
     Description, Format, FormatError, Input, Location, ReadOptions, Result, Sample, Scan, Shape, Tested, large, latin1,
 };
-pub use write::{SdfData, write_sdf};
+pub use write::write_sdf;
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["sdf"],
     vendor: "ISO 25178-71",
     known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",
     reads: "text and binary; int8 to int32, uint8 to uint32, float32, float64",
-    writes: "binary float64, or text by option",
+    writes: "binary float64",
     missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
     orientation: "the first profile (y = 0) is row 0",
     tested: Tested::OtherPrograms,
-    write: Some(|scan| write_sdf(scan, SdfData::Double)),
+    write: Some(write_sdf),
     ..Description::new(Format::Sdf, |bytes| Version::detect(bytes).is_some(), read)
 };
 

@@ -21,17 +21,17 @@ mod write;
 
 use crate::{Description, Format, Tested};
 use header::is_object;
-pub use write::{SurData, write_sur};
+pub use write::write_sur;
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["sur", "pro"],
     vendor: "Digital Surf",
     known_by: "`DIGITAL SURF`, `DSCOMPRESSED`",
     reads: "int16, int32, plain or compressed, in either byte order; series and multilayer surfaces; no profiles",
-    writes: "int32; int16 by option",
+    writes: "int32",
     missing_points: "z minimum − 2",
     orientation: "the first stored line is the top one, row 0",
     tested: Tested::InstrumentFiles,
-    write: Some(|scan| write_sur(scan, SurData::Int32)),
+    write: Some(write_sur),
     ..Description::new(Format::Sur, is_object, read::read)
 };

@@ -34,7 +34,7 @@ use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::Interpretation;
 use rows::{Layout, Table};
 use separator::{COMMENT, Separator};
-pub use write::write_text;
+pub(crate) use write::write_text;
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["txt", "dat", "csv", "asc"],

@@ -21,18 +21,18 @@ mod write;
 
 use self::names::MAIN;
 use crate::{Description, Format, Tested};
-pub use write::{X3pData, write_x3p};
+pub use write::write_x3p;
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["x3p"],
     vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
     known_by: "zip archive with `main.xml`",
     reads: "int16, int32, float32, float64, text lists in main.xml; layers; no profiles (PRF), no point clouds (PCL)",
-    writes: "float64; float32 and int16 by option",
+    writes: "float64",
     missing_points: "NaN, ±inf, cleared bits of valid.bin",
     orientation: "the first stored line is the top one, row 0: the format does not say; programs show it so",
     tested: Tested::InstrumentFiles,
-    write: Some(|scan| write_x3p(scan, X3pData::Float64)),
+    write: Some(write_x3p),
     ..Description::new(Format::X3p, detect, read::read)
 };
 

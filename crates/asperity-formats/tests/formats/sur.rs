@@ -1,6 +1,6 @@
 use std::io::Write;
 
-use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, write_sur};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan, write_sur};
 use ndarray::array;
 
 use crate::assert_heights;
@@ -39,7 +39,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         Fixture::whole("SUR of int32, big-endian", int32(true).bytes()),
         Fixture::whole("SUR of int32, compressed in two streams", int32(false).compressed(&[6]).bytes()),
         Fixture { needed: first, ..Fixture::whole("SUR series", series()) },
-        Fixture::whole("SUR as written", write_sur(&scan, SurData::Int32).unwrap()),
+        Fixture::whole("SUR as written", write_sur(&scan).unwrap()),
     ]
 }
 

@@ -1,4 +1,4 @@
-use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, X3pData, write_x3p};
+use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, write_x3p};
 use ndarray::array;
 
 use crate::assert_heights;
@@ -24,7 +24,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         let content = Content::Zip(x3p.files(x3p.main_xml().as_bytes()));
         Fixture { name, needed: content.bytes().len(), content }
     };
-    let packed = write_x3p(&Scan::new(array![[1e-6, f64::NAN]], Some((1e-6, 1e-6))), X3pData::Int16).unwrap();
+    let packed = write_x3p(&Scan::new(array![[1e-6, f64::NAN]], Some((1e-6, 1e-6)))).unwrap();
     vec![
         fixture("X3P of float64", &X3p::default()),
         fixture("X3P of int16 with a mask in a folder", &masked),
