@@ -5,7 +5,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crate::archive::{GZIP_MAGIC, gunzip};
-use crate::registry::{read_names, written_extensions};
+use crate::format::{read_names, written_extensions};
 use crate::replace::replace_file;
 use crate::text::separator::Separator;
 use crate::text::write_text;

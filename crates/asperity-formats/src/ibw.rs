@@ -8,7 +8,7 @@
 
 use crate::{
     ByteOrder, ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested,
-    TextLimit, large, latin1, per_metre, utf8_or_latin1,
+    TextLimit, latin1, per_metre, utf8_or_latin1,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -95,19 +95,18 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let maps = labels.iter().enumerate().map(|(layer, label)| match label.as_str() {
         "" => {
             let name = if layers == 1 { wave.clone() } else { format!("{wave} {}", layer + 1) };
-            (name, Some(unit.clone()).filter(|unit| !unit.is_empty() && per_metre(unit).is_none()))
+            (name, if unit.is_empty() { "m".into() } else { unit.clone() })
         }
-        label => (label.to_owned(), (!LENGTHS.iter().any(|start| label.starts_with(start))).then(String::new)),
+        label => {
+            let is_length = LENGTHS.iter().any(|start| label.starts_with(start));
+            (label.to_owned(), if is_length { "m".into() } else { String::new() })
+        }
     });
     let chosen = ChosenMap::new(Format::Ibw, maps, options)?;
     // Sums of sizes may exceed 32 bits.
     let start = (ny * nx).saturating_mul(sample.size()).saturating_mul(chosen.map).saturating_add(HEADERS_BYTES);
     let unit = if labels[chosen.map].is_empty() { unit } else { "m".into() };
-    let units = per_metre(&unit).unwrap_or(1.0);
-    let mut heights = input.samples(chosen.name(), start, ny * nx, sample)?;
-    large::map(&mut heights, |z| z / units);
-    large::flip(&mut heights, nx);
-    let heights_m = input.matrix("dimensions", DIMENSIONS, (ny, nx), heights)?;
+    let heights_m = input.heights_upwards(chosen.name(), start, (ny, nx), sample, |z| z / chosen.per_metre)?;
 
     let mut scan = Scan { height_unit: Some(unit).filter(|unit| !unit.is_empty()), ..Scan::new(heights_m, None) };
     let step = |n: usize| {

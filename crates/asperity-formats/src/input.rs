@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::scan::{matrix, shape};
-use crate::{ByteOrder, Format, FormatError, Location, Result, Sample, Shape, shown};
+use crate::{ByteOrder, Format, FormatError, Location, Result, Sample, Shape, large, shown};
 
 /// Bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]
@@ -25,6 +25,7 @@ pub(crate) struct Field(pub(crate) &'static str, pub(crate) usize);
 /// Type of a field that becomes metadata.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
+    U8,
     I16,
     U16,
     I32,
@@ -122,6 +123,7 @@ impl<'a> Input<'a> {
     /// Returns the value of a field as text.
     pub(crate) fn value(&self, field: &str, offset: usize, kind: Kind) -> Result<String> {
         match kind {
+            Kind::U8 => self.u8(field, offset).map(|number| number.to_string()),
             Kind::I16 => self.i16(field, offset).map(|number| number.to_string()),
             Kind::U16 => self.u16(field, offset).map(|number| number.to_string()),
             Kind::I32 => self.i32(field, offset).map(|number| number.to_string()),
@@ -154,6 +156,20 @@ impl<'a> Input<'a> {
     ) -> Result<Array2<f64>> {
         let bytes = self.take(part, offset, (shape.0 * shape.1).saturating_mul(sample.size()))?;
         self.matrix(part, offset, shape, sample.decode_and_map(self.order, bytes, in_metre))
+    }
+
+    /// Reads a map as [`Input::heights`] whose rows are stored from the bottom up.
+    pub(crate) fn heights_upwards(
+        &self,
+        part: &str,
+        offset: usize,
+        shape: Shape,
+        sample: Sample,
+        in_metre: impl Fn(f64) -> f64 + Sync,
+    ) -> Result<Array2<f64>> {
+        let mut heights = self.heights(part, offset, shape, sample, in_metre)?;
+        heights.as_slice_mut().into_iter().for_each(|heights| large::flip(heights, shape.1));
+        Ok(heights)
     }
 
     /// Arranges heights as a map. An error names `field`, the source of the shape.

@@ -48,7 +48,6 @@ mod opd;
 mod opdx;
 mod plu;
 mod plux;
-mod registry;
 mod replace;
 mod sample;
 mod scan;
@@ -78,13 +77,12 @@ pub(crate) use error::{Result, shown};
 pub use file::{
     read, read_bytes, read_bytes_with, read_limited, read_series, read_settings, read_text, read_with, to_bytes, write,
 };
-pub use format::Format;
+pub use format::{Format, descriptions};
 pub use gwy::write_gwy;
 pub(crate) use input::{Field, Input, MAX_TEXT_BYTES, TextLimit, latin1, utf8_or_latin1, utf16_text};
 pub(crate) use large::Shape;
 pub use npy::{write_npy, write_series};
 pub use npz::{read_npz, write_npz};
-pub use registry::descriptions;
 pub use replace::{
     check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file,
     temporary_suffix,

@@ -14,7 +14,7 @@ use cfb::CompoundFile;
 use crate::archive::{beyond_reason, damaged, may_unpack, unpack};
 use crate::foreign::{OLE_MAGIC, is_mountains};
 use crate::{
-    ByteOrder, ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, per_metre, utf16_text,
+    ByteOrder, ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, large, per_metre, utf16_text,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -56,7 +56,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let surface = if tag == 1 && class(object)? == Some(SURFACE) { find(object, &[2])? } else { None };
         surfaces.extend(surface.map(Surface::open).transpose()?.flatten());
     }
-    let names = surfaces.iter().map(|surface| (surface.name.clone(), surface.other_unit.clone()));
+    let names = surfaces.iter().map(|surface| (surface.name.clone(), surface.z.unit.clone()));
     let chosen = ChosenMap::new(Format::Mnt, names, options)?;
     let surface = surfaces.swap_remove(chosen.map);
     Ok(chosen.add_to(surface.scan()?))
@@ -142,8 +142,6 @@ impl Scale {
 /// Measured surface.
 struct Surface<'a> {
     name: String,
-    /// Unit of the heights unless it is one of length.
-    other_unit: Option<String>,
     z: Scale,
     grid: Input<'a>,
     heights: Input<'a>,
@@ -164,8 +162,7 @@ impl<'a> Surface<'a> {
         if name.is_empty() {
             name = text(surface, &[BASE, 4])?;
         }
-        let other_unit = per_metre(&z.unit).is_none().then(|| z.unit.clone());
-        Ok(Some(Self { name, other_unit, z, grid, heights }))
+        Ok(Some(Self { name, z, grid, heights }))
     }
 
     /// Reads the heights.
@@ -199,8 +196,7 @@ impl<'a> Surface<'a> {
                 return Err(mask.unsupported(format!("marks of {size} bytes"), "1"));
             }
             for (row, marks) in heights.chunks_mut(shape.1).zip(marks[stride..].chunks(stride)) {
-                let missing = row.iter_mut().zip(&marks[1..]).filter(|(_, mark)| **mark != MEASURED);
-                missing.for_each(|(z, _)| *z = f64::NAN);
+                large::hide(row, marks[1..].iter().map(|&mark| mark != MEASURED));
             }
         }
         let heights_m = self.grid.matrix("points along x", 0, shape, heights)?;

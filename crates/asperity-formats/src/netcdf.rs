@@ -141,11 +141,7 @@ fn heights(
     unpack(map, per_metre, &mut heights);
     let mask = contents.variables.iter().find(|variable| variable.name == MASK && variable.sample.is_some());
     if let Some(mask) = mask.filter(|mask| map.name == HEIGHTS && mask.shape == map.shape) {
-        for (z, masked) in heights.iter_mut().zip(numbers(mask)?) {
-            if masked != 0.0 {
-                *z = f64::NAN;
-            }
-        }
+        large::hide(&mut heights, numbers(mask)?.into_iter().map(|masked| masked != 0.0));
     }
     Ok(heights)
 }

@@ -81,9 +81,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     };
     let mut heights = input.samples("the heights", HEADER_BYTES, points, Sample::U16)?;
     scale(&input, &mut heights, &mut warnings)?;
-    for (z, _) in heights.iter_mut().zip(intensity).filter(|&(_, &intensity)| intensity == 0) {
-        *z = f64::NAN;
-    }
+    large::hide(&mut heights, intensity.iter().map(|&intensity| intensity == 0));
     // Steps between points: the field of view of 160 µm of a 100× objective is 512 steps of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
     let heights_m = input.matrix(COLUMNS.0, COLUMNS.1, (ny, nx), heights)?;

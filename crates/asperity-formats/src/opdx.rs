@@ -67,7 +67,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     names.sort_by_key(|name| Some(*name) != text(PRIMARY));
     let maps = names.iter().map(|name| {
         let unit = quantity(&format!("{DATA}{name}/DataScale")).map_or("", |(_, unit)| unit);
-        ((*name).to_owned(), per_metre(unit).is_none().then(|| unit.to_owned()))
+        ((*name).to_owned(), unit.to_owned())
     });
     let chosen = ChosenMap::new(Format::Opdx, maps, options)?;
     let folder = format!("{DATA}{}", names[chosen.map]);
@@ -76,8 +76,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     };
     let (ny, nx) = input.shape(("rows", start - 8, *rows), ("columns", start - 4, *columns))?;
     let (scale, unit) = quantity(&format!("{folder}/DataScale")).unwrap_or((f64::NAN, ""));
-    let units = per_metre(unit).unwrap_or(f64::NAN);
-    let heights_m = input.up_to(*end).heights("the matrix", *start, (ny, nx), Sample::F32, |z| z * scale / units)?;
+    let heights_m =
+        input.up_to(*end).heights("the matrix", *start, (ny, nx), Sample::F32, |z| z * scale / chosen.per_metre)?;
     let pitch = |dimension: usize, points: usize| {
         let (extent, unit) = quantity(&format!("{folder}/Dimension{dimension}Extent"))?;
         Some(extent / (points.max(2) - 1) as f64 / per_metre(unit)?)

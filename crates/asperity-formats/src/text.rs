@@ -28,7 +28,7 @@ use ndarray::Array2;
 
 use crate::input::utf16;
 use crate::{
-    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, shown, unique, utf8_or_latin1,
+    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, shown, unique, utf8_or_latin1,
 };
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::Interpretation;
@@ -243,9 +243,7 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
     }
     if header.has_voids() && header.shape() == Some((rows / 2, columns)) && rows % 2 == 0 {
         let voids = table.values.split_off(rows / 2 * columns);
-        for (z, void) in table.values.iter_mut().zip(voids) {
-            *z = if void == 0.0 { *z } else { f64::NAN };
-        }
+        large::hide(&mut table.values, voids.into_iter().map(|void| void != 0.0));
         rows /= 2;
     }
     if columns == 3 && rows >= POINT_LIST_ROWS && !header.states_pixels() {

@@ -13,7 +13,7 @@ mod vk4;
 
 use ndarray::Array2;
 
-use crate::{Archive, Description, Format, Input, ReadOptions, Result, Scan};
+use crate::{Archive, Description, Format, Input, ReadOptions, Result, Scan, large};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["vk3", "vk4", "vk6", "vk7"],
@@ -97,12 +97,7 @@ fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<us
     let rows = input.take("the rows", ERRORS_HEADER_BYTES, (ny - 1).saturating_mul(stride).saturating_add(nx))?;
     let mut marked = 0;
     for (mut heights, errors) in heights_m.rows_mut().into_iter().zip(rows.chunks(stride)) {
-        for (z, &error) in heights.iter_mut().zip(errors) {
-            if error != 0 {
-                *z = f64::NAN;
-                marked += 1;
-            }
-        }
+        marked += large::hide(&mut heights, errors.iter().map(|&error| error != 0));
     }
     Ok(marked)
 }

@@ -58,8 +58,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
             let found = format!("the marks of {} × {} points", of_marks.1, of_marks.0);
             return Err(FormatError::unsupported(Format::Zon, found, "as many as heights"));
         }
-        let missing = heights.iter_mut().zip(marks).filter(|(_, mark)| *mark as u8 & INVALID != 0);
-        missing.for_each(|(z, _)| *z = f64::NAN);
+        large::hide(&mut heights, marks.into_iter().map(|mark| mark as u8 & INVALID != 0));
     }
     let heights_m = input.matrix("columns", 0, shape, heights)?;
     Ok(Scan::new(heights_m, Some((pixel_m, pixel_m))))

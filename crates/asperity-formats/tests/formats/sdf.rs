@@ -240,7 +240,7 @@ fn errors_in_a_text_name_the_line() {
     assert_eq!(refused("Zscale = 1.0E-6", "Zscale = 0"), "SDF: Zscale (line 9) is `0`; wanted a positive number");
     assert_eq!(
         refused("DataType = 7\r\n", ""),
-        "SDF: DataType is missing (line 13); wanted a line `DataType = …` before the first `*`"
+        "SDF: DataType is missing (line 13); wanted a line `key = value` before the first `*`"
     );
     assert_eq!(refused("BAD", "x7"), "SDF: value 2 (line 16) is `x7`; wanted a number or BAD");
     let message = refused(" -0.5", "");
