@@ -178,7 +178,7 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// Passes `count` numbers of a file, from byte `start` on, to `take`, chunk by chunk.
+    /// Reads `count` numbers of a file from byte `start` on.
     ///
     /// # Errors
     /// As [`Archive::read_numbers`].
@@ -188,22 +188,18 @@ impl<'a> Archive<'a> {
         start: usize,
         (sample, order): (Sample, ByteOrder),
         count: usize,
-        mut take: impl FnMut(&[f64]),
-    ) -> Result<()> {
-        let length = count as u64 * sample.size() as u64;
-        let part = Part { name: "the numbers", start: start as u64, length, total: None };
-        let mut values = Vec::new();
+    ) -> Result<Vec<f64>> {
+        let part =
+            Part { name: "the numbers", start: start as u64, length: (count * sample.size()) as u64, total: None };
+        let mut values = self.room_for(sample, count);
         // Chunks are multiples of the size of every number, so no number is cut.
-        let decode = |chunk: &[u8]| {
-            values.clear();
-            sample.decode(order, chunk, &mut values);
-            take(&values);
-        };
-        self.unpack(link, &part, |packed| may_unpack(packed, count as u64, length), decode).map(|_| ())
+        let take = |chunk: &[u8]| sample.decode(order, chunk, &mut values);
+        self.unpack(link, &part, |packed| may_hold(packed, count as u64, sample), take)?;
+        Ok(values)
     }
 
     /// Reserves memory for `count` numbers, limited by what the size of the archive makes plausible.
-    pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
+    fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
         let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
         large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
     }

@@ -107,9 +107,9 @@ impl Scale {
         Self { value: range / values * prefix * per_volt.unwrap_or(1.0), unit: unit.to_owned() }
     }
 
-    /// Returns the unit; none without a value.
+    /// Returns the unit if there is a value for it.
     fn usable_unit(&self) -> String {
-        if self.value.is_finite() { self.unit.clone() } else { String::new() }
+        if self.value.is_finite() { self.unit.clone() } else { format!("{} of unknown scale", self.unit) }
     }
 }
 

@@ -19,8 +19,8 @@ use crate::npy::Header;
 use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
 use crate::{
-    Archive, Description, Format, FormatError, Input, Location, ReadOptions, Result, Scan, Shape, Tested, per_metre,
-    some_of,
+    Archive, Description, Format, FormatError, Input, Location, ReadOptions, Result, Scan, Shape, Tested, large,
+    per_metre, some_of,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -127,8 +127,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
                 names.push(name);
             }
             (Some([] | [0..=SHORT]), _) => {
-                let values = short_array(&mut archive, &link, &header)?;
-                short.insert(name, values);
+                let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
+                short.insert(name, archive.read_array(&link, header.start, (header.sample, header.order), count)?);
             }
             _ => others.push(name),
         }
@@ -160,14 +160,6 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 fn main(names: &[String]) -> usize {
     let is_main = |name: &String| matches!(quantity(name).0.as_str(), "height" | "heights" | "z" | "topography");
     names.iter().position(is_main).unwrap_or(0)
-}
-
-/// Returns the numbers of a short array; none if a dimension is 0.
-fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>> {
-    let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
-    let mut values = Vec::new();
-    archive.read_array(link, header.start, (header.sample, header.order), count, |piece| values.extend(piece))?;
-    Ok(values)
 }
 
 /// Returns the distance between points from short arrays.
@@ -202,19 +194,9 @@ fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Opti
 fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
     let (ny, nx) = map.shape;
     let number = (map.header.sample, map.header.order);
-    let mut heights = archive.room_for(map.header.sample, nx * ny);
+    let mut heights = archive.read_array(&map.link, map.header.start, number, nx * ny)?;
     if map.header.column_major {
-        let mut place = 0;
-        archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| {
-            // Memory for all numbers is allocated only after the first ones were read.
-            heights.resize(nx * ny, f64::NAN);
-            for &z in piece {
-                heights[place % ny * nx + place / ny] = z;
-                place += 1;
-            }
-        })?;
-    } else {
-        archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| heights.extend(piece))?;
+        heights = large::transposed(&heights, (nx, ny));
     }
     if map.per_metre != 1.0 {
         heights.iter_mut().for_each(|z| *z /= map.per_metre);

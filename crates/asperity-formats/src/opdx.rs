@@ -44,6 +44,27 @@ enum Item {
     Matrix(usize, u32, u32, usize),
 }
 
+impl Item {
+    /// Returns a value as text; `None` for a matrix.
+    fn text(&self) -> Option<String> {
+        match self {
+            Self::Number(number) => Some(number.to_string()),
+            Self::Text(text) => Some(text.clone()),
+            Self::Quantity(value, unit) => Some(format!("{value} {unit}")),
+            Self::Matrix(..) => None,
+        }
+    }
+}
+
+/// Returns the value of an object of newer OPD files, a type and a value like those of an item, as text; `None` for other or damaged
+/// objects.
+pub(crate) fn object(bytes: &[u8]) -> Option<String> {
+    let input = Input::new(Format::Opd, bytes);
+    let mut tree = Tree { input, at: 0, items: BTreeMap::new(), room: TextLimit::default() };
+    let text = tree.item("", MAX_DEPTH).ok()??.text()?;
+    Some(text.trim_matches(['\0', ' ']).to_owned())
+}
+
 /// Reads a height map.
 ///
 /// # Errors
@@ -85,13 +106,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut scan = Scan { height_unit: Some(unit.to_owned()), ..Scan::new(heights_m, pitch(2, nx).zip(pitch(1, ny))) };
     for (path, item) in &items {
         let Some(name) = path.strip_prefix("/MetaData/") else { continue };
-        let value = match item {
-            Item::Number(number) => number.to_string(),
-            Item::Text(text) => text.clone(),
-            Item::Quantity(value, unit) => format!("{value} {unit}"),
-            Item::Matrix(..) => continue,
-        };
-        scan.metadata.insert(name.to_owned(), value);
+        scan.metadata.extend(item.text().map(|text| (name.to_owned(), text)));
     }
     Ok(chosen.add_to(scan))
 }
@@ -125,63 +140,70 @@ impl Tree<'_> {
     fn read(&mut self, folder: &str, end: usize, depth: usize) -> Result<()> {
         while self.at < end && self.room.is_left() {
             let path = format!("{folder}/{}", self.name()?);
-            let at = self.at;
-            let item = match self.u8()? {
-                TERMINATOR => return Ok(()),
-                0x46 | 0x47 | 0x7d if depth < MAX_DEPTH => {
-                    let end = self.end()?;
-                    self.read(&path, end, depth + 1)?;
-                    self.at = end;
-                    None
-                }
-                0x12 => {
-                    let end = self.end()?;
-                    let text = self.input.take("a text", self.at, end - self.at)?;
-                    self.at = end;
-                    Some(Item::Text(utf8_or_latin1(text)))
-                }
-                // The name of a unit, and its symbol.
-                0x13 => {
-                    let end = self.end()?;
-                    let (value, _, symbol) = (self.f64()?, self.name()?, self.name()?);
-                    self.at = end;
-                    Some(Item::Quantity(value, symbol))
-                }
-                kind @ (0x00 | 0x45) => Some(self.matrix(kind == 0x00)?),
-                // Units, and named types, arrays, lists and positions.
-                kind @ (0x0e | 0x18 | 0x40 | 0x42 | 0x7c) => {
-                    if kind != 0x18 {
-                        self.name()?;
-                    }
-                    self.at = self.end()?;
-                    None
-                }
-                kind => {
-                    let (sample, size) = match kind {
-                        0x01 => (Some(Sample::U8), 1),
-                        0x04 => (Some(Sample::I16), 2),
-                        0x05 => (Some(Sample::U16), 2),
-                        0x06 => (Some(Sample::I32), 4),
-                        0x07 => (Some(Sample::U32), 4),
-                        0x0a => (Some(Sample::I64), 8),
-                        0x0b => (Some(Sample::U64), 8),
-                        0x0c => (Some(Sample::F32), 4),
-                        0x0d => (Some(Sample::F64), 8),
-                        TIME => (None, TIME_BYTES),
-                        _ => return Err(self.input.wrong("type of an item", at, kind, "a known one")),
-                    };
-                    let start = self.at;
-                    self.at += size;
-                    let numbers = sample.map(|sample| self.input.samples(&path, start, 1, sample)).transpose()?;
-                    numbers.map(|numbers| Item::Number(numbers[0]))
-                }
-            };
-            if let Some(item) = item {
+            if self.input.u8("an item", self.at)? == TERMINATOR {
+                self.at += 1;
+                return Ok(());
+            }
+            if let Some(item) = self.item(&path, depth)? {
                 self.room.take(path.len());
                 self.items.insert(path, item);
             }
         }
         Ok(())
+    }
+
+    /// Reads the type and the value of an item; `None` for one that is not used.
+    fn item(&mut self, path: &str, depth: usize) -> Result<Option<Item>> {
+        let at = self.at;
+        Ok(match self.u8()? {
+            0x46 | 0x47 | 0x7d if depth < MAX_DEPTH => {
+                let end = self.end()?;
+                self.read(path, end, depth + 1)?;
+                self.at = end;
+                None
+            }
+            0x12 => {
+                let end = self.end()?;
+                let text = self.input.take("a text", self.at, end - self.at)?;
+                self.at = end;
+                Some(Item::Text(utf8_or_latin1(text)))
+            }
+            // The name of a unit, and its symbol.
+            0x13 => {
+                let end = self.end()?;
+                let (value, _, symbol) = (self.f64()?, self.name()?, self.name()?);
+                self.at = end;
+                Some(Item::Quantity(value, symbol))
+            }
+            kind @ (0x00 | 0x45) => Some(self.matrix(kind == 0x00)?),
+            // Units, and named types, arrays, lists and positions.
+            kind @ (0x0e | 0x18 | 0x40 | 0x42 | 0x7c) => {
+                if kind != 0x18 {
+                    self.name()?;
+                }
+                self.at = self.end()?;
+                None
+            }
+            kind => {
+                let (sample, size) = match kind {
+                    0x01 => (Some(Sample::U8), 1),
+                    0x04 => (Some(Sample::I16), 2),
+                    0x05 => (Some(Sample::U16), 2),
+                    0x06 => (Some(Sample::I32), 4),
+                    0x07 => (Some(Sample::U32), 4),
+                    0x0a => (Some(Sample::I64), 8),
+                    0x0b => (Some(Sample::U64), 8),
+                    0x0c => (Some(Sample::F32), 4),
+                    0x0d => (Some(Sample::F64), 8),
+                    TIME => (None, TIME_BYTES),
+                    _ => return Err(self.input.wrong("type of an item", at, kind, "a known one")),
+                };
+                let start = self.at;
+                self.at += size;
+                let numbers = sample.map(|sample| self.input.samples(path, start, 1, sample)).transpose()?;
+                numbers.map(|numbers| Item::Number(numbers[0]))
+            }
+        })
     }
 
     /// Reads a name, which its length precedes.
