@@ -24,6 +24,9 @@ impl Tested {
     }
 }
 
+/// Function that returns the bytes of a file.
+type Write = fn(&Scan) -> Result<Vec<u8>>;
+
 /// Row of the table of formats, with the functions of the format.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
@@ -52,7 +55,7 @@ pub struct Description {
     /// Reads one map.
     pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan>,
     /// Returns the bytes of a file, for [`write`](crate::write()); `None` for formats that are only read.
-    pub(crate) write: Option<fn(&Scan) -> Result<Vec<u8>>>,
+    pub(crate) write: Option<Write>,
 }
 
 impl Description {

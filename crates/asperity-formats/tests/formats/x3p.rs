@@ -2,7 +2,7 @@ use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, write
 use ndarray::array;
 
 use crate::assert_heights;
-use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with, unsupported};
 use crate::fixtures::{X3p, md5, zip};
 use crate::memory::peak_bytes;
 
@@ -299,12 +299,8 @@ fn profiles_point_clouds_and_absolute_axes_are_refused_with_a_reason() {
         (X3p { x_axis_type: "A", ..X3p::default() }, "CX is absolute"),
     ];
     for (file, reason) in cases {
-        match read_bytes(&file.bytes()) {
-            Err(FormatError::Unsupported { format: Format::X3p, found, .. }) => {
-                assert!(found.contains(reason), "{found}")
-            }
-            other => panic!("{other:?}"),
-        }
+        let found = unsupported(&file.bytes());
+        assert!(found.contains(reason), "{found}");
     }
 }
 
