@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 
 use crate::sections::Section;
-use crate::{ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large};
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["al3d"],
@@ -117,11 +117,9 @@ impl<'a> Header<'a> {
         behind_tags.map(Some).ok_or_else(|| self.tags.wrong(key, &wanted()))
     }
 
-    /// Returns the rows of an image in one piece, with padding after all rows but the last.
-    fn image(&self, part: &str, at: usize, (ny, nx): Shape, sample: Sample) -> Result<&'a [u8]> {
-        let row = nx * sample.size();
-        // At most 2²⁸ points, each with padding.
-        self.input.take(part, at, (ny - 1) * stride(nx, sample) + row)
+    /// Returns the numbers of an image.
+    fn image(&self, part: &str, at: usize, shape: Shape, sample: Sample) -> Result<Vec<f64>> {
+        self.input.padded(part, at, shape, stride(shape.1, sample), sample)
     }
 }
 
@@ -143,7 +141,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     })?;
     let (ny, nx) = header.tags.shape("Rows", "Cols")?;
 
-    let image = header.image("the depths", start, (ny, nx), Sample::F32)?;
+    let mut depths = header.image("the depths", start, (ny, nx), Sample::F32)?;
     let stride = stride(nx, Sample::F32);
     let texture = header.offset("TextureImageOffset")?;
     let others = [texture, header.offset("IconOffset")?];
@@ -152,10 +150,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         warnings.push(format!("the depths take {} bytes, but another image starts after {room}", ny * stride));
     }
     let is_missing = invalid(&header);
-    let mut depths = large::rows(nx, image, stride, |record, row| {
-        Sample::F32.decode_into(ByteOrder::Little, record, row);
-        row.iter_mut().filter(|z| is_missing(**z)).for_each(|z| *z = f64::NAN);
-    });
+    large::map(&mut depths, |z| if is_missing(z) { f64::NAN } else { z });
     if let Some(texture) = texture {
         filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings);
     }
@@ -177,31 +172,18 @@ fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
     move |z: f64| z.is_nan() || if value > 0.0 { z >= value - tolerance } else { (z - value).abs() <= tolerance }
 }
 
-/// Repeatability of every depth: codes in rows of `stride` bytes, and their conversion to metre.
-struct Repeatability<'a> {
-    codes: &'a [u8],
-    stride: usize,
-    shift: f64,
-    low: f64,
-    /// Largest repeatability that the vendor's program shows.
-    filter: f64,
-}
-
-impl<'a> Repeatability<'a> {
-    /// Returns the repeatability; `None` if there is no such plane, no filter, or a filter of 0, which would exclude
-    /// every depth.
-    fn new(header: &Header<'a>, texture: usize, (ny, nx): Shape) -> Result<Option<Self>> {
-        let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
-        let Some((filter, plane)) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
-        let stride = stride(nx, Sample::U8);
-        let plane =
-            usize::try_from(plane).map_err(|_| header.tags.wrong("DepthImageResPtr", "the number of a plane"))?;
-        let start = plane.saturating_mul(stride * ny).saturating_add(texture);
-        let codes = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;
-        let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
-        let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
-        Ok(Some(Self { codes, stride, shift, low, filter }))
-    }
+/// Returns the repeatability of every depth in metre, and the largest one that the vendor's program shows; `None` if there is no such
+/// plane, no filter, or a filter of 0, which would exclude every depth.
+fn repeatability(header: &Header, texture: usize, (ny, nx): Shape) -> Result<Option<(Vec<f64>, f64)>> {
+    let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
+    let Some((filter, plane)) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
+    let plane = usize::try_from(plane).map_err(|_| header.tags.wrong("DepthImageResPtr", "the number of a plane"))?;
+    let start = plane.saturating_mul(stride(nx, Sample::U8) * ny).saturating_add(texture);
+    let mut values = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;
+    let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
+    let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
+    large::map(&mut values, |code| code * shift + low);
+    Ok(Some((values, filter)))
 }
 
 /// Sets depths to NaN that are less repeatable than the file's filter allows.
@@ -210,24 +192,17 @@ impl<'a> Repeatability<'a> {
 fn filter_by_repeatability(
     header: &Header,
     texture: usize,
-    (ny, nx): Shape,
+    shape: Shape,
     depths: &mut [f64],
     warnings: &mut Vec<String>,
 ) {
-    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::new(header, texture, (ny, nx)) {
-        Ok(Some(repeatability)) => repeatability,
+    let (values, filter) = match repeatability(header, texture, shape) {
+        Ok(Some(found)) => found,
         Ok(None) => return,
         Err(error) => return warnings.push(format!("no depth was left out for its repeatability: {error}")),
     };
-    let mut filtered = 0_usize;
-    for (row, depths) in codes.chunks(stride).zip(depths.chunks_mut(nx)) {
-        for (&code, z) in row.iter().zip(depths) {
-            if f64::from(code) * shift + low > filter && !z.is_nan() {
-                *z = f64::NAN;
-                filtered += 1;
-            }
-        }
-    }
+    let poor = depths.iter_mut().zip(values).filter(|(z, value)| *value > filter && !z.is_nan());
+    let filtered = poor.map(|(z, _)| *z = f64::NAN).count();
     if filtered > 0 {
         warnings.push(format!("{filtered} depths were left out: less repeatable than DepthResFilterVal, {filter:e} m"));
     }

@@ -6,6 +6,7 @@
 //!
 //! Layout: WaveMetrics, *Igor Pro Technical Note PTN003: Igor Binary Format*.
 
+use crate::sections::sections;
 use crate::{
     ByteOrder, ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested,
     TextLimit, latin1, per_metre, utf8_or_latin1,
@@ -118,12 +119,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if scan.pitch_m.is_none() {
         scan.warnings.push("the dimensions of the wave are not in a unit of length; no pixel size was read".into());
     }
-    let mut room = TextLimit::default();
-    for (key, value) in parts.note(&input)?.split(['\r', '\n']).filter_map(|line| line.split_once(':')) {
-        if room.take(key.len() + value.len()) {
-            scan.metadata.insert(key.trim().to_owned(), value.trim().to_owned());
-        }
-    }
+    let note = parts.note(&input)?.replace('\r', "\n");
+    sections(Format::Ibw, &note, ":", |_| None)[0].add_to(&mut scan, &mut TextLimit::default());
     Ok(chosen.add_to(scan))
 }
 

@@ -145,6 +145,20 @@ impl<'a> Input<'a> {
         Ok(sample.decode_all(self.order, bytes))
     }
 
+    /// Reads a map of numbers whose rows start `stride` bytes from each other.
+    pub(crate) fn padded(
+        &self,
+        part: &str,
+        offset: usize,
+        (ny, nx): Shape,
+        stride: usize,
+        sample: Sample,
+    ) -> Result<Vec<f64>> {
+        let length = (ny - 1).saturating_mul(stride).saturating_add(nx * sample.size());
+        let fill = |record: &[u8], row: &mut [f64]| sample.decode_into(self.order, record, row);
+        Ok(large::rows(nx, self.take(part, offset, length)?, stride, fill))
+    }
+
     /// Reads a map of numbers from `offset` on and converts each number to a height in metre.
     pub(crate) fn heights(
         &self,

@@ -109,7 +109,11 @@ impl Scale {
 
     /// Returns the unit if there is a value for it.
     fn usable_unit(&self) -> String {
-        if self.value.is_finite() { self.unit.clone() } else { format!("{} of unknown scale", self.unit) }
+        if self.value.is_finite() || self.unit.is_empty() {
+            self.unit.clone()
+        } else {
+            format!("{} of unknown scale", self.unit)
+        }
     }
 }
 

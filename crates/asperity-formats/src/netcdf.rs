@@ -213,14 +213,14 @@ impl<'c> Axis<'c> {
         let place = map.shape.len().saturating_sub(back);
         let dimension = map.dimensions.get(place).copied().flatten().and_then(|place| contents.dimensions.get(place));
         let is_match = |variable: &&Variable| {
-            variable.shape.len() == 1 && dimension.is_some_and(|dimension| dimension.name == variable.name)
+            variable.shape.len() == 1 && dimension.is_some_and(|(name, _)| *name == variable.name)
         };
         let positions = contents.variables.iter().find(is_match).filter(|variable| variable.sample.is_some());
         Self { dimension, length: map.shape.get(place).copied().unwrap_or_default(), positions }
     }
 
     fn is_named(&self, name: &str) -> bool {
-        self.dimension.is_some_and(|dimension| dimension.name.eq_ignore_ascii_case(name))
+        self.dimension.is_some_and(|(own, _)| own.eq_ignore_ascii_case(name))
     }
 
     /// Returns the distance between positions, or else the length of the side divided by the number of points.
@@ -261,11 +261,10 @@ fn metadata(contents: Contents, read: &[String]) -> BTreeMap<String, String> {
         Value::Numbers(numbers) => numbers.into_iter().map(hdf5::shown_number).collect::<Vec<_>>().join(" "),
     };
     let mut metadata: BTreeMap<String, String> =
-        contents.attributes.into_iter().map(|attribute| (attribute.name, show(attribute.value))).collect();
+        contents.attributes.into_iter().map(|(name, value)| (name, show(value))).collect();
     for variable in contents.variables.into_iter().filter(|variable| read.contains(&variable.name)) {
-        for attribute in variable.attributes {
-            metadata.insert(format!("{}:{}", variable.name, attribute.name), show(attribute.value));
-        }
+        let own = |(name, value)| (format!("{}:{name}", variable.name), show(value));
+        metadata.extend(variable.attributes.into_iter().map(own));
     }
     metadata
 }

@@ -13,7 +13,7 @@ mod vk4;
 
 use ndarray::Array2;
 
-use crate::{Archive, Description, Format, Input, ReadOptions, Result, Scan, large};
+use crate::{Archive, Description, Format, Input, ReadOptions, Result, Sample, Scan, large};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["vk3", "vk4", "vk6", "vk7"],
@@ -94,10 +94,6 @@ fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<us
         .ok()
         .filter(|&stride| stride >= nx)
         .ok_or_else(|| input.wrong("bytes per row", 12, stride, "the width or more"))?;
-    let rows = input.take("the rows", ERRORS_HEADER_BYTES, (ny - 1).saturating_mul(stride).saturating_add(nx))?;
-    let mut marked = 0;
-    for (mut heights, errors) in heights_m.rows_mut().into_iter().zip(rows.chunks(stride)) {
-        marked += large::hide(&mut heights, errors.iter().map(|&error| error != 0));
-    }
-    Ok(marked)
+    let errors = input.padded("the rows", ERRORS_HEADER_BYTES, (ny, nx), stride, Sample::U8)?;
+    Ok(large::hide(heights_m, errors.into_iter().map(|error| error != 0.0)))
 }

@@ -9,8 +9,7 @@
 use crate::archive::unpack_zstandard;
 use crate::scan::MAX_POINTS;
 use crate::{
-    Archive, ByteOrder, Description, Document, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape,
-    large,
+    Archive, Description, Document, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, large,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -79,7 +78,5 @@ fn array(name: &str, bytes: &[u8], sample: Sample) -> Result<(Shape, Vec<f64>)> 
     if stride < row {
         return Err(input.wrong("bytes of a row", 12, stride, &format!("{row} or more")));
     }
-    let records = input.take("the array", HEADER_BYTES, stride.saturating_mul(shape.0))?;
-    let fill = |record: &[u8], row: &mut [f64]| sample.decode_into(ByteOrder::Little, record, row);
-    Ok((shape, large::rows(shape.1, records, stride, fill)))
+    Ok((shape, input.padded("the array", HEADER_BYTES, shape, stride, sample)?))
 }

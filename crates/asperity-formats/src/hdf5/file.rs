@@ -95,4 +95,9 @@ impl<'a> File<'a> {
         self.work.set(left.ok_or_else(|| self.input.wrong(name, at, found, "a tree of structures"))?);
         Ok(())
     }
+    /// Checks the number of messages, links or attributes of an object.
+    pub(super) fn check_count(&self, field: &str, at: usize, count: usize) -> Result<()> {
+        let is_allowed = count <= MAX_ENTRIES;
+        if is_allowed { Ok(()) } else { Err(self.input.too_large(field, at, count, MAX_ENTRIES)) }
+    }
 }

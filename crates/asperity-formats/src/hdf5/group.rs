@@ -1,6 +1,6 @@
 //! Groups: names and addresses of their objects.
 
-use super::file::{File, MAX_ENTRIES};
+use super::file::File;
 use super::header::Object;
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
 use super::piece::Piece;
@@ -26,9 +26,7 @@ impl<'a> File<'a> {
         let mut links = Vec::new();
         let mut push = |link: Option<Link<'a>>| {
             links.extend(link);
-            let count = links.len();
-            let too_many = || self.input.too_large("the number of links", object.at, count, MAX_ENTRIES);
-            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
+            self.check_count("the number of links", object.at, links.len())
         };
         for message in object.all(LINK) {
             push(link(self.message(message, "link message")?)?)?;
