@@ -1,4 +1,4 @@
-//! Text headers of sections, each with its fields, as several programs write before binary data.
+//! Headers of keys and values, in sections or not, as several programs write before binary data.
 
 use std::borrow::Cow;
 use std::str::FromStr;

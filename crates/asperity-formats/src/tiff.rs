@@ -19,6 +19,9 @@ mod park;
 mod read;
 mod tag;
 
+use description::Units;
+use directory::{Directory, File, Tag};
+
 use crate::{Description, Format, Tested};
 
 pub(crate) const CODEC: Description = Description {

@@ -5,10 +5,8 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use super::dataset::Dataset;
-use super::file::File;
 use super::layout::{Chunks, Filter, Index};
-use super::tree::Keys;
+use super::{Dataset, File, Keys};
 use crate::Result;
 use crate::archive::{damage, damaged};
 

@@ -1,9 +1,7 @@
 //! Datatypes and dataspaces.
 
-use super::file::File;
 use super::header::DATATYPE;
-use super::header::Object;
-use super::piece::Piece;
+use super::{File, Object, Piece};
 use crate::{ByteOrder, Result, Sample};
 
 /// Maximum depth of nested types.

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::piece::Piece;
+use super::Piece;
 use crate::{Format, Input, Result};
 
 /// First bytes of every file.

@@ -1,10 +1,7 @@
 //! Groups: names and addresses of their objects.
 
-use super::file::File;
-use super::header::Object;
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
-use super::piece::Piece;
-use super::tree::Keys;
+use super::{File, Keys, Object, Piece};
 use crate::Result;
 
 /// Keys of the tree of a symbol table: offsets of names.

@@ -1,7 +1,6 @@
 //! Object headers: the messages that describe a group or a dataset.
 
-use super::file::{File, MAX_ENTRIES};
-use super::piece::Piece;
+use super::{File, MAX_ENTRIES, Piece};
 use crate::Result;
 
 pub(super) const DATASPACE: u16 = 0x01;

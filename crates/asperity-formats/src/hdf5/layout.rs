@@ -1,6 +1,6 @@
 //! Messages on chunked data: division into chunks, and filters.
 
-use super::piece::Piece;
+use super::Piece;
 use crate::Result;
 
 /// Maximum number of filters of a dataset: each of the three once.

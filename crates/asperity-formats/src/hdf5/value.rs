@@ -1,10 +1,8 @@
 //! Attributes and their values.
 
-use super::datatype::{Class, Datatype, dimensions};
-use super::file::File;
-use super::header::Object;
+use super::datatype::dimensions;
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
-use super::piece::Piece;
+use super::{Class, Datatype, File, Object, Piece};
 use crate::{Result, shown};
 
 /// Maximum number of numbers of a value that are shown as text.

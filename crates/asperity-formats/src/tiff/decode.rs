@@ -8,8 +8,7 @@ use flate2::read::ZlibDecoder;
 use weezl::decode::{Configuration, Decoder};
 use weezl::{BitOrder, LzwStatus};
 
-use super::directory::{Directory, Tag};
-use super::tag;
+use super::{Directory, Tag, tag};
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
 use crate::{ByteOrder, Format, Result, Sample, Shape};
 

@@ -5,8 +5,7 @@
 //!
 //! The fields have no public description; they are known from files and from the readers of several authors.
 
-use super::description::Units;
-use super::directory::{Directory, Tag};
+use super::{Directory, Tag, Units};
 use crate::{Result, per_metre};
 
 const VERSION: Tag = Tag(0x8000, "version");

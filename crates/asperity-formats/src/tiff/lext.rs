@@ -8,9 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use super::description::Units;
-use super::directory::{Directory, File, Tag};
-use super::tag;
+use super::{Directory, File, Tag, Units, tag};
 use crate::{Document, Format, FormatError, MAX_TEXT_BYTES, Result};
 
 const EXIF: Tag = Tag(34665, "Exif");

@@ -4,7 +4,7 @@
 //!
 //! Layout of the header: Park Systems, *TIFF Format of XEI*; Gwyddion and SurfaceTopography read the same fields.
 
-use super::directory::{Directory, Tag};
+use super::{Directory, Tag};
 use crate::{ByteOrder, ChosenMap, FormatError, Input, ReadOptions, Result, Sample, Scan, utf16_text};
 
 const MAGIC: Tag = Tag(50432, "magic number of Park Systems");

@@ -2,9 +2,9 @@
 
 use ndarray::{Array2, Axis};
 
-use super::description::{Units, units};
-use super::directory::{Directory, File, Tag, sample};
-use super::{decode, jpk, lext, park, tag};
+use super::description::units;
+use super::directory::sample;
+use super::{Directory, File, Tag, Units, decode, jpk, lext, park, tag};
 use crate::foreign::TO_GWY;
 use crate::{ByteOrder, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, shown, some_of, unique};
 
