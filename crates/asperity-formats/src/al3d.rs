@@ -13,32 +13,20 @@
 //! vendor's program hides depths with a repeatability above `DepthResFilterVal`; here they are missing, with a
 //! warning.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::{ByteOrder, Sample};
+use crate::sections::Section;
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large};
 
-use crate::{Format, FormatError, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Al3d,
-        extensions: &["al3d"],
-        vendor: "Alicona (Bruker)",
-        known_by: "`AliconaImaging\\0\\r\\n`",
-        reads: "the depth image; no files of a texture alone",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, InvalidPixelValue and above, repeatability beyond DepthResFilterVal",
-        orientation: "the first stored row is row 0, as in the texture beside it",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["al3d"],
+    vendor: "Alicona (Bruker)",
+    known_by: "`AliconaImaging\\0\\r\\n`",
+    reads: "the depth image; no files of a texture alone",
+    missing_points: "NaN, InvalidPixelValue and above, repeatability beyond DepthResFilterVal",
+    orientation: "the first stored row is row 0, as in the texture beside it",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Al3d, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 /// First bytes of every file.
@@ -50,7 +38,7 @@ const VALUE_BYTES: usize = 30;
 /// End of a tag.
 const LINE_END: &[u8] = b"\r\n";
 /// Maximum number of tags. Instruments write about twenty.
-const MAX_TAGS: usize = 1000;
+const MAX_TAGS: i64 = 1000;
 /// Size in bytes of the comment after the tags.
 const COMMENT_BYTES: usize = 256;
 /// Alignment of the rows of images in bytes.
@@ -60,98 +48,78 @@ const INVALID: f64 = 3e15;
 /// Relative error of an `f32` with a rounded text, and of the `f32` itself.
 const INVALID_TOLERANCE: f64 = 2e-7;
 
-/// Tag and its offset.
-struct Tag {
-    key: String,
-    value: String,
-    at: usize,
-}
-
 /// Tags of a file.
 struct Header<'a> {
     input: Input<'a>,
-    tags: Vec<Tag>,
+    tags: Section<'static>,
     /// Offset of the end of the tags.
     end: usize,
 }
 
 impl<'a> Header<'a> {
     fn new(input: Input<'a>) -> Result<Self> {
-        let mut header = Self { input, tags: Vec::new(), end: MAGIC.len() };
+        let tags = Section::new(Format::Al3d, input.at(MAGIC.len()), "a tag of this key");
+        let mut header = Self { input, tags, end: MAGIC.len() };
         for key in ["Version", "TagCount"] {
-            let tag = header.next_tag()?;
-            if tag.key != key {
-                return Err(input.wrong("the key of a tag", tag.at, &tag.key, key));
+            let at = header.end;
+            let found = header.next_tag()?;
+            if found != key {
+                return Err(input.wrong("the key of a tag", at, found, key));
             }
-            header.tags.push(tag);
         }
-        let (count, at) = header.integer("TagCount")?.ok_or_else(|| header.missing("TagCount"))?;
-        match usize::try_from(count) {
-            Ok(count) if count <= MAX_TAGS => {
-                for _ in 0..count {
-                    let tag = header.next_tag()?;
-                    header.tags.push(tag);
-                }
-                Ok(header)
-            }
-            _ => Err(input.wrong("TagCount", at, count, &format!("0 to {MAX_TAGS}"))),
+        let count = header.tags.number::<i64>("TagCount")?;
+        if !(0..=MAX_TAGS).contains(&count) {
+            return Err(header.tags.wrong("TagCount", &format!("0 to {MAX_TAGS}")));
         }
+        for _ in 0..count {
+            header.next_tag()?;
+        }
+        Ok(header)
     }
 
-    fn next_tag(&mut self) -> Result<Tag> {
-        let at = self.end;
-        self.input.take("the bytes of a tag", at, TAG_BYTES)?;
-        let key = self.input.latin1("the key of a tag", at, KEY_BYTES)?;
-        let value = self.input.latin1("the value of a tag", at + KEY_BYTES, VALUE_BYTES)?;
+    /// Reads a tag and returns its key.
+    fn next_tag(&mut self) -> Result<String> {
+        let (input, at) = (self.input, self.end);
+        input.take("the bytes of a tag", at, TAG_BYTES)?;
+        let key = input.latin1("the key of a tag", at, KEY_BYTES)?;
+        let value = input.latin1("the value of a tag", at + KEY_BYTES, VALUE_BYTES)?;
         let line_end_at = at + KEY_BYTES + VALUE_BYTES;
-        let line_end = self.input.take("the end of a tag", line_end_at, LINE_END.len())?;
+        let line_end = input.take("the end of a tag", line_end_at, LINE_END.len())?;
         if line_end != LINE_END {
             let found = line_end.escape_ascii();
-            return Err(self.input.wrong(&format!("the end of the tag {key}"), line_end_at, found, "\\r\\n"));
+            return Err(input.wrong(&format!("the end of the tag {key}"), line_end_at, found, "\\r\\n"));
         }
         self.end += TAG_BYTES;
-        Ok(Tag { key, value, at })
+        // An empty tag counts as absent.
+        if !value.is_empty() {
+            self.tags.push(key.clone(), value, input.at(at));
+        }
+        Ok(key)
     }
 
-    fn tag(&self, key: &str) -> Option<&Tag> {
-        self.tags.iter().find(|tag| tag.key == key && !tag.value.is_empty())
-    }
-
-    fn missing(&self, key: &str) -> FormatError {
-        self.input.missing(key, MAGIC.len(), "a tag of this key")
-    }
-
-    /// Returns a whole number and its place; `None` if there is no such tag.
-    fn integer(&self, key: &str) -> Result<Option<(i64, usize)>> {
-        let Some(tag) = self.tag(key) else { return Ok(None) };
-        let number = tag.value.parse().map_err(|_| self.input.wrong(key, tag.at, &tag.value, "a whole number"))?;
-        Ok(Some((number, tag.at)))
+    /// Returns a whole number; `None` if there is no such tag.
+    fn integer(&self, key: &str) -> Result<Option<i64>> {
+        self.tags.field(key).map(|_| self.tags.number(key)).transpose()
     }
 
     /// Returns a finite number; `None` if there is no such tag.
     fn number(&self, key: &str) -> Result<Option<f64>> {
-        let Some(tag) = self.tag(key) else { return Ok(None) };
-        let number = tag.value.parse().ok().filter(|number: &f64| number.is_finite());
-        number.map(Some).ok_or_else(|| self.input.wrong(key, tag.at, &tag.value, "a finite number"))
+        let Some(text) = self.tags.field(key) else { return Ok(None) };
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.map(Some).ok_or_else(|| self.tags.wrong(key, "a finite number"))
     }
 
     /// Returns the offset of an image; `None` if there is none (no tag, or 0).
     fn offset(&self, key: &str) -> Result<Option<usize>> {
-        match self.integer(key)? {
-            None | Some((0, _)) => Ok(None),
-            Some((offset, at)) => {
-                let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
-                let wanted = || format!("0 or a byte after the tags, {} or more", self.end);
-                behind_tags.map(Some).ok_or_else(|| self.input.wrong(key, at, offset, &wanted()))
-            }
-        }
+        let Some(offset) = self.integer(key)?.filter(|&offset| offset != 0) else { return Ok(None) };
+        let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
+        let wanted = || format!("0 or a byte after the tags, {} or more", self.end);
+        behind_tags.map(Some).ok_or_else(|| self.tags.wrong(key, &wanted()))
     }
 
-    /// Returns the rows of an image in one piece, with padding after all rows but the last.
-    fn image(&self, part: &str, at: usize, (ny, nx): Shape, sample: Sample) -> Result<&'a [u8]> {
-        let row = nx * sample.size();
-        // At most 2²⁸ points, each with padding.
-        self.input.take(part, at, (ny - 1) * stride(nx, sample) + row)
+    /// Returns the numbers of an image.
+    fn image(&self, part: &str, at: usize, shape: Shape, sample: Sample) -> Result<Vec<f64>> {
+        self.input.padded(part, at, shape, stride(shape.1, sample), sample)
     }
 }
 
@@ -171,11 +139,9 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let start = header.offset("DepthImageOffset")?.ok_or_else(|| {
         input.unsupported("the file holds no depth image (DepthImageOffset), only a texture", "a depth image")
     })?;
-    let (rows, rows_at) = header.integer("Rows")?.ok_or_else(|| header.missing("Rows"))?;
-    let (columns, columns_at) = header.integer("Cols")?.ok_or_else(|| header.missing("Cols"))?;
-    let (ny, nx) = input.shape(("Rows", rows_at, rows), ("Cols", columns_at, columns))?;
+    let (ny, nx) = header.tags.shape("Rows", "Cols")?;
 
-    let image = header.image("the depths", start, (ny, nx), Sample::F32)?;
+    let mut depths = header.image("the depths", start, (ny, nx), Sample::F32)?;
     let stride = stride(nx, Sample::F32);
     let texture = header.offset("TextureImageOffset")?;
     let others = [texture, header.offset("IconOffset")?];
@@ -184,10 +150,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         warnings.push(format!("the depths take {} bytes, but another image starts after {room}", ny * stride));
     }
     let is_missing = invalid(&header);
-    let mut depths = large::rows(nx, image, stride, |record, row| {
-        Sample::F32.decode_into(ByteOrder::Little, record, row);
-        row.iter_mut().filter(|z| is_missing(**z)).for_each(|z| *z = f64::NAN);
-    });
+    large::map(&mut depths, |z| if is_missing(z) { f64::NAN } else { z });
     if let Some(texture) = texture {
         filter_by_repeatability(&header, texture, (ny, nx), &mut depths, &mut warnings);
     }
@@ -196,44 +159,31 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     if pitch_m.is_none() {
         warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
     }
-    let heights_m = input.matrix("Cols", columns_at, (ny, nx), depths)?;
+    let heights_m = input.matrix("Cols", 0, (ny, nx), depths)?;
     Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
 }
 
 /// Returns a test for the depths that the tag `InvalidPixelValue` marks as missing.
 fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
-    let value = header.tag("InvalidPixelValue").and_then(|tag| tag.value.parse().ok());
+    let value = header.tags.field("InvalidPixelValue").and_then(|text| text.parse().ok());
     let value = value.filter(|value: &f64| value.is_finite()).unwrap_or(INVALID);
     let tolerance = INVALID_TOLERANCE * value.abs();
     // A bound at or below zero would exclude every depth, so only the value itself is missing.
     move |z: f64| z.is_nan() || if value > 0.0 { z >= value - tolerance } else { (z - value).abs() <= tolerance }
 }
 
-/// Repeatability of every depth: codes in rows of `stride` bytes, and their conversion to metre.
-struct Repeatability<'a> {
-    codes: &'a [u8],
-    stride: usize,
-    shift: f64,
-    low: f64,
-    /// Largest repeatability that the vendor's program shows.
-    filter: f64,
-}
-
-impl<'a> Repeatability<'a> {
-    /// Returns the repeatability; `None` if there is no such plane, no filter, or a filter of 0, which would exclude
-    /// every depth.
-    fn new(header: &Header<'a>, texture: usize, (ny, nx): Shape) -> Result<Option<Self>> {
-        let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
-        let Some((filter, (plane, at))) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
-        let stride = stride(nx, Sample::U8);
-        let plane = usize::try_from(plane)
-            .map_err(|_| header.input.wrong("DepthImageResPtr", at, plane, "the number of a plane"))?;
-        let start = plane.saturating_mul(stride * ny).saturating_add(texture);
-        let codes = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;
-        let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
-        let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
-        Ok(Some(Self { codes, stride, shift, low, filter }))
-    }
+/// Returns the repeatability of every depth in metre, and the largest one that the vendor's program shows; `None` if there is no such
+/// plane, no filter, or a filter of 0, which would exclude every depth.
+fn repeatability(header: &Header, texture: usize, (ny, nx): Shape) -> Result<Option<(Vec<f64>, f64)>> {
+    let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
+    let Some((filter, plane)) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
+    let plane = usize::try_from(plane).map_err(|_| header.tags.wrong("DepthImageResPtr", "the number of a plane"))?;
+    let start = plane.saturating_mul(stride(nx, Sample::U8) * ny).saturating_add(texture);
+    let mut values = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;
+    let shift = header.number("DepthResShiftVal")?.unwrap_or(0.0);
+    let low = header.number("DepthResMinVal")?.unwrap_or(0.0);
+    large::map(&mut values, |code| code * shift + low);
+    Ok(Some((values, filter)))
 }
 
 /// Sets depths to NaN that are less repeatable than the file's filter allows.
@@ -242,24 +192,17 @@ impl<'a> Repeatability<'a> {
 fn filter_by_repeatability(
     header: &Header,
     texture: usize,
-    (ny, nx): Shape,
+    shape: Shape,
     depths: &mut [f64],
     warnings: &mut Vec<String>,
 ) {
-    let Repeatability { codes, stride, shift, low, filter } = match Repeatability::new(header, texture, (ny, nx)) {
-        Ok(Some(repeatability)) => repeatability,
+    let (values, filter) = match repeatability(header, texture, shape) {
+        Ok(Some(found)) => found,
         Ok(None) => return,
         Err(error) => return warnings.push(format!("no depth was left out for its repeatability: {error}")),
     };
-    let mut filtered = 0_usize;
-    for (row, depths) in codes.chunks(stride).zip(depths.chunks_mut(nx)) {
-        for (&code, z) in row.iter().zip(depths) {
-            if f64::from(code) * shift + low > filter && !z.is_nan() {
-                *z = f64::NAN;
-                filtered += 1;
-            }
-        }
-    }
+    let poor = depths.iter_mut().zip(values).filter(|(z, value)| *value > filter && !z.is_nan());
+    let filtered = poor.map(|(z, _)| *z = f64::NAN).count();
     if filtered > 0 {
         warnings.push(format!("{filtered} depths were left out: less repeatable than DepthResFilterVal, {filter:e} m"));
     }
@@ -268,7 +211,7 @@ fn filter_by_repeatability(
 /// Returns all tags with text values, and the comment.
 fn metadata(header: &Header) -> BTreeMap<String, String> {
     let comment = header.input.latin1("the comment", header.end, COMMENT_BYTES).unwrap_or_default();
-    let tags = header.tags.iter().map(|tag| (tag.key.clone(), tag.value.clone()));
+    let tags = header.tags.all().map(|(key, value)| (key.to_owned(), value.to_owned()));
     // Some tags only fill space, with bytes that are not text.
     tags.chain([("Comment".to_owned(), comment)])
         .filter(|(_, value)| !value.contains(|c: char| c.is_control() && !c.is_whitespace()))

@@ -1,19 +1,17 @@
 //! Zip archives and compressed streams: search for files, and limits of unpacking.
 
-use crate::error::{Result, shown};
 use std::cmp::Ordering;
-use std::io::{self, Cursor, Read};
+use std::io::{self, Cursor, Read, Write};
 
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use md5::{Digest, Md5};
 use ruzstd::decoding::StreamingDecoder;
-use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
-use crate::large;
-use crate::sample::{ByteOrder, Sample};
-use crate::{Format, FormatError, Location, MAX_POINTS};
+use crate::{ByteOrder, Format, FormatError, Location, MAX_POINTS, Result, Sample, large, shown};
 
 /// Size in bytes that every stream may unpack to.
 const FREE_BYTES: u64 = 1 << 23;
@@ -180,7 +178,7 @@ impl<'a> Archive<'a> {
         Ok(bytes)
     }
 
-    /// Passes `count` numbers of a file, from byte `start` on, to `take`, chunk by chunk.
+    /// Reads `count` numbers of a file from byte `start` on.
     ///
     /// # Errors
     /// As [`Archive::read_numbers`].
@@ -190,22 +188,18 @@ impl<'a> Archive<'a> {
         start: usize,
         (sample, order): (Sample, ByteOrder),
         count: usize,
-        mut take: impl FnMut(&[f64]),
-    ) -> Result<()> {
-        let length = count as u64 * sample.size() as u64;
-        let part = Part { name: "the numbers", start: start as u64, length, total: None };
-        let mut values = Vec::new();
+    ) -> Result<Vec<f64>> {
+        let part =
+            Part { name: "the numbers", start: start as u64, length: (count * sample.size()) as u64, total: None };
+        let mut values = self.room_for(sample, count);
         // Chunks are multiples of the size of every number, so no number is cut.
-        let decode = |chunk: &[u8]| {
-            values.clear();
-            sample.decode(order, chunk, &mut values);
-            take(&values);
-        };
-        self.unpack(link, &part, |packed| may_unpack(packed, count as u64, length), decode).map(|_| ())
+        let take = |chunk: &[u8]| sample.decode(order, chunk, &mut values);
+        self.unpack(link, &part, |packed| may_hold(packed, count as u64, sample), take)?;
+        Ok(values)
     }
 
     /// Reserves memory for `count` numbers, limited by what the size of the archive makes plausible.
-    pub(crate) fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
+    fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
         let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
         large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
     }
@@ -303,6 +297,26 @@ impl<'a> Archive<'a> {
             }
         }
     }
+}
+
+/// Writes a zip archive whose bytes depend only on its files, not on clock or host.
+pub(crate) fn written(
+    files: &[(&str, &[u8])],
+    method: CompressionMethod,
+    level: Option<i64>,
+) -> Result<Vec<u8>, ZipError> {
+    let options = SimpleFileOptions::default()
+        .compression_method(method)
+        .compression_level(level)
+        .last_modified_time(DateTime::default())
+        .system(System::Unix)
+        .unix_permissions(0o644);
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for &(name, bytes) in files {
+        zip.start_file(name, options.large_file(u32::try_from(bytes.len()).is_err()))?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
 }
 
 /// First bytes of a gzip stream.

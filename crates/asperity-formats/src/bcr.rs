@@ -14,32 +14,21 @@
 //! # References
 //! The BCR-STM file format, SPIP reference guide, Image Metrology.
 
-use crate::error::Result;
-
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, utf16_text};
-use crate::large::{self, Shape};
-use crate::sample::{ByteOrder, Sample};
 use crate::text::header::Header as Notes;
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large, per_metre,
+    utf16_text,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Bcr,
-        extensions: &["bcr", "bcrf"],
-        vendor: "Image Metrology (BCR-STM)",
-        known_by: "`fileformat = bcr`, in ASCII or UTF-16",
-        reads: "bcrstm (int16) and bcrf (float32), also with a Unicode header, either byte order",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "32767 (bcrstm), above 1.7e38 and NaN (bcrf)",
-        orientation: "the first stored line is row 0",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| Encoding::detect(bytes).is_some(),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["bcr", "bcrf"],
+    vendor: "Image Metrology (BCR-STM)",
+    known_by: "`fileformat = bcr`, in ASCII or UTF-16",
+    reads: "bcrstm (int16) and bcrf (float32), also with a Unicode header, either byte order",
+    missing_points: "32767 (bcrstm), above 1.7e38 and NaN (bcrf)",
+    orientation: "the first stored line is row 0",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Bcr, |bytes| Encoding::detect(bytes).is_some(), read)
 };
 
 /// Default and maximum number of characters of a header.

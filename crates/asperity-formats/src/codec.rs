@@ -1,7 +1,6 @@
-//! Description of a format, and the functions that read and write it.
+//! Description of a format, with the functions that read and write it.
 
-use crate::error::Result;
-use crate::{Format, ReadOptions, Scan};
+use crate::{Format, ReadOptions, Result, Scan};
 
 /// Source of the files that the reader of a format was tested on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +24,10 @@ impl Tested {
     }
 }
 
-/// Row of the table of formats.
+/// Function that returns the bytes of a file.
+type Write = fn(&Scan) -> Result<Vec<u8>>;
+
+/// Row of the table of formats, with the functions of the format.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
     /// Format.
@@ -48,18 +50,38 @@ pub struct Description {
     pub orientation: &'static str,
     /// Source of the files that the reader was tested on.
     pub tested: Tested,
-}
-
-/// Function that returns the bytes of a file.
-type Write = fn(&Scan) -> Result<Vec<u8>>;
-
-/// Format and its functions.
-pub(crate) struct Codec {
-    pub(crate) description: Description,
     /// Returns whether bytes start like this format.
     pub(crate) detect: fn(&[u8]) -> bool,
     /// Reads one map.
     pub(crate) read: fn(&[u8], &ReadOptions) -> Result<Scan>,
-    /// Writes the form that [`write`](crate::write) uses; `None` for formats that are only read.
+    /// Returns the bytes of a file, for [`write`](crate::write()); `None` for formats that are only read.
     pub(crate) write: Option<Write>,
+}
+
+impl Description {
+    /// Creates a row for a format that is only read, states the distance between points, has no mark of missing points, and is known
+    /// from its specification.
+    pub(crate) const fn new(
+        format: Format,
+        detect: fn(&[u8]) -> bool,
+        read: fn(&[u8], &ReadOptions) -> Result<Scan>,
+    ) -> Self {
+        let (extensions, tested) = (&[], Tested::Specification);
+        let [vendor, known_by, reads, writes, missing_points, orientation] = [""; 6];
+        Self {
+            format,
+            extensions,
+            vendor,
+            known_by,
+            reads,
+            writes,
+            stores_pitch: true,
+            missing_points,
+            orientation,
+            tested,
+            detect,
+            read,
+            write: None,
+        }
+    }
 }

@@ -1,5 +1,12 @@
 //! Dates of time stamps.
 
+use std::fmt::Display;
+
+/// Formats year, month, day, hour, minute and second.
+pub(crate) fn text<T: Display>([year, month, day, hour, minute, second]: [T; 6]) -> String {
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}")
+}
+
 /// Formats seconds since 1970-01-01 as a date and time of UTC.
 pub(crate) fn utc(seconds: u32) -> String {
     let (days, rest) = (i64::from(seconds) / 86400, seconds % 86400);
@@ -11,8 +18,8 @@ pub(crate) fn utc(seconds: u32) -> String {
     let month = (5 * day + 2) / 153;
     let (day, month) = (day - (153 * month + 2) / 5 + 1, if month < 10 { month + 3 } else { month - 9 });
     let year = year + 400 * era + i64::from(month <= 2);
-    let (hour, minute, second) = (rest / 3600, rest / 60 % 60, rest % 60);
-    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+    let [hour, minute, second] = [rest / 3600, rest / 60 % 60, rest % 60].map(i64::from);
+    text([year, month, day, hour, minute, second]) + "Z"
 }
 
 #[cfg(test)]

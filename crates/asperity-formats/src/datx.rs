@@ -16,34 +16,21 @@
 //! Points that were not measured hold the attribute `No Data`, which is the largest number of its type or near it.
 //! Numbers beyond it, of either sign, are not heights either.
 
-use crate::error::Result;
 use std::collections::{BTreeMap, HashSet};
 
-use crate::codec::{Codec, Description, Tested};
 use crate::hdf5::{Attribute, Dataset, File, Object, Value, shown_name};
-use crate::input::Input;
-use crate::selection::unique;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Description, Format, FormatError, Input, ReadOptions, Result, Scan, per_metre, unique};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Datx,
-        extensions: &["datx"],
-        vendor: "Zygo",
-        known_by: "HDF5 with the groups `MetaData` or `Data`",
-        reads: "heights in fringes or a length, integers and floats; HDF5 superblocks 0 to 3, old and new groups, \
-                compact and dense attributes, data compact, contiguous or chunked under a version 1 B-tree, with deflate, \
-                shuffle, Fletcher-32",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "`No Data`, NaN",
-        orientation: "the first index is the row, from the top",
-        tested: Tested::Specification,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["datx"],
+    vendor: "Zygo",
+    known_by: "HDF5 with the groups `MetaData` or `Data`",
+    reads: "heights in fringes or a length, integers and floats; HDF5 superblocks 0 to 3, old and new groups, \
+            compact and dense attributes, data compact, contiguous or chunked under a version 1 B-tree, with deflate, \
+            shuffle, Fletcher-32",
+    missing_points: "`No Data`, NaN",
+    orientation: "the first index is the row, from the top",
+    ..Description::new(Format::Datx, detect, read)
 };
 
 /// Names in the root of a DATX file.

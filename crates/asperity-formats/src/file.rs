@@ -1,17 +1,16 @@
 //! Reading and writing of files on disk, and choice of the format.
 
-use crate::error::Result;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crate::archive::{GZIP_MAGIC, gunzip};
-use crate::registry::{read_names, written_extensions};
+use crate::format::{read_names, written_extensions};
 use crate::replace::replace_file;
 use crate::text::separator::Separator;
 use crate::text::write_text;
 use crate::x3p::ZIP_MAGIC;
-use crate::{Format, FormatError, Location, ReadOptions, Scan, foreign, npy};
+use crate::{Format, FormatError, Location, ReadOptions, Result, Scan, foreign, npy};
 
 /// Largest file that is read, in bytes: twice the size of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
@@ -211,7 +210,7 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
     let size = bytes.len() as u64;
     let detected = format.or_else(|| Format::detect(bytes)).and_then(Format::codec);
     let codec = detected.ok_or_else(|| unrecognised(bytes, size))?;
-    let format = codec.description.format;
+    let format = codec.format;
     if size > MAX_FILE_BYTES {
         return Err(too_large(format, size));
     }

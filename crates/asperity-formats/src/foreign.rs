@@ -3,9 +3,8 @@
 //! The signatures are from the shared MIME database, the vendors' manuals and the comments on formats that Gwyddion
 //! and SurfaceTopography publish. The readers of TIFF and NetCDF recognise vendors' files by their fields and groups.
 
-use crate::FormatError;
-use crate::archive::Archive;
 use crate::x3p::ZIP_MAGIC;
+use crate::{Archive, FormatError};
 
 /// Format that is recognised by its content: its name with an article, its signature, and the advice to the user.
 struct Foreign(&'static str, Signature, &'static str);

@@ -23,37 +23,21 @@ mod blocks;
 mod image;
 mod metadata;
 
-use crate::error::Result;
-
 use self::blocks::{
     BLOCK_COUNT, BUFFERS, Blocks, CURRENT_IMAGE, IMAGE_SIZE, IMAGES, ROUNDNESS, SCAN_SIZE, SENSOR, SIGNATURE,
     VALID_VALUES, VERSION_BYTES, Z_UNIT, blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::Sample;
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, large, unique};
 
-use crate::selection::unique;
-use crate::{Format, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Frt,
-        extensions: &["frt"],
-        vendor: "FRT MicroProf",
-        known_by: "`FRTM_GLIDERV`",
-        reads: "versions 1.00 and 1.01; topography, thickness and AFM images of 16 and 32 bits",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "1, numbers outside of the valid range that the file states",
-        orientation: "the last stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(SIGNATURE),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["frt"],
+    vendor: "FRT MicroProf",
+    known_by: "`FRTM_GLIDERV`",
+    reads: "versions 1.00 and 1.01; topography, thickness and AFM images of 16 and 32 bits",
+    missing_points: "1, numbers outside of the valid range that the file states",
+    orientation: "the last stored line is row 0",
+    ..Description::new(Format::Frt, |bytes| bytes.starts_with(SIGNATURE), read)
 };
 
 /// Number that marks a missing point.

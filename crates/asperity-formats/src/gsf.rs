@@ -2,32 +2,21 @@
 //!
 //! Gwyddion's user guide describes the format. Without `XReal` and `YReal` a field has no size, which the guide sets to 1.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
 use crate::sections::sections;
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit,
+    per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Gsf,
-        extensions: &["gsf"],
-        vendor: "Gwyddion simple field",
-        known_by: "`Gwyddion Simple Field 1.0`",
-        reads: "float32",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN",
-        orientation: "the first stored line is row 0",
-        tested: Tested::OtherPrograms,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["gsf"],
+    vendor: "Gwyddion simple field",
+    known_by: "`Gwyddion Simple Field 1.0`",
+    reads: "float32",
+    missing_points: "NaN",
+    orientation: "the first stored line is row 0",
+    tested: Tested::OtherPrograms,
+    ..Description::new(Format::Gsf, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
@@ -46,17 +35,12 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         .position(|&byte| byte == 0)
         .ok_or_else(|| input.missing("the end of the header", 0, "a byte 0"))?;
     let text = utf8_or_latin1(&start[..end]);
-    let header = sections(&text, "=", |_| None).swap_remove(0);
-    let (ny, nx) = header.shape(&input, "YRes", "XRes")?;
+    let header = sections(Format::Gsf, &text, "=", |_| None).swap_remove(0);
+    let (ny, nx) = header.shape("YRes", "XRes")?;
     let unit = |key| header.field(key).filter(|unit| !unit.is_empty());
     let z = unit("ZUnits").unwrap_or("m");
-    let other = per_metre(z).is_none().then(|| z.to_owned());
-    ChosenMap::new(
-        Format::Gsf,
-        [(header.field("Title").unwrap_or("field").to_owned(), other)],
-        &ReadOptions::default(),
-    )?;
-    let units = per_metre(z).unwrap_or(1.0);
+    let name = header.field("Title").unwrap_or("field").to_owned();
+    let units = ChosenMap::new(Format::Gsf, [(name, z.to_owned())], &ReadOptions::default())?.per_metre;
     let heights_at = (end / ALIGNMENT + 1) * ALIGNMENT;
     let heights_m = input.heights("the heights", heights_at, (ny, nx), Sample::F32, |v| v / units)?;
 
@@ -64,7 +48,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let sizes = header.field("XReal").zip(header.field("YReal"));
     match (sizes, per_metre(unit("XYUnits").unwrap_or("m"))) {
         (Some(_), Some(units)) => {
-            let size = |key| header.number::<f64>(&input, key);
+            let size = |key| header.number::<f64>(key);
             scan.pitch_m = Some((size("XReal")? / nx as f64 / units, size("YReal")? / ny as f64 / units));
         }
         (Some(_), None) => {

@@ -18,29 +18,22 @@ mod object;
 mod read;
 mod write;
 
-use crate::Format;
-use crate::codec::{Codec, Description, Tested};
-
+use crate::{Description, Format, Tested};
 use object::{MAGIC, MAGIC_1};
 pub use write::write_gwy;
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Gwy,
-        extensions: &["gwy"],
-        vendor: "Gwyddion",
-        known_by: "`GWYP`, `GWYO`",
-        reads: "images whose values are lengths, with mask and metadata; no files of Gwyddion 1 (GWYO), no volumes, \
-                no point clouds",
-        writes: "one image, with a mask for missing points",
-        stores_pitch: true,
-        missing_points: "the mask of the image, NaN",
-        orientation: "the first stored line is row 0",
-        tested: Tested::OtherPrograms,
-    },
-    detect,
-    read: read::read,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["gwy"],
+    vendor: "Gwyddion",
+    known_by: "`GWYP`, `GWYO`",
+    reads: "images whose values are lengths, with mask and metadata; no files of Gwyddion 1 (GWYO), no volumes, \
+            no point clouds",
+    writes: "one image, with a mask for missing points",
+    missing_points: "the mask of the image, NaN",
+    orientation: "the first stored line is row 0",
+    tested: Tested::OtherPrograms,
     write: Some(write_gwy),
+    ..Description::new(Format::Gwy, detect, read::read)
 };
 
 fn detect(bytes: &[u8]) -> bool {

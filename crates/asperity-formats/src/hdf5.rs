@@ -26,10 +26,15 @@ mod piece;
 mod tree;
 mod value;
 
-use crate::error::Result;
+use crate::Result;
+
 pub(crate) use dataset::Dataset;
+use datatype::{Class, Datatype};
 pub(crate) use file::File;
+use file::MAX_ENTRIES;
 pub(crate) use header::Object;
+use piece::Piece;
+use tree::Keys;
 pub(crate) use value::{Attribute, Value, shown_name, shown_number};
 
 impl<'a> File<'a> {

@@ -6,31 +6,21 @@
 //!
 //! Layout: WaveMetrics, *Igor Pro Technical Note PTN003: Igor Binary Format*.
 
-use crate::error::Result;
+use crate::sections::sections;
+use crate::{
+    ByteOrder, ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested,
+    TextLimit, latin1, per_metre, utf8_or_latin1,
+};
 
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, TextLimit, latin1, utf8_or_latin1};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Ibw,
-        extensions: &["ibw"],
-        vendor: "Asylum Research, WaveMetrics Igor",
-        known_by: "version 5 and a check sum over 384 bytes",
-        reads: "version 5; integers, float32, float64; matrices and layers",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN",
-        orientation: "y points upwards; row 0 is the last stored line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| order(bytes).is_some(),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["ibw"],
+    vendor: "Asylum Research, WaveMetrics Igor",
+    known_by: "version 5 and a check sum over 384 bytes",
+    reads: "version 5; integers, float32, float64; matrices and layers",
+    missing_points: "NaN",
+    orientation: "y points upwards; row 0 is the last stored line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Ibw, |bytes| order(bytes).is_some(), read)
 };
 
 const VERSION: i16 = 5;
@@ -106,19 +96,18 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let maps = labels.iter().enumerate().map(|(layer, label)| match label.as_str() {
         "" => {
             let name = if layers == 1 { wave.clone() } else { format!("{wave} {}", layer + 1) };
-            (name, Some(unit.clone()).filter(|unit| !unit.is_empty() && per_metre(unit).is_none()))
+            (name, if unit.is_empty() { "m".into() } else { unit.clone() })
         }
-        label => (label.to_owned(), (!LENGTHS.iter().any(|start| label.starts_with(start))).then(String::new)),
+        label => {
+            let is_length = LENGTHS.iter().any(|start| label.starts_with(start));
+            (label.to_owned(), if is_length { "m".into() } else { String::new() })
+        }
     });
     let chosen = ChosenMap::new(Format::Ibw, maps, options)?;
     // Sums of sizes may exceed 32 bits.
     let start = (ny * nx).saturating_mul(sample.size()).saturating_mul(chosen.map).saturating_add(HEADERS_BYTES);
     let unit = if labels[chosen.map].is_empty() { unit } else { "m".into() };
-    let units = per_metre(&unit).unwrap_or(1.0);
-    let mut heights = input.samples(chosen.name(), start, ny * nx, sample)?;
-    large::map(&mut heights, |z| z / units);
-    large::flip(&mut heights, nx);
-    let heights_m = input.matrix("dimensions", DIMENSIONS, (ny, nx), heights)?;
+    let heights_m = input.heights_upwards(chosen.name(), start, (ny, nx), sample, |z| z / chosen.per_metre)?;
 
     let mut scan = Scan { height_unit: Some(unit).filter(|unit| !unit.is_empty()), ..Scan::new(heights_m, None) };
     let step = |n: usize| {
@@ -130,12 +119,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if scan.pitch_m.is_none() {
         scan.warnings.push("the dimensions of the wave are not in a unit of length; no pixel size was read".into());
     }
-    let mut room = TextLimit::default();
-    for (key, value) in parts.note(&input)?.split(['\r', '\n']).filter_map(|line| line.split_once(':')) {
-        if room.take(key.len() + value.len()) {
-            scan.metadata.insert(key.trim().to_owned(), value.trim().to_owned());
-        }
-    }
+    let note = parts.note(&input)?.replace('\r', "\n");
+    sections(Format::Ibw, &note, ":", |_| None)[0].add_to(&mut scan, &mut TextLimit::default());
     Ok(chosen.add_to(scan))
 }
 

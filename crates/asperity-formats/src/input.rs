@@ -4,11 +4,8 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::error::{Result, shown};
-use crate::large::Shape;
-use crate::sample::{ByteOrder, Sample};
 use crate::scan::{matrix, shape};
-use crate::{Format, FormatError, Location};
+use crate::{ByteOrder, Format, FormatError, Location, Result, Sample, Shape, large, shown};
 
 /// Bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]
@@ -28,6 +25,7 @@ pub(crate) struct Field(pub(crate) &'static str, pub(crate) usize);
 /// Type of a field that becomes metadata.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
+    U8,
     I16,
     U16,
     I32,
@@ -125,6 +123,7 @@ impl<'a> Input<'a> {
     /// Returns the value of a field as text.
     pub(crate) fn value(&self, field: &str, offset: usize, kind: Kind) -> Result<String> {
         match kind {
+            Kind::U8 => self.u8(field, offset).map(|number| number.to_string()),
             Kind::I16 => self.i16(field, offset).map(|number| number.to_string()),
             Kind::U16 => self.u16(field, offset).map(|number| number.to_string()),
             Kind::I32 => self.i32(field, offset).map(|number| number.to_string()),
@@ -146,6 +145,20 @@ impl<'a> Input<'a> {
         Ok(sample.decode_all(self.order, bytes))
     }
 
+    /// Reads a map of numbers whose rows start `stride` bytes from each other.
+    pub(crate) fn padded(
+        &self,
+        part: &str,
+        offset: usize,
+        (ny, nx): Shape,
+        stride: usize,
+        sample: Sample,
+    ) -> Result<Vec<f64>> {
+        let length = (ny - 1).saturating_mul(stride).saturating_add(nx * sample.size());
+        let fill = |record: &[u8], row: &mut [f64]| sample.decode_into(self.order, record, row);
+        Ok(large::rows(nx, self.take(part, offset, length)?, stride, fill))
+    }
+
     /// Reads a map of numbers from `offset` on and converts each number to a height in metre.
     pub(crate) fn heights(
         &self,
@@ -157,6 +170,20 @@ impl<'a> Input<'a> {
     ) -> Result<Array2<f64>> {
         let bytes = self.take(part, offset, (shape.0 * shape.1).saturating_mul(sample.size()))?;
         self.matrix(part, offset, shape, sample.decode_and_map(self.order, bytes, in_metre))
+    }
+
+    /// Reads a map as [`Input::heights`] whose rows are stored from the bottom up.
+    pub(crate) fn heights_upwards(
+        &self,
+        part: &str,
+        offset: usize,
+        shape: Shape,
+        sample: Sample,
+        in_metre: impl Fn(f64) -> f64 + Sync,
+    ) -> Result<Array2<f64>> {
+        let mut heights = self.heights(part, offset, shape, sample, in_metre)?;
+        heights.as_slice_mut().into_iter().for_each(|heights| large::flip(heights, shape.1));
+        Ok(heights)
     }
 
     /// Arranges heights as a map. An error names `field`, the source of the shape.

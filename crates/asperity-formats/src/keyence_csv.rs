@@ -4,30 +4,21 @@
 //!
 //! The vendor published no description. The converter of the Austrian metrology institute (BEV) and files that others describe agree.
 
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::{Input, MAX_TEXT_BYTES, utf8_or_latin1};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
+use crate::{
+    Description, Format, FormatError, Input, MAX_TEXT_BYTES, ReadOptions, Result, Scan, large, per_metre,
+    utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::KeyenceCsv,
-        extensions: &["csv"],
-        vendor: "Keyence",
-        known_by: "`ImageDataCsv`",
-        reads: "heights; keys in English or German",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "empty cells",
-        orientation: "the first line is row 0, as in the VK-Analyzer's pictures",
-        tested: Tested::Specification,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["csv"],
+    vendor: "Keyence",
+    known_by: "`ImageDataCsv`",
+    reads: "heights; keys in English or German",
+    missing_points: "empty cells",
+    orientation: "the first line is row 0, as in the VK-Analyzer's pictures",
+    ..Description::new(Format::KeyenceCsv, detect, read)
 };
 
 /// Number of bytes in which the words of a header are looked for: its type, or two keys of files without one.

@@ -69,6 +69,12 @@ pub(crate) fn count(values: &mut [f64], change: impl Fn(&mut f64) -> bool + Sync
     pass(values, count).into_iter().sum()
 }
 
+/// Sets marked heights to NaN. Returns their number.
+pub(crate) fn hide<'z>(heights: impl IntoIterator<Item = &'z mut f64>, marks: impl IntoIterator<Item = bool>) -> usize {
+    let marked = heights.into_iter().zip(marks).filter(|(_, is_marked)| *is_marked);
+    marked.map(|(z, _)| *z = f64::NAN).count()
+}
+
 /// Fills an array from records of `stride` bytes. Each record gives one row of `columns` numbers.
 pub(crate) fn rows(columns: usize, records: &[u8], stride: usize, fill: impl Fn(&[u8], &mut [f64]) + Sync) -> Vec<f64> {
     let mut values = zeros(records.len().div_ceil(stride) * columns);

@@ -48,7 +48,6 @@ mod opd;
 mod opdx;
 mod plu;
 mod plux;
-mod registry;
 mod replace;
 mod sample;
 mod scan;
@@ -70,29 +69,35 @@ mod xyz;
 mod zon;
 mod zygo_ascii;
 
+pub(crate) use archive::Archive;
+pub(crate) use chosen_map::ChosenMap;
 pub use codec::{Description, Tested};
 pub use error::{FormatError, Location};
+pub(crate) use error::{Result, shown};
 pub use file::{
     read, read_bytes, read_bytes_with, read_limited, read_series, read_settings, read_text, read_with, to_bytes, write,
 };
-pub use format::Format;
+pub use format::{Format, descriptions};
 pub use gwy::write_gwy;
+pub(crate) use input::{Field, Input, MAX_TEXT_BYTES, TextLimit, latin1, utf8_or_latin1, utf16_text};
+pub(crate) use large::Shape;
 pub use npy::{write_npy, write_series};
 pub use npz::{read_npz, write_npz};
-pub use registry::descriptions;
 pub use replace::{
     check_writable, create_locked, is_temporary_suffix, lock_abandoned, refusal, remove_abandoned_files, replace_file,
     temporary_suffix,
 };
+pub(crate) use sample::{ByteOrder, Sample};
 pub use scan::{MAX_POINTS, Scan};
-pub use sdf::{SdfData, write_sdf};
+pub use sdf::write_sdf;
 pub use selection::{Channel, ReadOptions};
-pub use sur::{SurData, write_sur};
-pub use text::separator::Separator;
-pub use text::write_text;
+pub(crate) use selection::{some_of, unique};
+pub use sur::write_sur;
 pub use unit::LengthUnit;
+pub(crate) use unit::per_metre;
 pub use vtk::{write_vtk, write_vtk_fields};
-pub use x3p::{X3pData, write_x3p};
+pub use x3p::write_x3p;
+pub(crate) use xml::Document;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -5,30 +5,15 @@
 //!
 //! The vendor's description of version 1 is public; the frames of arrays of newer programs (type 106) have another layout and are not read.
 
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::Input;
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
+use crate::{ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, date, per_metre};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Mdt,
-        extensions: &["mdt"],
-        vendor: "NT-MDT",
-        known_by: "0x01B093FF",
-        reads: "frames of scans, int16; no arrays, spectra or texts",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "lines from the bottom up; row 0 is the last line",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["mdt"],
+    vendor: "NT-MDT",
+    known_by: "0x01B093FF",
+    reads: "frames of scans, int16; no arrays, spectra or texts",
+    orientation: "lines from the bottom up; row 0 is the last line",
+    ..Description::new(Format::Mdt, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"\x01\xb0\x93\xff";
@@ -104,7 +89,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     }
     let maps = frames.iter().map(Frame::describe).collect::<Result<Vec<_>>>()?;
     let chosen = ChosenMap::new(Format::Mdt, maps, options)?;
-    let mut scan = frames[chosen.map].scan(chosen.name())?;
+    let mut scan = frames[chosen.map].scan(&chosen)?;
     if others > 0 && options.channel.is_none() {
         scan.warnings.push(format!("{others} frames other than scans were left out"));
     }
@@ -112,16 +97,16 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 }
 
 impl Frame<'_> {
-    /// Returns the name of the channel and the unit, if it is not one of length.
-    fn describe(&self) -> Result<(String, Option<String>)> {
+    /// Returns the name of the channel and the unit.
+    fn describe(&self) -> Result<(String, String)> {
         let channel = self.input.u8("channel", 52)?;
         let name =
             CHANNELS.get(usize::from(channel)).map_or_else(|| format!("channel {channel}"), |name| (*name).to_owned());
         let code = self.input.i16("unit of z", 50)?;
-        Ok((name, unit(code).is_none().then(|| format!("code {code}"))))
+        Ok((name, unit(code).map_or_else(|| format!("code {code}"), str::to_owned)))
     }
 
-    fn scan(&self, name: &str) -> Result<Scan> {
+    fn scan(&self, chosen: &ChosenMap) -> Result<Scan> {
         let (input, at) = (self.input, self.shape_at);
         let (columns, rows) = (input.u16("columns", at + 2)?, input.u16("rows", at + 4)?);
         let (ny, nx) = input.shape(("rows", at + 4, rows), ("columns", at + 2, columns))?;
@@ -135,17 +120,12 @@ impl Frame<'_> {
         };
         let (offset, step, unit) = scale("scale of z", 42)?;
         let step = if step == 0.0 { 1.0 } else { step };
-        let units = unit.and_then(per_metre).unwrap_or(f64::NAN);
-        let mut heights = input.samples(name, start, ny * nx, Sample::I16)?;
-        large::map(&mut heights, |n| (offset + n * step) / units);
-        large::flip(&mut heights, nx);
-        let heights_m = input.matrix("columns", at + 2, (ny, nx), heights)?;
+        let in_metre = |n| (offset + n * step) / chosen.per_metre;
+        let heights_m = input.heights_upwards(chosen.name(), start, (ny, nx), Sample::I16, in_metre)?;
         let pitch = |field, at| scale(field, at).map(|(_, step, unit)| Some(step.abs() / unit.and_then(per_metre)?));
         let pitch_m = pitch("scale of x", 22)?.zip(pitch("scale of y", 32)?);
-        let [year, month, day, hour, minute, second] =
-            [8, 10, 12, 14, 16, 18].map(|at| input.u16("date", at).unwrap_or(0));
-        let date = format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}");
-        let metadata = [("date".to_owned(), date)].into();
+        let date = [8, 10, 12, 14, 16, 18].map(|at| input.u16("date", at).unwrap_or(0));
+        let metadata = [("date".to_owned(), date::text(date))].into();
         Ok(Scan { height_unit: unit.map(str::to_owned), metadata, ..Scan::new(heights_m, pitch_m) })
     }
 }

@@ -13,32 +13,25 @@
 //! - The intensities before the phase are skipped by their declared size or by their dimensions. The two agree in
 //!   sound files; otherwise the size of the file decides.
 
-use crate::date::utc;
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
+use crate::date::utc;
 use crate::input::Kind::{self, F32, I16, I32, Text, U16};
-use crate::sample::{ByteOrder, Sample};
-use crate::{Format, ReadOptions, Scan};
+use crate::{ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::MetroPro,
-        extensions: &["dat"],
-        vendor: "Zygo",
-        known_by: "0x881B036F, 0x881B0370, 0x881B0371",
-        reads: "connected phase, int32; header formats 1 to 3",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "2147483640 and above",
-        orientation: "the first stored line is row 0: positions count from the upper left corner of the camera",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| HEADERS.iter().any(|(magic, ..)| bytes.starts_with(&magic.to_be_bytes())),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["dat"],
+    vendor: "Zygo",
+    known_by: "0x881B036F, 0x881B0370, 0x881B0371",
+    reads: "connected phase, int32; header formats 1 to 3",
+    missing_points: "2147483640 and above",
+    orientation: "the first stored line is row 0: positions count from the upper left corner of the camera",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(
+        Format::MetroPro,
+        |bytes| HEADERS.iter().any(|(magic, ..)| bytes.starts_with(&magic.to_be_bytes())),
+        read,
+    )
 };
 
 /// Kinds of headers: magic number, format number and size in bytes.

@@ -12,31 +12,19 @@ use std::io::{Cursor, Read};
 use cfb::CompoundFile;
 
 use crate::archive::{beyond_reason, damaged, may_unpack, unpack};
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
 use crate::foreign::{OLE_MAGIC, is_mountains};
-use crate::input::{Input, utf16_text};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ByteOrder, ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, large, per_metre, utf16_text,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Mnt,
-        extensions: &["mnt"],
-        vendor: "Digital Surf",
-        known_by: "an OLE file with `ScopedContents`",
-        reads: "int16 and int32 of measured surfaces; no derived layers, which files do not hold",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "a picture of marks",
-        orientation: "the first stored line is row 0, as in SUR",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["mnt"],
+    vendor: "Digital Surf",
+    known_by: "an OLE file with `ScopedContents`",
+    reads: "int16 and int32 of measured surfaces; no derived layers, which files do not hold",
+    missing_points: "a picture of marks",
+    orientation: "the first stored line is row 0, as in SUR",
+    ..Description::new(Format::Mnt, |bytes| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes), read)
 };
 
 const STREAM: &str = "ScopedContents";
@@ -68,7 +56,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let surface = if tag == 1 && class(object)? == Some(SURFACE) { find(object, &[2])? } else { None };
         surfaces.extend(surface.map(Surface::open).transpose()?.flatten());
     }
-    let names = surfaces.iter().map(|surface| (surface.name.clone(), surface.other_unit.clone()));
+    let names = surfaces.iter().map(|surface| (surface.name.clone(), surface.z.unit.clone()));
     let chosen = ChosenMap::new(Format::Mnt, names, options)?;
     let surface = surfaces.swap_remove(chosen.map);
     Ok(chosen.add_to(surface.scan()?))
@@ -154,8 +142,6 @@ impl Scale {
 /// Measured surface.
 struct Surface<'a> {
     name: String,
-    /// Unit of the heights unless it is one of length.
-    other_unit: Option<String>,
     z: Scale,
     grid: Input<'a>,
     heights: Input<'a>,
@@ -176,8 +162,7 @@ impl<'a> Surface<'a> {
         if name.is_empty() {
             name = text(surface, &[BASE, 4])?;
         }
-        let other_unit = per_metre(&z.unit).is_none().then(|| z.unit.clone());
-        Ok(Some(Self { name, other_unit, z, grid, heights }))
+        Ok(Some(Self { name, z, grid, heights }))
     }
 
     /// Reads the heights.
@@ -211,8 +196,7 @@ impl<'a> Surface<'a> {
                 return Err(mask.unsupported(format!("marks of {size} bytes"), "1"));
             }
             for (row, marks) in heights.chunks_mut(shape.1).zip(marks[stride..].chunks(stride)) {
-                let missing = row.iter_mut().zip(&marks[1..]).filter(|(_, mark)| **mark != MEASURED);
-                missing.for_each(|(z, _)| *z = f64::NAN);
+                large::hide(row, marks[1..].iter().map(|&mark| mark != MEASURED));
             }
         }
         let heights_m = self.grid.matrix("points along x", 0, shape, heights)?;

@@ -7,32 +7,24 @@
 //!
 //! The vendor published no description. Gwyddion's user guide describes the header; fields of unknown meaning become metadata.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
 use crate::sections::{Section, quantity, sections};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan, large};
+use crate::{
+    ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit,
+    per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Nanoscope,
-        extensions: &["spm", "000", "001"],
-        vendor: "Digital Instruments, Veeco, Bruker",
-        known_by: "`\\*File list`",
-        reads: "int16, int32, version 4.3 and later; no force curves",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "lines from the bottom up; row 0 is the last line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| STARTS.iter().any(|start| bytes.starts_with(start)) || bytes.starts_with(AS_TEXT),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["spm", "000", "001"],
+    vendor: "Digital Instruments, Veeco, Bruker",
+    known_by: "`\\*File list`",
+    reads: "int16, int32, version 4.3 and later; no force curves",
+    orientation: "lines from the bottom up; row 0 is the last line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(
+        Format::Nanoscope,
+        |bytes| STARTS.iter().any(|start| bytes.starts_with(start)) || bytes.starts_with(AS_TEXT),
+        read,
+    )
 };
 
 /// First bytes of a file, and of a file whose data are text.
@@ -59,24 +51,21 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let start = &bytes[..bytes.len().min(MAX_TEXT_BYTES)];
     let end = start.iter().position(|&byte| byte == HEADER_END).unwrap_or(start.len());
     let text = utf8_or_latin1(&start[..end]);
-    let sections = sections(&text, ": ", |line| line.strip_prefix("\\*"));
+    let sections = sections(Format::Nanoscope, &text, ": ", |line| line.strip_prefix("\\*"));
     let is_image = |section: &&Section| IMAGES.iter().any(|name| name.eq_ignore_ascii_case(section.name));
     let images: Vec<&Section> = sections.iter().filter(is_image).take(MAX_IMAGES).collect();
     let scales: Vec<Scale> = images.iter().map(|image| Scale::of(image, &sections)).collect();
-    let maps = images.iter().zip(&scales).map(|(image, scale)| (name(image), scale.other_unit()));
+    let maps = images.iter().zip(&scales).map(|(image, scale)| (name(image), scale.usable_unit()));
     let chosen = ChosenMap::new(Format::Nanoscope, maps, options)?;
     let (image, scale) = (images[chosen.map], &scales[chosen.map]);
-    let scale_m = scale.metre();
+    let scale_m = scale.value / chosen.per_metre;
 
-    let (ny, nx) = image.shape(&input, "Number of lines", "Samps/line")?;
-    let (start, length): (usize, u64) = (image.number(&input, "Data offset")?, image.number(&input, "Data length")?);
-    let is_wide = version(&sections) >= WIDE && length >= 4 * (nx * ny) as u64;
+    let (ny, nx) = image.shape("Number of lines", "Samps/line")?;
+    let (start, length): (usize, usize) = (image.number("Data offset")?, image.number("Data length")?);
+    let is_wide = version(&sections) >= WIDE && length >= 4 * nx * ny;
     let sample = if is_wide || image.field("Bytes/pixel") == Some("4") { Sample::I32 } else { Sample::I16 };
-    let mut heights = input.samples(chosen.name(), start, nx * ny, sample)?;
-    large::map(&mut heights, |n| n * scale_m);
-    large::flip(&mut heights, nx);
-    let heights_m = input.matrix("Samps/line", start, (ny, nx), heights)?;
-    let pitch_m = size_m(&input, image)?.map(|(x_m, y_m)| (x_m / nx as f64, y_m / ny as f64));
+    let heights_m = input.heights_upwards(chosen.name(), start, (ny, nx), sample, |n| n * scale_m)?;
+    let pitch_m = size_m(image)?.map(|(x_m, y_m)| (x_m / nx as f64, y_m / ny as f64));
     let mut scan = Scan { height_unit: Some(scale.unit.clone()), ..Scan::new(heights_m, pitch_m) };
     let mut room = TextLimit::default();
     sections.iter().take(3).chain([image]).for_each(|section| section.add_to(&mut scan, &mut room));
@@ -84,7 +73,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 }
 
 /// Returns the value of the parameter with this name, whose key is `@2:NAME` or `@3:NAME`.
-fn parameter<'a>(section: &Section<'a>, name: &str) -> Option<&'a str> {
+fn parameter<'a>(section: &'a Section, name: &str) -> Option<&'a str> {
     let is_it = |key: &str| key.strip_prefix('@').and_then(|key| key.split_once(':')).is_some_and(|(_, of)| of == name);
     section.find(is_it)
 }
@@ -118,15 +107,13 @@ impl Scale {
         Self { value: range / values * prefix * per_volt.unwrap_or(1.0), unit: unit.to_owned() }
     }
 
-    /// Returns the unit if it is not one of length.
-    fn other_unit(&self) -> Option<String> {
-        let is_length = per_metre(&self.unit).is_some() && self.value.is_finite();
-        (!is_length).then(|| self.unit.clone())
-    }
-
-    /// Returns the height in metre of the number 1.
-    fn metre(&self) -> f64 {
-        self.value / per_metre(&self.unit).unwrap_or(f64::NAN)
+    /// Returns the unit if there is a value for it.
+    fn usable_unit(&self) -> String {
+        if self.value.is_finite() || self.unit.is_empty() {
+            self.unit.clone()
+        } else {
+            format!("{} of unknown scale", self.unit)
+        }
     }
 }
 
@@ -144,10 +131,10 @@ fn version(sections: &[Section]) -> u32 {
 }
 
 /// Returns width and height of an image in metre.
-fn size_m(input: &Input, image: &Section) -> Result<Option<(f64, f64)>> {
+fn size_m(image: &Section) -> Result<Option<(f64, f64)>> {
     const KEY: &str = "Scan Size";
     let Some(stated) = image.field(KEY) else { return Ok(None) };
-    let wrong = || image.wrong(input, KEY, "one or two numbers and a unit of length");
+    let wrong = || image.wrong(KEY, "one or two numbers and a unit of length");
     let (width, rest) = quantity(stated);
     let (height, unit) = match quantity(rest) {
         (Some(height), unit) => (Some(height), unit),

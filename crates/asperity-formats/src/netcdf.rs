@@ -17,36 +17,24 @@ mod classic;
 mod contents;
 mod enhanced;
 
-use self::contents::{Contents, Dimension, HEIGHTS, MAX_NUMBERS, Value, Variable, transposed};
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
+use self::contents::{Contents, Dimension, HEIGHTS, MAX_NUMBERS, Value, Variable, transposed};
 use crate::foreign::TO_MATRIX;
-use crate::hdf5;
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{
+    Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, hdf5, large, per_metre,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::NetCdf,
-        extensions: &["nc", "nc4", "cdf"],
-        vendor: "Unidata",
-        known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",
-        reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
-        orientation: "the first y is the top row; (x, y) is turned to (y, x)",
-        tested: Tested::OtherPrograms,
-    },
+pub(crate) const CODEC: Description = Description {
+    extensions: &["nc", "nc4", "cdf"],
+    vendor: "Unidata",
+    known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",
+    reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
+    missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
+    orientation: "the first y is the top row; (x, y) is turned to (y, x)",
+    tested: Tested::OtherPrograms,
     // HDF5 files that are not DATX are tried as netCDF-4: the registry tries DATX first.
-    detect: |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes),
-    read,
-    write: None,
+    ..Description::new(Format::NetCdf, |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes), read)
 };
 
 /// Variable of the missing points in files of SurfaceTopography.
@@ -153,11 +141,7 @@ fn heights(
     unpack(map, per_metre, &mut heights);
     let mask = contents.variables.iter().find(|variable| variable.name == MASK && variable.sample.is_some());
     if let Some(mask) = mask.filter(|mask| map.name == HEIGHTS && mask.shape == map.shape) {
-        for (z, masked) in heights.iter_mut().zip(numbers(mask)?) {
-            if masked != 0.0 {
-                *z = f64::NAN;
-            }
-        }
+        large::hide(&mut heights, numbers(mask)?.into_iter().map(|masked| masked != 0.0));
     }
     Ok(heights)
 }
@@ -229,14 +213,14 @@ impl<'c> Axis<'c> {
         let place = map.shape.len().saturating_sub(back);
         let dimension = map.dimensions.get(place).copied().flatten().and_then(|place| contents.dimensions.get(place));
         let is_match = |variable: &&Variable| {
-            variable.shape.len() == 1 && dimension.is_some_and(|dimension| dimension.name == variable.name)
+            variable.shape.len() == 1 && dimension.is_some_and(|(name, _)| *name == variable.name)
         };
         let positions = contents.variables.iter().find(is_match).filter(|variable| variable.sample.is_some());
         Self { dimension, length: map.shape.get(place).copied().unwrap_or_default(), positions }
     }
 
     fn is_named(&self, name: &str) -> bool {
-        self.dimension.is_some_and(|dimension| dimension.name.eq_ignore_ascii_case(name))
+        self.dimension.is_some_and(|(own, _)| own.eq_ignore_ascii_case(name))
     }
 
     /// Returns the distance between positions, or else the length of the side divided by the number of points.
@@ -277,11 +261,10 @@ fn metadata(contents: Contents, read: &[String]) -> BTreeMap<String, String> {
         Value::Numbers(numbers) => numbers.into_iter().map(hdf5::shown_number).collect::<Vec<_>>().join(" "),
     };
     let mut metadata: BTreeMap<String, String> =
-        contents.attributes.into_iter().map(|attribute| (attribute.name, show(attribute.value))).collect();
+        contents.attributes.into_iter().map(|(name, value)| (name, show(value))).collect();
     for variable in contents.variables.into_iter().filter(|variable| read.contains(&variable.name)) {
-        for attribute in variable.attributes {
-            metadata.insert(format!("{}:{}", variable.name, attribute.name), show(attribute.value));
-        }
+        let own = |(name, value)| (format!("{}:{name}", variable.name), show(value));
+        metadata.extend(variable.attributes.into_iter().map(own));
     }
     metadata
 }

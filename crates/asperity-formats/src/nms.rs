@@ -7,31 +7,22 @@
 //! The vendor published no description. Readers of several authors and files agree on the layout; fields of unknown
 //! meaning are left out. Numbers are little-endian.
 
-use crate::error::Result;
+use crate::input::Kind;
+use crate::{Description, Field, Format, Input, ReadOptions, Result, Sample, Scan, Tested, large};
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Field, Input, Kind};
-use crate::large;
-use crate::sample::Sample;
-
-use crate::{Format, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Nms,
-        extensions: &["nms", "orginal"],
-        vendor: "NanoFocus",
-        known_by: "`OM_MS_` at byte 32",
-        reads: "uint16; no profiles",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "intensity 0, numbers outside of n_low to n_high",
-        orientation: "the first stored line is row 0, as in the intensities beside it",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.get(VERSION.1..).is_some_and(|rest| rest.starts_with(VERSION_START)),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["nms", "orginal"],
+    vendor: "NanoFocus",
+    known_by: "`OM_MS_` at byte 32",
+    reads: "uint16; no profiles",
+    missing_points: "intensity 0, numbers outside of n_low to n_high",
+    orientation: "the first stored line is row 0, as in the intensities beside it",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(
+        Format::Nms,
+        |bytes| bytes.get(VERSION.1..).is_some_and(|rest| rest.starts_with(VERSION_START)),
+        read,
+    )
 };
 
 /// Size of the header in bytes.
@@ -90,9 +81,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     };
     let mut heights = input.samples("the heights", HEADER_BYTES, points, Sample::U16)?;
     scale(&input, &mut heights, &mut warnings)?;
-    for (z, _) in heights.iter_mut().zip(intensity).filter(|&(_, &intensity)| intensity == 0) {
-        *z = f64::NAN;
-    }
+    large::hide(&mut heights, intensity.iter().map(|&intensity| intensity == 0));
     // Steps between points: the field of view of 160 µm of a 100× objective is 512 steps of 312.5 nm.
     let pitch_m = Some((input.f64(STEP_X.0, STEP_X.1)? / NANOMETRES, input.f64(STEP_Y.0, STEP_Y.1)? / NANOMETRES));
     let heights_m = input.matrix(COLUMNS.0, COLUMNS.1, (ny, nx), heights)?;

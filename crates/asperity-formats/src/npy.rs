@@ -4,30 +4,21 @@
 //! One-dimensional arrays are records along a path. Layout:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use crate::error::{Result, shown};
+use crate::sample::stored;
+use crate::{ByteOrder, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested, shown};
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::sample::{ByteOrder, Sample, stored};
-
-use crate::{Format, FormatError, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Npy,
-        extensions: &["npy"],
-        vendor: "NumPy",
-        known_by: "`\\x93NUMPY`",
-        reads: "versions 1 to 3; i1 i2 i4 i8 u1 u2 u4 u8 f4 f8, either byte order, C and Fortran order, two dimensions",
-        writes: "float64",
-        stores_pitch: false,
-        missing_points: "NaN, ±inf",
-        orientation: "the first index is the row",
-        tested: Tested::OtherPrograms,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["npy"],
+    vendor: "NumPy",
+    known_by: "`\\x93NUMPY`",
+    reads: "versions 1 to 3; i1 i2 i4 i8 u1 u2 u4 u8 f4 f8, either byte order, C and Fortran order, two dimensions",
+    writes: "float64",
+    stores_pitch: false,
+    missing_points: "NaN, ±inf",
+    orientation: "the first index is the row",
+    tested: Tested::OtherPrograms,
     write: Some(|scan| Ok(write_npy(scan))),
+    ..Description::new(Format::Npy, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 /// First bytes of every file.

@@ -8,42 +8,31 @@
 //! for (x, y), or `dx` and `dy`, in metre or in the unit at the end (`pixel_size_um`). Other short arrays are
 //! metadata. The format itself defines none of these conventions.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Write};
+use std::io;
 
 use ndarray::Array2;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::CompressionMethod;
 
-use crate::archive::Archive;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::large::Shape;
+use crate::archive::written;
 use crate::npy::Header;
 use crate::scan::matrix;
-use crate::selection::some_of;
-use crate::unit::per_metre;
 use crate::x3p::ZIP_MAGIC;
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::{
+    Archive, Description, Format, FormatError, Input, Location, ReadOptions, Result, Scan, Shape, Tested, large,
+    per_metre, some_of,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Npz,
-        extensions: &["npz"],
-        vendor: "NumPy",
-        known_by: "zip archive whose first file is .npy",
-        reads: "two-dimensional arrays of the types of NPY, stored or deflated; `pixel_size`, `pitch`, `spacing`, \
-                `dx` and `dy` for the pixel size; units at the end of names (`gap_um`)",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, ±inf",
-        orientation: "the first index is the row",
-        tested: Tested::OtherPrograms,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["npz"],
+    vendor: "NumPy",
+    known_by: "zip archive whose first file is .npy",
+    reads: "two-dimensional arrays of the types of NPY, stored or deflated; `pixel_size`, `pitch`, `spacing`, \
+            `dx` and `dy` for the pixel size; units at the end of names (`gap_um`)",
+    missing_points: "NaN, ±inf",
+    orientation: "the first index is the row",
+    tested: Tested::OtherPrograms,
+    ..Description::new(Format::Npz, detect, read)
 };
 
 /// Size in bytes of a local file header of a zip archive before the name of the file.
@@ -138,8 +127,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
                 names.push(name);
             }
             (Some([] | [0..=SHORT]), _) => {
-                let values = short_array(&mut archive, &link, &header)?;
-                short.insert(name, values);
+                let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
+                short.insert(name, archive.read_array(&link, header.start, (header.sample, header.order), count)?);
             }
             _ => others.push(name),
         }
@@ -171,14 +160,6 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 fn main(names: &[String]) -> usize {
     let is_main = |name: &String| matches!(quantity(name).0.as_str(), "height" | "heights" | "z" | "topography");
     names.iter().position(is_main).unwrap_or(0)
-}
-
-/// Returns the numbers of a short array; none if a dimension is 0.
-fn short_array(archive: &mut Archive, link: &str, header: &Header) -> Result<Vec<f64>> {
-    let count = header.dimensions().unwrap_or_default().first().map_or(1, |&length| length as usize);
-    let mut values = Vec::new();
-    archive.read_array(link, header.start, (header.sample, header.order), count, |piece| values.extend(piece))?;
-    Ok(values)
 }
 
 /// Returns the distance between points from short arrays.
@@ -213,19 +194,9 @@ fn pitch(short: &BTreeMap<String, Vec<f64>>, warnings: &mut Vec<String>) -> Opti
 fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
     let (ny, nx) = map.shape;
     let number = (map.header.sample, map.header.order);
-    let mut heights = archive.room_for(map.header.sample, nx * ny);
+    let mut heights = archive.read_array(&map.link, map.header.start, number, nx * ny)?;
     if map.header.column_major {
-        let mut place = 0;
-        archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| {
-            // Memory for all numbers is allocated only after the first ones were read.
-            heights.resize(nx * ny, f64::NAN);
-            for &z in piece {
-                heights[place % ny * nx + place / ny] = z;
-                place += 1;
-            }
-        })?;
-    } else {
-        archive.read_array(&map.link, map.header.start, number, nx * ny, |piece| heights.extend(piece))?;
+        heights = large::transposed(&heights, (nx, ny));
     }
     if map.per_metre != 1.0 {
         heights.iter_mut().for_each(|z| *z /= map.per_metre);
@@ -238,18 +209,10 @@ fn heights(archive: &mut Archive, map: &Map) -> Result<Array2<f64>> {
 /// # Errors
 /// A name occurs twice.
 pub fn write_npz(arrays: &[(&str, Vec<u8>)]) -> io::Result<Vec<u8>> {
-    // The archive stores no time and no attributes of this machine.
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(1))
-        .last_modified_time(DateTime::default())
-        .unix_permissions(0o644);
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in arrays {
-        archive.start_file(format!("{name}{EXTENSION}"), options)?;
-        archive.write_all(bytes)?;
-    }
-    Ok(archive.finish()?.into_inner())
+    let names: Vec<String> = arrays.iter().map(|(name, _)| format!("{name}{EXTENSION}")).collect();
+    let files: Vec<(&str, &[u8])> =
+        names.iter().zip(arrays).map(|(name, (_, bytes))| (name.as_str(), bytes.as_slice())).collect();
+    Ok(written(&files, CompressionMethod::Deflated, Some(1))?)
 }
 
 /// Reads the two-dimensional array of this name from a NumPy archive.

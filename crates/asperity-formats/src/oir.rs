@@ -10,34 +10,23 @@
 
 use std::borrow::Cow;
 
-use crate::archive::Archive;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::Input;
-use crate::large::Shape;
-use crate::sample::Sample;
-use crate::selection::unique;
-use crate::unit::per_metre;
 use crate::x3p::ZIP_MAGIC;
-use crate::xml::Document;
-use crate::{Format, FormatError, MAX_POINTS, ReadOptions, Scan};
+use crate::{
+    Archive, Description, Document, Format, FormatError, Input, MAX_POINTS, ReadOptions, Result, Sample, Scan, Shape,
+    per_metre, unique,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Oir,
-        extensions: &["oir", "poir"],
-        vendor: "Olympus (Evident)",
-        known_by: "`OLYMPUSRAWFORMAT`, or a zip archive of files `.oir`",
-        reads: "heights of laser scans, 8 and 16 bits",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "the first stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC) || (bytes.starts_with(ZIP_MAGIC) && !packed_files(bytes).is_empty()),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["oir", "poir"],
+    vendor: "Olympus (Evident)",
+    known_by: "`OLYMPUSRAWFORMAT`, or a zip archive of files `.oir`",
+    reads: "heights of laser scans, 8 and 16 bits",
+    orientation: "the first stored line is row 0",
+    ..Description::new(
+        Format::Oir,
+        |bytes| bytes.starts_with(MAGIC) || (bytes.starts_with(ZIP_MAGIC) && !packed_files(bytes).is_empty()),
+        read,
+    )
 };
 
 const MAGIC: &[u8] = b"OLYMPUSRAWFORMAT";

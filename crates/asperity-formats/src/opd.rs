@@ -12,36 +12,24 @@
 //! In the vendor's routine, missing heights are floats from 1e38 on and integers from 32766 on, which are signed. One
 //! reader takes the integers as unsigned, another takes only 32767 as missing.
 
-mod object;
-
-use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, Kind, latin1};
-use crate::large;
-use crate::sample::{ByteOrder, Sample};
-use crate::selection::unique;
-use crate::{Format, ReadOptions, Scan};
+use crate::input::Kind;
+use crate::{
+    ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, large, latin1, opdx, unique,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Opd,
-        extensions: &["opd"],
-        vendor: "Wyko (Veeco, Bruker)",
-        known_by: "`\\x01\\x00Directory`",
-        reads: "float32, int16, uint8",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "1e38 and above, 32766 and above (int16), NaN",
-        orientation: "columns from the bottom up; row 0 is the last number of every column",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(SIGNATURE),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["opd"],
+    vendor: "Wyko (Veeco, Bruker)",
+    known_by: "`\\x01\\x00Directory`",
+    reads: "float32, int16, uint8",
+    missing_points: "1e38 and above, 32766 and above (int16), NaN",
+    orientation: "columns from the bottom up; row 0 is the last number of every column",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Opd, |bytes| bytes.starts_with(SIGNATURE), read)
 };
 
 /// First bytes of a file: two bytes and the start of the directory's own entry.
@@ -159,25 +147,21 @@ fn find<'a>(blocks: &'a [Block], name: &str) -> Option<&'a Block> {
 /// Returns the number in a block; `None` if there is no such block.
 fn number(input: &Input, blocks: &[Block], name: &str) -> Result<Option<f64>> {
     let Some(block) = find(blocks, name) else { return Ok(None) };
-    let size = match block.kind {
-        kind::SHORT => 2,
-        kind::FLOAT | kind::LONG => 4,
-        kind::DOUBLE => 8,
+    let sample = match block.kind {
+        kind::SHORT => Sample::I16,
+        kind::FLOAT => Sample::F32,
+        kind::LONG => Sample::I32,
+        kind::DOUBLE => Sample::F64,
         other => {
             let field = format!("the type of {name}");
             return Err(input.wrong(&field, block.entry + NAME_BYTES, other, "6, 7, 8 or 12 for a number"));
         }
     };
-    if block.length < size {
+    if block.length < sample.size() {
         let field = format!("the length of {name}");
-        return Err(input.wrong(&field, block.entry + NAME_BYTES + 2, block.length, &size.to_string()));
+        return Err(input.wrong(&field, block.entry + NAME_BYTES + 2, block.length, &sample.size().to_string()));
     }
-    Ok(Some(match block.kind {
-        kind::SHORT => input.i16(name, block.start)?.into(),
-        kind::FLOAT => input.f32(name, block.start)?.into(),
-        kind::LONG => input.i32(name, block.start)?.into(),
-        _ => input.f64(name, block.start)?,
-    }))
+    Ok(input.samples(name, block.start, 1, sample)?.pop())
 }
 
 /// Returns the height of a stored 1 in metre.
@@ -247,7 +231,7 @@ fn value(input: &Input, block: &Block) -> Option<String> {
         kind::FLOAT => whole.value("", 0, Kind::F32).ok(),
         kind::DOUBLE => whole.value("", 0, Kind::F64).ok(),
         kind::LONG => whole.value("", 0, Kind::I32).ok(),
-        kind::OBJECT => object::value(bytes),
+        kind::OBJECT => opdx::object(bytes),
         _ => None,
     }
 }

@@ -9,30 +9,18 @@
 
 use std::collections::BTreeMap;
 
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::{Input, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, TextLimit, per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Opdx,
-        extensions: &["opdx"],
-        vendor: "Bruker",
-        known_by: "`VCA DATA`",
-        reads: "float32; no profiles",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN",
-        orientation: "the first stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["opdx"],
+    vendor: "Bruker",
+    known_by: "`VCA DATA`",
+    reads: "float32; no profiles",
+    missing_points: "NaN",
+    orientation: "the first stored line is row 0",
+    ..Description::new(Format::Opdx, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"VCA DATA";
@@ -54,6 +42,27 @@ enum Item {
     Quantity(f64, String),
     /// Offset of the first number, rows and columns, and where the item ends.
     Matrix(usize, u32, u32, usize),
+}
+
+impl Item {
+    /// Returns a value as text; `None` for a matrix.
+    fn text(&self) -> Option<String> {
+        match self {
+            Self::Number(number) => Some(number.to_string()),
+            Self::Text(text) => Some(text.clone()),
+            Self::Quantity(value, unit) => Some(format!("{value} {unit}")),
+            Self::Matrix(..) => None,
+        }
+    }
+}
+
+/// Returns the value of an object of newer OPD files, a type and a value like those of an item, as text; `None` for other or damaged
+/// objects.
+pub(crate) fn object(bytes: &[u8]) -> Option<String> {
+    let input = Input::new(Format::Opd, bytes);
+    let mut tree = Tree { input, at: 0, items: BTreeMap::new(), room: TextLimit::default() };
+    let text = tree.item("", MAX_DEPTH).ok()??.text()?;
+    Some(text.trim_matches(['\0', ' ']).to_owned())
 }
 
 /// Reads a height map.
@@ -79,7 +88,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     names.sort_by_key(|name| Some(*name) != text(PRIMARY));
     let maps = names.iter().map(|name| {
         let unit = quantity(&format!("{DATA}{name}/DataScale")).map_or("", |(_, unit)| unit);
-        ((*name).to_owned(), per_metre(unit).is_none().then(|| unit.to_owned()))
+        ((*name).to_owned(), unit.to_owned())
     });
     let chosen = ChosenMap::new(Format::Opdx, maps, options)?;
     let folder = format!("{DATA}{}", names[chosen.map]);
@@ -88,8 +97,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     };
     let (ny, nx) = input.shape(("rows", start - 8, *rows), ("columns", start - 4, *columns))?;
     let (scale, unit) = quantity(&format!("{folder}/DataScale")).unwrap_or((f64::NAN, ""));
-    let units = per_metre(unit).unwrap_or(f64::NAN);
-    let heights_m = input.up_to(*end).heights("the matrix", *start, (ny, nx), Sample::F32, |z| z * scale / units)?;
+    let heights_m =
+        input.up_to(*end).heights("the matrix", *start, (ny, nx), Sample::F32, |z| z * scale / chosen.per_metre)?;
     let pitch = |dimension: usize, points: usize| {
         let (extent, unit) = quantity(&format!("{folder}/Dimension{dimension}Extent"))?;
         Some(extent / (points.max(2) - 1) as f64 / per_metre(unit)?)
@@ -97,13 +106,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut scan = Scan { height_unit: Some(unit.to_owned()), ..Scan::new(heights_m, pitch(2, nx).zip(pitch(1, ny))) };
     for (path, item) in &items {
         let Some(name) = path.strip_prefix("/MetaData/") else { continue };
-        let value = match item {
-            Item::Number(number) => number.to_string(),
-            Item::Text(text) => text.clone(),
-            Item::Quantity(value, unit) => format!("{value} {unit}"),
-            Item::Matrix(..) => continue,
-        };
-        scan.metadata.insert(name.to_owned(), value);
+        scan.metadata.extend(item.text().map(|text| (name.to_owned(), text)));
     }
     Ok(chosen.add_to(scan))
 }
@@ -137,63 +140,70 @@ impl Tree<'_> {
     fn read(&mut self, folder: &str, end: usize, depth: usize) -> Result<()> {
         while self.at < end && self.room.is_left() {
             let path = format!("{folder}/{}", self.name()?);
-            let at = self.at;
-            let item = match self.u8()? {
-                TERMINATOR => return Ok(()),
-                0x46 | 0x47 | 0x7d if depth < MAX_DEPTH => {
-                    let end = self.end()?;
-                    self.read(&path, end, depth + 1)?;
-                    self.at = end;
-                    None
-                }
-                0x12 => {
-                    let end = self.end()?;
-                    let text = self.input.take("a text", self.at, end - self.at)?;
-                    self.at = end;
-                    Some(Item::Text(utf8_or_latin1(text)))
-                }
-                // The name of a unit, and its symbol.
-                0x13 => {
-                    let end = self.end()?;
-                    let (value, _, symbol) = (self.f64()?, self.name()?, self.name()?);
-                    self.at = end;
-                    Some(Item::Quantity(value, symbol))
-                }
-                kind @ (0x00 | 0x45) => Some(self.matrix(kind == 0x00)?),
-                // Units, and named types, arrays, lists and positions.
-                kind @ (0x0e | 0x18 | 0x40 | 0x42 | 0x7c) => {
-                    if kind != 0x18 {
-                        self.name()?;
-                    }
-                    self.at = self.end()?;
-                    None
-                }
-                kind => {
-                    let (sample, size) = match kind {
-                        0x01 => (Some(Sample::U8), 1),
-                        0x04 => (Some(Sample::I16), 2),
-                        0x05 => (Some(Sample::U16), 2),
-                        0x06 => (Some(Sample::I32), 4),
-                        0x07 => (Some(Sample::U32), 4),
-                        0x0a => (Some(Sample::I64), 8),
-                        0x0b => (Some(Sample::U64), 8),
-                        0x0c => (Some(Sample::F32), 4),
-                        0x0d => (Some(Sample::F64), 8),
-                        TIME => (None, TIME_BYTES),
-                        _ => return Err(self.input.wrong("type of an item", at, kind, "a known one")),
-                    };
-                    let start = self.at;
-                    self.at += size;
-                    let numbers = sample.map(|sample| self.input.samples(&path, start, 1, sample)).transpose()?;
-                    numbers.map(|numbers| Item::Number(numbers[0]))
-                }
-            };
-            if let Some(item) = item {
+            if self.input.u8("an item", self.at)? == TERMINATOR {
+                self.at += 1;
+                return Ok(());
+            }
+            if let Some(item) = self.item(&path, depth)? {
                 self.room.take(path.len());
                 self.items.insert(path, item);
             }
         }
         Ok(())
+    }
+
+    /// Reads the type and the value of an item; `None` for one that is not used.
+    fn item(&mut self, path: &str, depth: usize) -> Result<Option<Item>> {
+        let at = self.at;
+        Ok(match self.u8()? {
+            0x46 | 0x47 | 0x7d if depth < MAX_DEPTH => {
+                let end = self.end()?;
+                self.read(path, end, depth + 1)?;
+                self.at = end;
+                None
+            }
+            0x12 => {
+                let end = self.end()?;
+                let text = self.input.take("a text", self.at, end - self.at)?;
+                self.at = end;
+                Some(Item::Text(utf8_or_latin1(text)))
+            }
+            // The name of a unit, and its symbol.
+            0x13 => {
+                let end = self.end()?;
+                let (value, _, symbol) = (self.f64()?, self.name()?, self.name()?);
+                self.at = end;
+                Some(Item::Quantity(value, symbol))
+            }
+            kind @ (0x00 | 0x45) => Some(self.matrix(kind == 0x00)?),
+            // Units, and named types, arrays, lists and positions.
+            kind @ (0x0e | 0x18 | 0x40 | 0x42 | 0x7c) => {
+                if kind != 0x18 {
+                    self.name()?;
+                }
+                self.at = self.end()?;
+                None
+            }
+            kind => {
+                let (sample, size) = match kind {
+                    0x01 => (Some(Sample::U8), 1),
+                    0x04 => (Some(Sample::I16), 2),
+                    0x05 => (Some(Sample::U16), 2),
+                    0x06 => (Some(Sample::I32), 4),
+                    0x07 => (Some(Sample::U32), 4),
+                    0x0a => (Some(Sample::I64), 8),
+                    0x0b => (Some(Sample::U64), 8),
+                    0x0c => (Some(Sample::F32), 4),
+                    0x0d => (Some(Sample::F64), 8),
+                    TIME => (None, TIME_BYTES),
+                    _ => return Err(self.input.wrong("type of an item", at, kind, "a known one")),
+                };
+                let start = self.at;
+                self.at += size;
+                let numbers = sample.map(|sample| self.input.samples(path, start, 1, sample)).transpose()?;
+                numbers.map(|numbers| Item::Number(numbers[0]))
+            }
+        })
     }
 
     /// Reads a name, which its length precedes.

@@ -9,31 +9,20 @@
 
 mod names;
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Field, Input, Kind};
-use crate::sample::Sample;
+use crate::input::Kind;
+use crate::{Description, Field, Format, Input, ReadOptions, Result, Sample, Scan, Tested};
 
-use crate::{Format, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Plu,
-        extensions: &["plu", "apx"],
-        vendor: "Sensofar",
-        known_by: "a date in words at byte 0, a measurement type from 0 to 8 at byte 428, a known version at byte 490",
-        reads: "topographies; layers; no images, profiles, thicknesses or maps of coordinates",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "1000001",
-        orientation: "the first stored row is row 0, as in the colour image of the same file",
-        tested: Tested::InstrumentFiles,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["plu", "apx"],
+    vendor: "Sensofar",
+    known_by: "a date in words at byte 0, a measurement type from 0 to 8 at byte 428, a known version at byte 490",
+    reads: "topographies; layers; no images, profiles, thicknesses or maps of coordinates",
+    missing_points: "1000001",
+    orientation: "the first stored row is row 0, as in the colour image of the same file",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Plu, detect, read)
 };
 
 /// Size of the header in bytes.

@@ -8,35 +8,21 @@
 //! but the distance between points in µm: a file of an S neox with a 50× objective states 0.138 for both axes with
 //! 2448 × 2048 points, which are 338 µm × 283 µm. The field of view is n times this distance.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::archive::Archive;
-use crate::codec::{Codec, Description, Tested};
-use crate::large::Shape;
 use crate::plu::LOST;
-use crate::sample::Sample;
 use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
-use crate::xml::Document;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Archive, Description, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, Shape};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Plux,
-        extensions: &["plux"],
-        vendor: "Sensofar",
-        known_by: "zip archive with index.xml and a file of the name *.raw, or an index.xml with IMAGE_SIZE_X",
-        reads: "float32; layers",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, ±inf, 1000001",
-        orientation: "the first stored row is row 0, as in the colour images beside it",
-        tested: Tested::Specification,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["plux"],
+    vendor: "Sensofar",
+    known_by: "zip archive with index.xml and a file of the name *.raw, or an index.xml with IMAGE_SIZE_X",
+    reads: "float32; layers",
+    missing_points: "NaN, ±inf, 1000001",
+    orientation: "the first stored row is row 0, as in the colour images beside it",
+    ..Description::new(Format::Plux, detect, read)
 };
 
 /// File of the archive that describes all others.

@@ -1,6 +1,6 @@
 //! Number types of stored data.
 
-use crate::large::{self, Shape};
+use crate::{Shape, large};
 
 /// Number of values that are decoded at a time.
 const ROW_NUMBERS: usize = 1 << 12;
@@ -40,26 +40,15 @@ impl Sample {
 
     /// Returns the integer type of `bits` bits.
     pub(crate) fn integer(bits: u64, is_signed: bool) -> Option<Self> {
-        match (bits, is_signed) {
-            (8, true) => Some(Self::I8),
-            (8, false) => Some(Self::U8),
-            (16, true) => Some(Self::I16),
-            (16, false) => Some(Self::U16),
-            (32, true) => Some(Self::I32),
-            (32, false) => Some(Self::U32),
-            (64, true) => Some(Self::I64),
-            (64, false) => Some(Self::U64),
-            _ => None,
-        }
+        let signed = [Self::I8, Self::I16, Self::I32, Self::I64];
+        let unsigned = [Self::U8, Self::U16, Self::U32, Self::U64];
+        let samples = if is_signed { signed } else { unsigned };
+        samples.into_iter().find(|sample| 8 * sample.size() as u64 == bits)
     }
 
     /// Returns the floating-point type of `bits` bits.
     pub(crate) fn float(bits: u64) -> Option<Self> {
-        match bits {
-            32 => Some(Self::F32),
-            64 => Some(Self::F64),
-            _ => None,
-        }
+        [Self::F32, Self::F64].into_iter().find(|sample| 8 * sample.size() as u64 == bits)
     }
 
     /// Returns whether this is a floating-point type.

@@ -1,15 +1,12 @@
 //! Height map of a file, and its checks.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use crate::error::{cut, shown};
-use crate::large::{self, Shape};
-use crate::selection::some_of;
-use crate::unit::{in_words, per_metre};
-use crate::{Format, FormatError, Location, ReadOptions};
+use crate::error::cut;
+use crate::unit::in_words;
+use crate::{Format, FormatError, Location, ReadOptions, Result, Shape, large, per_metre, shown, some_of};
 
 /// Maximum number of heights of one map: 16384 × 16384, or 2 GiB as `f64`.
 pub const MAX_POINTS: u64 = 1 << 28;

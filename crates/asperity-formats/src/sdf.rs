@@ -18,37 +18,31 @@
 
 mod write;
 
-use crate::error::Result;
-use std::str::FromStr;
+use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
-use crate::large::{self, Shape};
-use crate::sample::Sample;
-use crate::scan::{matrix, shape};
+use crate::input::Kind;
+use crate::scan::matrix;
+use crate::sections::Section;
 use crate::text::header::Header as Notes;
 use crate::text::lines;
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
-pub use write::{SdfData, write_sdf};
+use crate::{
+    Description, Format, FormatError, Input, Location, ReadOptions, Result, Sample, Scan, Shape, Tested, large, latin1,
+};
+pub use write::write_sdf;
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Sdf,
-        extensions: &["sdf"],
-        vendor: "ISO 25178-71",
-        known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",
-        reads: "text and binary; int8 to int32, uint8 to uint32, float32, float64",
-        writes: "binary float64, or text by option",
-        stores_pitch: true,
-        missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
-        orientation: "the first profile (y = 0) is row 0",
-        tested: Tested::OtherPrograms,
-    },
-    detect: |bytes| Version::detect(bytes).is_some(),
-    read,
-    write: Some(|scan| write_sdf(scan, SdfData::Double)),
+pub(crate) const CODEC: Description = Description {
+    extensions: &["sdf"],
+    vendor: "ISO 25178-71",
+    known_by: "`aISO-1.0`, `bISO-1.0`, `aBCR-1.0`, `bBCR-1.0` and other versions",
+    reads: "text and binary; int8 to int32, uint8 to uint32, float32, float64",
+    writes: "binary float64",
+    missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
+    orientation: "the first profile (y = 0) is row 0",
+    tested: Tested::OtherPrograms,
+    write: Some(write_sdf),
+    ..Description::new(Format::Sdf, |bytes| Version::detect(bytes).is_some(), read)
 };
 
 /// Kind of file according to its first bytes.
@@ -92,6 +86,8 @@ impl Version {
     }
 }
 
+/// First line of a text, or first bytes.
+const VERSION: &str = "version";
 const MANUFACTURER: &str = "ManufacID";
 /// Fields after the manufacturer, in the order of the binary header.
 const DATES: [&str; 2] = ["CreateDate", "ModDate"];
@@ -107,67 +103,37 @@ const END: u8 = b'*';
 /// Start of a comment in a text.
 const COMMENT: &[u8] = b";";
 
-/// Field of the header and its place.
-struct Field<T> {
-    name: &'static str,
-    at: Location,
-    value: T,
+/// Returns the shape of the map and the type of the numbers.
+fn check(header: &Section) -> Result<(Shape, Sample)> {
+    let (ny, nx) = header.shape(PROFILES, POINTS)?;
+    if ny == 1 && header.number::<f64>(SCALES[1])? == 0.0 {
+        let found = "the file holds a single profile";
+        return Err(FormatError::unsupported(Format::Sdf, found, "the profiles of a surface"));
+    }
+    for key in [COMPRESSION, CHECK_TYPE] {
+        if header.number::<i64>(key)? != 0 {
+            return Err(header.wrong(key, "0, heights without compression and checksum"));
+        }
+    }
+    let scale: f64 = header.number(SCALES[2])?;
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(header.wrong(SCALES[2], "a positive number"));
+    }
+    let samples =
+        [Sample::U8, Sample::U16, Sample::U32, Sample::F32, Sample::I8, Sample::I16, Sample::I32, Sample::F64];
+    let sample = usize::try_from(header.number::<i64>(DATA_TYPE)?).ok().and_then(|code| samples.get(code));
+    Ok(((ny, nx), *sample.ok_or_else(|| header.wrong(DATA_TYPE, "0 to 7"))?))
 }
 
-impl<T: ToString> Field<T> {
-    fn wrong(&self, wanted: &str) -> FormatError {
-        FormatError::field(Format::Sdf, self.name, self.at.clone(), self.value.to_string(), wanted)
-    }
-}
-
-/// Fields that define the heights.
-struct Header {
-    is_bcr: bool,
-    points: Field<i64>,
-    profiles: Field<i64>,
-    scales: [Field<f64>; 3],
-    compression: Field<i64>,
-    data_type: Field<i64>,
-    check_type: Field<i64>,
-}
-
-impl Header {
-    /// Returns the shape of the map and the type of the numbers.
-    fn check(&self) -> Result<((usize, usize), Sample)> {
-        let dimension = |field: &Field<i64>| (field.name, field.at.clone(), field.value);
-        let (ny, nx) = shape(Format::Sdf, dimension(&self.profiles), dimension(&self.points))?;
-        if ny == 1 && self.scales[1].value == 0.0 {
-            return Err(unsupported("the file holds a single profile", "the profiles of a surface"));
-        }
-        if let Some(field) = [&self.compression, &self.check_type].into_iter().find(|field| field.value != 0) {
-            return Err(field.wrong("0, heights without compression and checksum"));
-        }
-        let scale = &self.scales[2];
-        if !(scale.value.is_finite() && scale.value > 0.0) {
-            return Err(scale.wrong("a positive number"));
-        }
-        let sample = match self.data_type.value {
-            0 => Sample::U8,
-            1 => Sample::U16,
-            2 => Sample::U32,
-            3 => Sample::F32,
-            4 => Sample::I8,
-            5 => Sample::I16,
-            6 => Sample::I32,
-            7 => Sample::F64,
-            _ => return Err(self.data_type.wrong("0 to 7")),
-        };
-        Ok(((ny, nx), sample))
-    }
-
-    fn scan(&self, numbers: Vec<f64>, shape: Shape, sample: Sample) -> Result<Scan> {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.scales[axis].value);
-        let is_void = voids(sample, self.is_bcr);
-        let mut heights = numbers;
-        large::map(&mut heights, |height| if is_void(height) { f64::NAN } else { height * z });
-        let heights_m = matrix(Format::Sdf, POINTS, self.points.at.clone(), shape, heights)?;
-        Ok(Scan::new(heights_m, Some((x, y))))
-    }
+fn scan(header: &Section, mut heights: Vec<f64>, shape: Shape, sample: Sample) -> Result<Scan> {
+    let [x, y, z] = SCALES.map(|key| header.number::<f64>(key));
+    let (x, y, z) = (x?, y?, z?);
+    let is_bcr =
+        header.field(VERSION).is_some_and(|version| version.get(1..).is_some_and(|rest| rest.starts_with("BCR")));
+    let is_void = voids(sample, is_bcr);
+    large::map(&mut heights, |height| if is_void(height) { f64::NAN } else { height * z });
+    let heights_m = matrix(Format::Sdf, POINTS, header.place(POINTS), shape, heights)?;
+    Ok(Scan::new(heights_m, Some((x, y))))
 }
 
 /// Returns a test for the numbers that mark missing points.
@@ -194,10 +160,6 @@ fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
     }
 }
 
-fn unsupported(found: &str, wanted: &'static str) -> FormatError {
-    FormatError::unsupported(Format::Sdf, found, wanted)
-}
-
 /// Reads the first map of a file.
 ///
 /// # Errors
@@ -210,45 +172,30 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
 }
 
 fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan> {
-    let mut notes = Notes::default();
-    notes.insert("version", &input.latin1("version", 0, VERSION_BYTES)?);
-    let mut place = VERSION_BYTES;
-    for (name, length) in [(MANUFACTURER, 10), (DATES[0], 12), (DATES[1], 12)] {
-        notes.insert(name, &input.latin1(name, place, length)?);
-        place += length;
+    let mut header = Section::new(Format::Sdf, Location::Byte(0), "a field of the header");
+    let mut start = 0;
+    for (name, length) in [(VERSION, VERSION_BYTES), (MANUFACTURER, 10), (DATES[0], 12), (DATES[1], 12)] {
+        header.push(name, input.latin1(name, start, length)?, input.at(start));
+        start += length;
     }
-    let count = |name, place| {
-        let value = match count_bytes {
-            4 => input.u32(name, place)?.into(),
-            _ => input.u16(name, place)?.into(),
-        };
-        Ok::<_, FormatError>(Field { name, at: input.at(place), value })
-    };
-    let real = |name, place| Ok::<_, FormatError>(Field { name, at: input.at(place), value: input.f64(name, place)? });
-    let byte =
-        |name, place| Ok::<_, FormatError>(Field { name, at: input.at(place), value: input.u8(name, place)?.into() });
-    let scales = place + 2 * count_bytes;
-    let codes = scales + 4 * 8;
-    let header = Header {
-        is_bcr: input.bytes().starts_with(b"bBCR"),
-        points: count(POINTS, place)?,
-        profiles: count(PROFILES, place + count_bytes)?,
-        scales: [real(SCALES[0], scales)?, real(SCALES[1], scales + 8)?, real(SCALES[2], scales + 16)?],
-        compression: byte(COMPRESSION, codes)?,
-        data_type: byte(DATA_TYPE, codes + 1)?,
-        check_type: byte(CHECK_TYPE, codes + 2)?,
-    };
-    notes.insert(Z_RESOLUTION, &input.f64(Z_RESOLUTION, scales + 24)?.to_string());
-    let (shape, sample) = header.check()?;
+    let count = if count_bytes == 4 { Kind::U32 } else { Kind::U16 };
+    for (name, kind, length) in [(POINTS, count, count_bytes), (PROFILES, count, count_bytes)]
+        .into_iter()
+        .chain(SCALES.into_iter().chain([Z_RESOLUTION]).map(|name| (name, Kind::F64, 8)))
+        .chain([COMPRESSION, DATA_TYPE, CHECK_TYPE].map(|name| (name, Kind::U8, 1)))
+    {
+        header.push(name, input.value(name, start, kind)?, input.at(start));
+        start += length;
+    }
+    let (shape, sample) = check(&header)?;
     let length = shape.0 * shape.1 * sample.size();
-    let mut start = codes + 3;
     // A program of Olympus adds two fields to the header, always 5 and 1.
     if input.len() == start + EXTRA.len() + length && input.bytes()[start..].starts_with(EXTRA) {
         start += EXTRA.len();
     }
     let numbers = input.samples("the heights", start, shape.0 * shape.1, sample)?;
-    keep_trailer(&latin1(&input.bytes()[start + length..]), &mut notes);
-    Ok(Scan { metadata: notes.metadata(), ..header.scan(numbers, shape, sample)? })
+    let metadata = metadata(&header, &latin1(&input.bytes()[start + length..]));
+    Ok(Scan { metadata, ..scan(&header, numbers, shape, sample)? })
 }
 
 /// Two fields after the header of some files.
@@ -256,7 +203,7 @@ const EXTRA: &[u8] = b"\x05\0\0\0\x01\0\0\0";
 
 fn read_text(bytes: &[u8]) -> Result<Scan> {
     let (bytes, line_end) = lines(bytes);
-    let mut fields: Vec<(String, String, usize)> = Vec::new();
+    let mut header = Section::new(Format::Sdf, Location::Line(1), "a line `key = value` before the first `*`");
     let (mut place, mut last_line) = (0, 0);
     for (index, line) in bytes.split(|&byte| byte == line_end).enumerate() {
         last_line = index;
@@ -269,13 +216,13 @@ fn read_text(bytes: &[u8]) -> Result<Scan> {
         let line = latin1(line.split(|byte| COMMENT.contains(byte)).next().unwrap_or_default());
         let pair = line.split_once('=').or_else(|| line.split_once(char::is_whitespace));
         if index == 0 {
-            fields.push(("version".into(), line, 1));
-        } else if let Some((key, value)) = pair.filter(|_| fields.len() < MAX_FIELDS) {
-            fields.push((key.trim().into(), value.trim().into(), index + 1));
+            header.push(VERSION, line, Location::Line(1));
+        } else if let Some((key, value)) = pair.filter(|_| index < MAX_LINES) {
+            header.push(key.trim().to_owned(), value.trim().to_owned(), Location::Line(index + 1));
         }
     }
-    let header = text_header(&fields, last_line + 1)?;
-    let (shape, sample) = header.check()?;
+    header.at = Location::Line(last_line + 1);
+    let (shape, sample) = check(&header)?;
 
     let rest = bytes.get(place..).unwrap_or_default();
     let length = rest.iter().position(|&byte| byte == END).unwrap_or(rest.len());
@@ -292,52 +239,21 @@ fn read_text(bytes: &[u8]) -> Result<Scan> {
         numbers.truncate(wanted);
         warnings.push(format!("{} numbers after the last profile were left out", found - wanted));
     }
-    let mut notes = Notes::default();
-    let used = [&[POINTS, PROFILES, COMPRESSION, DATA_TYPE, CHECK_TYPE], &SCALES[..]].concat();
-    for (key, value, _) in fields.iter().filter(|(key, ..)| !used.iter().any(|used| used.eq_ignore_ascii_case(key))) {
-        notes.insert(key, value);
-    }
-    keep_trailer(&latin1(rest.get(length + 1..).unwrap_or_default()), &mut notes);
-    Ok(Scan { metadata: notes.metadata(), warnings, ..header.scan(numbers, shape, sample)? })
+    let metadata = metadata(&header, &latin1(rest.get(length + 1..).unwrap_or_default()));
+    Ok(Scan { metadata, warnings, ..scan(&header, numbers, shape, sample)? })
 }
 
 /// Maximum number of lines of a header.
-const MAX_FIELDS: usize = 1000;
+const MAX_LINES: usize = 1000;
 
-/// Reads the header of a text from its fields, each with its line.
-fn text_header(fields: &[(String, String, usize)], last_line: usize) -> Result<Header> {
-    let whole = |name| number::<i64>(fields, name, last_line, "a whole number");
-    let real = |name| number::<f64>(fields, name, last_line, "a number");
-    Ok(Header {
-        is_bcr: fields.first().is_some_and(|(_, version, _)| version.starts_with("aBCR")),
-        points: whole(POINTS)?,
-        profiles: whole(PROFILES)?,
-        scales: [real(SCALES[0])?, real(SCALES[1])?, real(SCALES[2])?],
-        compression: whole(COMPRESSION)?,
-        data_type: whole(DATA_TYPE)?,
-        check_type: whole(CHECK_TYPE)?,
-    })
-}
-
-fn number<T: FromStr>(
-    fields: &[(String, String, usize)],
-    name: &'static str,
-    last_line: usize,
-    wanted: &str,
-) -> Result<Field<T>> {
-    let Some((_, text, line)) = fields.iter().find(|(key, ..)| key.eq_ignore_ascii_case(name)) else {
-        let wanted = format!("a line `{name} = …` before the first `*`");
-        return Err(FormatError::missing(Format::Sdf, name, Location::Line(last_line), wanted));
-    };
-    let at = Location::Line(*line);
-    match text.parse() {
-        Ok(value) => Ok(Field { name, at, value }),
-        Err(_) => Err(Field { name, at, value: text }.wrong(wanted)),
+/// Returns the fields of the header that do not define the heights, and lines `name = value` and
+/// `< name > value < / name >` of the trailer.
+fn metadata(header: &Section, trailer: &str) -> BTreeMap<String, String> {
+    let mut notes = Notes::default();
+    let used = [&[POINTS, PROFILES, COMPRESSION, DATA_TYPE, CHECK_TYPE], &SCALES[..]].concat();
+    for (key, value) in header.all().filter(|(key, _)| !used.iter().any(|used| used.eq_ignore_ascii_case(key))) {
+        notes.insert(key, value);
     }
-}
-
-/// Adds lines `name = value` and `< name > value < / name >` to the metadata.
-fn keep_trailer(trailer: &str, notes: &mut Notes) {
     for line in trailer.lines().map(str::trim).filter(|line| !line.is_empty() && *line != "*") {
         let tagged = line.strip_prefix('<').and_then(|line| line.split_once('>'));
         match (tagged, line.split_once('=')) {
@@ -348,4 +264,5 @@ fn keep_trailer(trailer: &str, notes: &mut Notes) {
             (None, None) => notes.insert("trailer", line),
         }
     }
+    notes.metadata()
 }

@@ -1,33 +1,61 @@
-//! Text headers of sections, each with its fields, as several programs write before binary data.
+//! Headers of keys and values, in sections or not, as several programs write before binary data.
 
+use std::borrow::Cow;
 use std::str::FromStr;
 
-use crate::Scan;
-use crate::error::Result;
-use crate::input::{Input, TextLimit};
+use crate::scan::shape;
+use crate::{Format, FormatError, Location, Result, Scan, Shape, TextLimit, shown};
 
-/// Section of a header.
+/// Header, or section of one.
 pub(crate) struct Section<'a> {
+    format: Format,
     /// Name; empty for fields before the first section.
     pub(crate) name: &'a str,
-    /// Offset of its first line.
-    at: usize,
-    fields: Vec<(&'a str, &'a str)>,
+    /// Place at which an absent field is missed.
+    pub(crate) at: Location,
+    /// Description of a field for the error that it is missing.
+    wanted: &'static str,
+    /// Keys, values and places.
+    fields: Vec<(Cow<'a, str>, Cow<'a, str>, Location)>,
+}
+
+/// Number in a field.
+pub(crate) trait Number: FromStr {
+    /// Description for the error that a text is none.
+    const WANTED: &'static str;
+}
+
+impl Number for f64 {
+    const WANTED: &'static str = "a number";
+}
+
+impl Number for i64 {
+    const WANTED: &'static str = "a whole number";
+}
+
+impl Number for usize {
+    const WANTED: &'static str = "a whole number, 0 or more";
 }
 
 /// Splits a header into sections. `name` returns the name of a section from the line that starts it; `separator` stands between the key
 /// and the value of a field.
-pub(crate) fn sections<'a>(text: &'a str, separator: &str, name: fn(&str) -> Option<&str>) -> Vec<Section<'a>> {
-    let mut sections = vec![Section { name: "", at: 0, fields: Vec::new() }];
+pub(crate) fn sections<'a>(
+    format: Format,
+    text: &'a str,
+    separator: &str,
+    name: fn(&str) -> Option<&str>,
+) -> Vec<Section<'a>> {
+    const WANTED: &str = "a field of the header";
+    let mut sections = vec![Section::new(format, Location::Byte(0), WANTED)];
     let mut at = 0;
     for line in text.split_inclusive('\n') {
         if let Some(name) = name(line.trim()) {
-            sections.push(Section { name, at, fields: Vec::new() });
+            sections.push(Section { name, ..Section::new(format, Location::Byte(at), WANTED) });
         } else if let (Some((key, value)), Some(section)) = (line.split_once(separator), sections.last_mut()) {
             // Some programs write a backslash before every key.
-            section.fields.push((key.trim().trim_start_matches('\\'), value.trim()));
+            section.push(key.trim().trim_start_matches('\\'), value.trim(), section.at.clone());
         }
-        at += line.len();
+        at += line.len() as u64;
     }
     sections
 }
@@ -36,59 +64,77 @@ pub(crate) fn sections<'a>(text: &'a str, separator: &str, name: fn(&str) -> Opt
 ///
 /// # Errors
 /// There is none.
-pub(crate) fn section<'s, 'a>(input: &Input, sections: &'s [Section<'a>], name: &str) -> Result<&'s Section<'a>> {
+pub(crate) fn section<'s, 'a>(sections: &'s [Section<'a>], name: &str) -> Result<&'s Section<'a>> {
     let found = sections.iter().find(|section| section.name.eq_ignore_ascii_case(name));
-    found.ok_or_else(|| input.missing(name, 0, "a section of the header"))
+    found.ok_or_else(|| FormatError::missing(sections[0].format, name, Location::Byte(0), "a section of the header"))
 }
 
 impl<'a> Section<'a> {
+    /// Creates a header without fields.
+    pub(crate) fn new(format: Format, at: Location, wanted: &'static str) -> Self {
+        Self { format, name: "", at, wanted, fields: Vec::new() }
+    }
+
+    /// Adds a field.
+    pub(crate) fn push(&mut self, key: impl Into<Cow<'a, str>>, value: impl Into<Cow<'a, str>>, at: Location) {
+        self.fields.push((key.into(), value.into(), at));
+    }
+
+    /// Returns the keys and values of all fields.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.fields.iter().map(|(key, value, _)| (key.as_ref(), value.as_ref()))
+    }
+
     /// Returns the value of the first field with this key, in any case.
-    pub(crate) fn field(&self, key: &str) -> Option<&'a str> {
+    pub(crate) fn field(&self, key: &str) -> Option<&str> {
         self.find(|name| name.eq_ignore_ascii_case(key))
     }
 
     /// Returns the value of the first field whose key passes a test.
-    pub(crate) fn find(&self, is_it: impl Fn(&str) -> bool) -> Option<&'a str> {
-        self.fields.iter().find(|(key, _)| is_it(key)).map(|(_, value)| *value)
+    pub(crate) fn find(&self, is_it: impl Fn(&str) -> bool) -> Option<&str> {
+        self.all().find(|(key, _)| is_it(key)).map(|(_, value)| value)
     }
 
     /// Returns the text of a field.
     ///
     /// # Errors
     /// There is none.
-    pub(crate) fn text(&self, input: &Input, key: &str) -> Result<&'a str> {
-        self.field(key).ok_or_else(|| input.missing(key, self.at, "a field of the header"))
+    pub(crate) fn text(&self, key: &str) -> Result<&str> {
+        self.field(key).ok_or_else(|| FormatError::missing(self.format, key, self.at.clone(), self.wanted))
     }
 
     /// Returns the number in a field.
     ///
     /// # Errors
     /// There is no field, or it is no number.
-    pub(crate) fn number<T: FromStr>(&self, input: &Input, key: &str) -> Result<T> {
-        let text = self.text(input, key)?;
-        text.parse().map_err(|_| self.wrong(input, key, "a number"))
+    pub(crate) fn number<T: Number>(&self, key: &str) -> Result<T> {
+        self.text(key)?.parse().map_err(|_| self.wrong(key, T::WANTED))
     }
 
     /// Checks the dimensions of a map.
     ///
     /// # Errors
-    /// As [`Input::shape`].
-    pub(crate) fn shape(&self, input: &Input, rows: &str, columns: &str) -> Result<(usize, usize)> {
-        let number = |key| Ok((key, self.at, self.number::<u64>(input, key)?));
-        input.shape(number(rows)?, number(columns)?)
+    /// As [`crate::Input::shape`].
+    pub(crate) fn shape(&self, rows: &str, columns: &str) -> Result<Shape> {
+        let [ny, nx] = [self.number::<i64>(rows)?, self.number(columns)?];
+        shape(self.format, (rows, self.place(rows), ny), (columns, self.place(columns), nx))
+    }
+
+    /// Returns the place of a field.
+    pub(crate) fn place(&self, key: &str) -> Location {
+        let field = self.fields.iter().find(|(name, ..)| name.eq_ignore_ascii_case(key));
+        field.map_or(&self.at, |(.., at)| at).clone()
     }
 
     /// Returns the error for a field whose value is invalid.
-    pub(crate) fn wrong(&self, input: &Input, key: &str, wanted: &str) -> crate::FormatError {
-        input.wrong(key, self.at, self.field(key).unwrap_or_default(), wanted)
+    pub(crate) fn wrong(&self, key: &str, wanted: &str) -> FormatError {
+        FormatError::field(self.format, shown(key), self.place(key), self.field(key).unwrap_or_default(), wanted)
     }
 
     /// Adds the fields to the metadata of a scan.
     pub(crate) fn add_to(&self, scan: &mut Scan, room: &mut TextLimit) {
-        for (key, value) in &self.fields {
-            if room.take(key.len() + value.len()) {
-                scan.metadata.insert((*key).to_owned(), (*value).to_owned());
-            }
+        for (key, value) in self.all().filter(|(key, value)| room.take(key.len() + value.len())) {
+            scan.metadata.insert(key.to_owned(), value.to_owned());
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Selection of one map of a file.
 
-use crate::error::{Result, first_of, shown};
 use std::collections::{HashMap, HashSet};
 
-use crate::{Format, FormatError, LengthUnit};
+use crate::error::first_of;
+use crate::{Format, FormatError, LengthUnit, Result, shown};
 
 /// One of several height maps in a file: channels, layers, pages or arrays.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -19,26 +19,19 @@ mod object;
 mod read;
 mod write;
 
-use crate::Format;
-use crate::codec::{Codec, Description, Tested};
-
+use crate::{Description, Format, Tested};
 use header::is_object;
-pub use write::{SurData, write_sur};
+pub use write::write_sur;
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Sur,
-        extensions: &["sur", "pro"],
-        vendor: "Digital Surf",
-        known_by: "`DIGITAL SURF`, `DSCOMPRESSED`",
-        reads: "int16, int32, plain or compressed, in either byte order; series and multilayer surfaces; no profiles",
-        writes: "int32; int16 by option",
-        stores_pitch: true,
-        missing_points: "z minimum − 2",
-        orientation: "the first stored line is the top one, row 0",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: is_object,
-    read: read::read,
-    write: Some(|scan| write_sur(scan, SurData::Int32)),
+pub(crate) const CODEC: Description = Description {
+    extensions: &["sur", "pro"],
+    vendor: "Digital Surf",
+    known_by: "`DIGITAL SURF`, `DSCOMPRESSED`",
+    reads: "int16, int32, plain or compressed, in either byte order; series and multilayer surfaces; no profiles",
+    writes: "int32",
+    missing_points: "z minimum − 2",
+    orientation: "the first stored line is the top one, row 0",
+    tested: Tested::InstrumentFiles,
+    write: Some(write_sur),
+    ..Description::new(Format::Sur, is_object, read::read)
 };

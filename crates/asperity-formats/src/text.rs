@@ -22,38 +22,32 @@ pub(crate) mod rows;
 pub(crate) mod separator;
 mod write;
 
-use crate::error::{Result, shown};
 use std::borrow::Cow;
 
 use ndarray::Array2;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{utf8_or_latin1, utf16};
-use crate::selection::unique;
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::input::utf16;
+use crate::{
+    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, shown, unique, utf8_or_latin1,
+};
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::Interpretation;
 use rows::{Layout, Table};
 use separator::{COMMENT, Separator};
-pub use write::write_text;
+pub(crate) use write::write_text;
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Text,
-        extensions: &["txt", "dat", "csv", "asc"],
-        vendor: "any",
-        known_by: "no control characters in UTF-8, UTF-16 or Latin-1",
-        reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; headers of Gwyddion, SPIP, Attocube, \
-                Nova, ESRI grids, and plain keys",
-        writes: ".csv with commas, others with spaces; unit and pixel size as comments",
-        stores_pitch: true,
-        missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
-        orientation: "the first line is row 0",
-        tested: Tested::OtherPrograms,
-    },
-    detect: is_text,
-    read,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["txt", "dat", "csv", "asc"],
+    vendor: "any",
+    known_by: "no control characters in UTF-8, UTF-16 or Latin-1",
+    reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; headers of Gwyddion, SPIP, Attocube, \
+            Nova, ESRI grids, and plain keys",
+    writes: ".csv with commas, others with spaces; unit and pixel size as comments",
+    missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
+    orientation: "the first line is row 0",
+    tested: Tested::OtherPrograms,
     write: Some(|scan| Ok(write_text(scan, Separator::Space))),
+    ..Description::new(Format::Text, is_text, read)
 };
 
 /// Number of bytes that are examined to distinguish text from binary data.
@@ -249,9 +243,7 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
     }
     if header.has_voids() && header.shape() == Some((rows / 2, columns)) && rows % 2 == 0 {
         let voids = table.values.split_off(rows / 2 * columns);
-        for (z, void) in table.values.iter_mut().zip(voids) {
-            *z = if void == 0.0 { *z } else { f64::NAN };
-        }
+        large::hide(&mut table.values, voids.into_iter().map(|void| void != 0.0));
         rows /= 2;
     }
     if columns == 3 && rows >= POINT_LIST_ROWS && !header.states_pixels() {

@@ -19,24 +19,19 @@ mod park;
 mod read;
 mod tag;
 
-use crate::Format;
-use crate::codec::{Codec, Description, Tested};
+use description::Units;
+use directory::{Directory, File, Tag};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Tiff,
-        extensions: &["tif", "tiff", "jpk", "lext"],
-        vendor: "Adobe; JPK, Park Systems, Olympus",
-        known_by: "`II*`, `MM*`, BigTIFF",
-        reads: "grey pages of float32, float64 and integers of 8, 16 and 32 bits; strips and tiles; uncompressed, LZW, \
-                Deflate, PackBits; no colours; heights of JPK, Park Systems and LEXT",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, ±inf, the value of GDAL_NODATA",
-        orientation: "the first stored line is row 0, or as the Orientation tag says; of JPK and Park Systems the last one",
-        tested: Tested::OtherPrograms,
-    },
-    detect: directory::detect,
-    read: read::read,
-    write: None,
+use crate::{Description, Format, Tested};
+
+pub(crate) const CODEC: Description = Description {
+    extensions: &["tif", "tiff", "jpk", "lext"],
+    vendor: "Adobe; JPK, Park Systems, Olympus",
+    known_by: "`II*`, `MM*`, BigTIFF",
+    reads: "grey pages of float32, float64 and integers of 8, 16 and 32 bits; strips and tiles; uncompressed, LZW, \
+            Deflate, PackBits; no colours; heights of JPK, Park Systems and LEXT",
+    missing_points: "NaN, ±inf, the value of GDAL_NODATA",
+    orientation: "the first stored line is row 0, or as the Orientation tag says; of JPK and Park Systems the last one",
+    tested: Tested::OtherPrograms,
+    ..Description::new(Format::Tiff, directory::detect, read::read)
 };

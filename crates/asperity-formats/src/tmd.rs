@@ -13,29 +13,17 @@
 //! The length of an axis is the number of points times their distance: the file states the field of view, not the
 //! distance between the outermost points.
 
-use crate::error::Result;
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, latin1};
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, latin1};
-use crate::sample::Sample;
-use crate::{Format, ReadOptions, Scan};
-
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Tmd,
-        extensions: &["tmd"],
-        vendor: "TrueMap, GelSight",
-        known_by: "`Binary TrueMap Data File`",
-        reads: "float32, versions 1 and 2",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "NaN, ±inf",
-        orientation: "the first stored line is row 0",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(TITLE),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["tmd"],
+    vendor: "TrueMap, GelSight",
+    known_by: "`Binary TrueMap Data File`",
+    reads: "float32, versions 1 and 2",
+    missing_points: "NaN, ±inf",
+    orientation: "the first stored line is row 0",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Tmd, |bytes| bytes.starts_with(TITLE), read)
 };
 
 /// First bytes of the title in every version.

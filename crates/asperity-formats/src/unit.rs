@@ -1,9 +1,8 @@
 //! Units of length as spelt in instrument files.
 
-use crate::error::Result;
 use std::str::FromStr;
 
-use crate::FormatError;
+use crate::{FormatError, Result};
 
 /// Returns the number of units per metre; `None` if the text is not a unit of length.
 ///

@@ -11,30 +11,18 @@ mod conditions;
 mod metadata;
 mod vk4;
 
-use crate::error::Result;
 use ndarray::Array2;
 
-use crate::archive::Archive;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::{Format, ReadOptions, Scan};
+use crate::{Archive, Description, Format, Input, ReadOptions, Result, Sample, Scan, large};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Vk,
-        extensions: &["vk3", "vk4", "vk6", "vk7"],
-        vendor: "Keyence",
-        known_by: "`VK3_`, `VK4_`; `VK6` or `VK7` before a BMP preview",
-        reads: "up to three layers of heights, 8, 16 and 32 bits",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "points marked in `ErrorImageData` of VK6 and VK7",
-        orientation: "the first stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["vk3", "vk4", "vk6", "vk7"],
+    vendor: "Keyence",
+    known_by: "`VK3_`, `VK4_`; `VK6` or `VK7` before a BMP preview",
+    reads: "up to three layers of heights, 8, 16 and 32 bits",
+    missing_points: "points marked in `ErrorImageData` of VK6 and VK7",
+    orientation: "the first stored line is row 0",
+    ..Description::new(Format::Vk, detect, read)
 };
 
 /// Offset of the size of the preview, after `VK6`.
@@ -106,15 +94,6 @@ fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<us
         .ok()
         .filter(|&stride| stride >= nx)
         .ok_or_else(|| input.wrong("bytes per row", 12, stride, "the width or more"))?;
-    let rows = input.take("the rows", ERRORS_HEADER_BYTES, (ny - 1).saturating_mul(stride).saturating_add(nx))?;
-    let mut marked = 0;
-    for (mut heights, errors) in heights_m.rows_mut().into_iter().zip(rows.chunks(stride)) {
-        for (z, &error) in heights.iter_mut().zip(errors) {
-            if error != 0 {
-                *z = f64::NAN;
-                marked += 1;
-            }
-        }
-    }
-    Ok(marked)
+    let errors = input.padded("the rows", ERRORS_HEADER_BYTES, (ny, nx), stride, Sample::U8)?;
+    Ok(large::hide(heights_m, errors.into_iter().map(|error| error != 0.0)))
 }

@@ -4,7 +4,6 @@
 //! XML. In VTK y points up, but the rows of a map run down: the last row of the map is y = 0. Layout:
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
-use crate::error::Result;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
@@ -13,31 +12,23 @@ use base64::write::EncoderStringWriter;
 use ndarray::Array2;
 use quick_xml::escape::escape;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::Input;
-use crate::large::Shape;
 use crate::sample::stored;
 use crate::scan::check;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{Description, Format, FormatError, Result, Scan, Shape, Tested};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Vtk,
-        extensions: &["vti"],
-        vendor: "Kitware",
-        known_by: "",
-        reads: "",
-        writes: "float64 `height_m` with a mask `missing`, or fields by name",
-        stores_pitch: true,
-        missing_points: "NaN, hidden points in vtkGhostType",
-        orientation: "y points up: the last row of a scan is written first",
-        tested: Tested::OtherPrograms,
-    },
-    detect: |_| false,
-    read: |bytes: &[u8], _options: &ReadOptions| {
-        Err(Input::new(Format::Vtk, bytes).unsupported("a VTK image", "a format that is read"))
-    },
+pub(crate) const CODEC: Description = Description {
+    extensions: &["vti"],
+    vendor: "Kitware",
+    writes: "float64 `height_m` with a mask `missing`, or fields by name",
+    missing_points: "NaN, hidden points in vtkGhostType",
+    orientation: "y points up: the last row of a scan is written first",
+    tested: Tested::OtherPrograms,
     write: Some(write_vtk),
+    ..Description::new(
+        Format::Vtk,
+        |_| false,
+        |_, _| Err(FormatError::unsupported(Format::Vtk, "a VTK image", "a format that is read")),
+    )
 };
 
 /// Bit of vtkGhostType that hides a point.

@@ -6,32 +6,20 @@
 //! The vendor published no description of the integers' scale. Files state the same scale a second time by `Conversion Factor 00` per volt
 //! and `DSP voltage range`.
 
-use crate::error::Result;
-
-use crate::chosen_map::ChosenMap;
-use crate::codec::{Codec, Description, Tested};
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::sample::Sample;
 use crate::sections::{Section, quantity, section, sections};
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{
+    ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit,
+    per_metre, utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Wsxm,
-        extensions: &["stp", "top"],
-        vendor: "WSxM Solutions (Nanotec)",
-        known_by: "`WSxM file copyright`",
-        reads: "int16, float32, float64; images only",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "",
-        orientation: "from the lower right corner on; row 0 is the last line",
-        tested: Tested::InstrumentFiles,
-    },
-    detect: |bytes| bytes.starts_with(b"WSxM file copyright"),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["stp", "top"],
+    vendor: "WSxM Solutions (Nanotec)",
+    known_by: "`WSxM file copyright`",
+    reads: "int16, float32, float64; images only",
+    orientation: "from the lower right corner on; row 0 is the last line",
+    tested: Tested::InstrumentFiles,
+    ..Description::new(Format::Wsxm, |bytes| bytes.starts_with(b"WSxM file copyright"), read)
 };
 
 /// Second line of an image, and third line up to the number.
@@ -50,40 +38,35 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         return Err(input.unsupported("the file holds no image", "an image (SxM Image file)"));
     }
     let text = text.split_once(END).ok_or_else(|| input.missing(END, 0, "the end of the header"))?.0;
-    let sections = sections(text, ":", |line| line.strip_prefix('[')?.strip_suffix(']'));
-    let start: usize = sections[0].number(&input, HEADER_SIZE)?;
-    let [general, control] = ["General Info", "Control"].map(|name| section(&input, &sections, name));
+    let sections = sections(Format::Wsxm, text, ":", |line| line.strip_prefix('[')?.strip_suffix(']'));
+    let start: usize = sections[0].number(HEADER_SIZE)?;
+    let [general, control] = ["General Info", "Control"].map(|name| section(&sections, name));
     let (general, control) = (general?, control?);
-    let (ny, nx) = general.shape(&input, "Number of rows", "Number of columns")?;
+    let (ny, nx) = general.shape("Number of rows", "Number of columns")?;
     let kind = general.field("Image Data Type").unwrap_or("short");
     let sample = match kind {
         "short" | "integer" => Sample::I16,
         "float" => Sample::F32,
         "double" => Sample::F64,
-        _ => return Err(general.wrong(&input, "Image Data Type", "short, integer, float or double")),
+        _ => return Err(general.wrong("Image Data Type", "short, integer, float or double")),
     };
-    let (amplitude, unit) = length(&input, general, "Z Amplitude")?;
+    let (amplitude, unit) = length(general, "Z Amplitude")?;
     let name = general.field("Acquisition channel").unwrap_or("image").to_owned();
-    ChosenMap::new(
-        Format::Wsxm,
-        [(name, per_metre(unit).is_none().then(|| unit.to_owned()))],
-        &ReadOptions::default(),
-    )?;
+    let chosen = ChosenMap::new(Format::Wsxm, [(name, unit.to_owned())], &ReadOptions::default())?;
     let mut heights = input.samples("the image", start, ny * nx, sample)?;
     heights.reverse();
-    let units = per_metre(unit).unwrap_or(f64::NAN);
     let scale = if sample.is_float() {
         1.0
     } else {
         let (low, high) = heights.iter().fold((f64::MAX, f64::MIN), |(low, high), n| (low.min(*n), high.max(*n)));
         if high > low { amplitude / (high - low) } else { 0.0 }
     };
-    heights.iter_mut().for_each(|n| *n = *n * scale / units);
+    heights.iter_mut().for_each(|n| *n = *n * scale / chosen.per_metre);
     let heights_m = input.matrix("the image", start, (ny, nx), heights)?;
 
     let size_m = |key| {
-        let (size, unit) = length(&input, control, key)?;
-        let per_metre = per_metre(unit).ok_or_else(|| control.wrong(&input, key, "a length"))?;
+        let (size, unit) = length(control, key)?;
+        let per_metre = per_metre(unit).ok_or_else(|| control.wrong(key, "a length"))?;
         Ok::<_, crate::FormatError>(size / per_metre)
     };
     let width_m = size_m("X Amplitude")?;
@@ -97,7 +80,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
 }
 
 /// Returns a number and its unit.
-fn length<'a>(input: &Input, section: &Section<'a>, key: &str) -> Result<(f64, &'a str)> {
-    let (number, unit) = quantity(section.text(input, key)?);
-    Ok((number.ok_or_else(|| section.wrong(input, key, "a number and its unit"))?, unit))
+fn length<'a>(section: &'a Section, key: &str) -> Result<(f64, &'a str)> {
+    let (number, unit) = quantity(section.text(key)?);
+    Ok((number.ok_or_else(|| section.wrong(key, "a number and its unit"))?, unit))
 }

@@ -7,29 +7,21 @@
 
 use std::collections::BTreeMap;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::{Input, MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
+use crate::{
+    Description, Format, FormatError, Input, MAX_TEXT_BYTES, ReadOptions, Result, Scan, TextLimit, large,
+    utf8_or_latin1,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::WykoAscii,
-        extensions: &["asc"],
-        vendor: "Wyko (Veeco, Bruker)",
-        known_by: "`Wyko ASCII Data File Format`",
-        reads: "RAW_DATA, OPD and SAMPLE_DATA as text",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "Bad",
-        orientation: "columns from the bottom up; row 0 is the last number of every line",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(MAGIC),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["asc"],
+    vendor: "Wyko (Veeco, Bruker)",
+    known_by: "`Wyko ASCII Data File Format`",
+    reads: "RAW_DATA, OPD and SAMPLE_DATA as text",
+    missing_points: "Bad",
+    orientation: "columns from the bottom up; row 0 is the last number of every line",
+    ..Description::new(Format::WykoAscii, |bytes| bytes.starts_with(MAGIC), read)
 };
 
 const MAGIC: &[u8] = b"Wyko ASCII Data File Format";

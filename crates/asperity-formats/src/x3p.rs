@@ -19,28 +19,21 @@ mod names;
 mod read;
 mod write;
 
-use crate::Format;
-use crate::codec::{Codec, Description, Tested};
-
 use self::names::MAIN;
-pub use write::{X3pData, write_x3p};
+use crate::{Description, Format, Tested};
+pub use write::write_x3p;
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::X3p,
-        extensions: &["x3p"],
-        vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
-        known_by: "zip archive with `main.xml`",
-        reads: "int16, int32, float32, float64, text lists in main.xml; layers; no profiles (PRF), no point clouds (PCL)",
-        writes: "float64; float32 and int16 by option",
-        stores_pitch: true,
-        missing_points: "NaN, ±inf, cleared bits of valid.bin",
-        orientation: "the first stored line is the top one, row 0: the format does not say; programs show it so",
-        tested: Tested::InstrumentFiles,
-    },
-    detect,
-    read: read::read,
-    write: Some(|scan| write_x3p(scan, X3pData::Float64)),
+pub(crate) const CODEC: Description = Description {
+    extensions: &["x3p"],
+    vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
+    known_by: "zip archive with `main.xml`",
+    reads: "int16, int32, float32, float64, text lists in main.xml; layers; no profiles (PRF), no point clouds (PCL)",
+    writes: "float64",
+    missing_points: "NaN, ±inf, cleared bits of valid.bin",
+    orientation: "the first stored line is the top one, row 0: the format does not say; programs show it so",
+    tested: Tested::InstrumentFiles,
+    write: Some(write_x3p),
+    ..Description::new(Format::X3p, detect, read::read)
 };
 
 /// First bytes of a zip archive.

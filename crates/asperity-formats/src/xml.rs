@@ -1,7 +1,6 @@
 //! XML descriptions as flat tables: the path of every element that holds text, by local names, so that namespace
 //! prefixes have no effect.
 
-use crate::error::{Result, shown};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -10,10 +9,9 @@ use quick_xml::errors::{Error, IllFormedError};
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesRef, Event};
 
-use crate::input::{MAX_TEXT_BYTES, utf16};
-use crate::large::Shape;
+use crate::input::utf16;
 use crate::scan::shape;
-use crate::{Format, FormatError, Location};
+use crate::{Format, FormatError, Location, MAX_TEXT_BYTES, Result, Shape, shown};
 
 /// Maximum depth of elements. Descriptions of instruments need about five.
 const MAX_DEPTH: usize = 32;

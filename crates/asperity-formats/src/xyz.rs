@@ -16,34 +16,23 @@
 
 mod grid;
 
-use crate::error::Result;
 use ndarray::Array2;
 
-use crate::codec::{Codec, Description, Tested};
-use crate::input::utf8_or_latin1;
 use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::{COMMENT, Separator};
 use crate::text::{Head, TEXT_PROBE, is_text, lines, utf8};
-use crate::{Format, FormatError, Location, ReadOptions, Scan};
+use crate::{Description, Format, FormatError, Location, ReadOptions, Result, Scan, utf8_or_latin1};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Xyz,
-        extensions: &["xyz"],
-        vendor: "any; Zygo",
-        known_by: "three columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",
-        reads: "points on a grid in any order of lines; spaces, tabs, commas or semicolons; units from the header",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
-        orientation: "y points down: the smallest y is row 0, as the first line of SUR",
-        tested: Tested::Specification,
-    },
-    detect,
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["xyz"],
+    vendor: "any; Zygo",
+    known_by: "three columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",
+    reads: "points on a grid in any order of lines; spaces, tabs, commas or semicolons; units from the header",
+    missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
+    orientation: "y points down: the smallest y is row 0, as the first line of SUR",
+    ..Description::new(Format::Xyz, detect, read)
 };
 
 /// Names of the columns.

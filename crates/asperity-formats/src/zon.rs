@@ -6,32 +6,20 @@
 //!
 //! The vendor published no description. SurfaceTopography and Gwyddion agree on the layout.
 
-use crate::archive::{Archive, unpack_zstandard};
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::Input;
-use crate::large::Shape;
-use crate::sample::{ByteOrder, Sample};
+use crate::archive::unpack_zstandard;
 use crate::scan::MAX_POINTS;
-use crate::xml::Document;
-use crate::{Format, FormatError, ReadOptions, Scan, large};
+use crate::{
+    Archive, Description, Document, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, large,
+};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::Zon,
-        extensions: &["zon"],
-        vendor: "Keyence",
-        known_by: "`KPK0`, `KPK1`",
-        reads: "int32; also packed with Zstandard",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "the two lowest bits of the second array",
-        orientation: "the first stored line is row 0",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(b"KPK0") || bytes.starts_with(PACKED),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["zon"],
+    vendor: "Keyence",
+    known_by: "`KPK0`, `KPK1`",
+    reads: "int32; also packed with Zstandard",
+    missing_points: "the two lowest bits of the second array",
+    orientation: "the first stored line is row 0",
+    ..Description::new(Format::Zon, |bytes| bytes.starts_with(b"KPK0") || bytes.starts_with(PACKED), read)
 };
 
 const PACKED: &[u8] = b"KPK1";
@@ -69,8 +57,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
             let found = format!("the marks of {} × {} points", of_marks.1, of_marks.0);
             return Err(FormatError::unsupported(Format::Zon, found, "as many as heights"));
         }
-        let missing = heights.iter_mut().zip(marks).filter(|(_, mark)| *mark as u8 & INVALID != 0);
-        missing.for_each(|(z, _)| *z = f64::NAN);
+        large::hide(&mut heights, marks.into_iter().map(|mark| mark as u8 & INVALID != 0));
     }
     let heights_m = input.matrix("columns", 0, shape, heights)?;
     Ok(Scan::new(heights_m, Some((pixel_m, pixel_m))))
@@ -91,7 +78,5 @@ fn array(name: &str, bytes: &[u8], sample: Sample) -> Result<(Shape, Vec<f64>)> 
     if stride < row {
         return Err(input.wrong("bytes of a row", 12, stride, &format!("{row} or more")));
     }
-    let records = input.take("the array", HEADER_BYTES, stride.saturating_mul(shape.0))?;
-    let fill = |record: &[u8], row: &mut [f64]| sample.decode_into(ByteOrder::Little, record, row);
-    Ok((shape, large::rows(shape.1, records, stride, fill)))
+    Ok((shape, input.padded("the array", HEADER_BYTES, shape, stride, sample)?))
 }

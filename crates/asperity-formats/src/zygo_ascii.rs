@@ -3,30 +3,19 @@
 //! A phase p is the height p·W·S·O/R of [`crate::metropro`], whose binary files hold the same numbers. Zygo's *MetroPro Reference Guide*
 //! (OMP-0347) defines the header.
 
-use crate::codec::{Codec, Description, Tested};
-use crate::error::Result;
-use crate::input::{Input, utf8_or_latin1};
 use crate::metropro::{COUNTS_PER_FRINGE, INVALID};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
-use crate::{Format, ReadOptions, Scan, large};
+use crate::{Description, Format, Input, ReadOptions, Result, Scan, large, utf8_or_latin1};
 
-pub(crate) const CODEC: Codec = Codec {
-    description: Description {
-        format: Format::ZygoAscii,
-        extensions: &["asc"],
-        vendor: "Zygo",
-        known_by: "`Zygo ASCII Data File`",
-        reads: "connected phase",
-        writes: "",
-        stores_pitch: true,
-        missing_points: "2147483640 and above",
-        orientation: "the first stored line is row 0, as in MetroPro DAT",
-        tested: Tested::Specification,
-    },
-    detect: |bytes| bytes.starts_with(b"Zygo ASCII Data File"),
-    read,
-    write: None,
+pub(crate) const CODEC: Description = Description {
+    extensions: &["asc"],
+    vendor: "Zygo",
+    known_by: "`Zygo ASCII Data File`",
+    reads: "connected phase",
+    missing_points: "2147483640 and above",
+    orientation: "the first stored line is row 0, as in MetroPro DAT",
+    ..Description::new(Format::ZygoAscii, |bytes| bytes.starts_with(b"Zygo ASCII Data File"), read)
 };
 
 /// Bytes after the header, and the smallest number of its lines.

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, PI};
 use std::fs;
 use std::path::Path;
 
-use asperity_formats::{Scan, X3pData, read, write_x3p};
+use asperity_formats::{Scan, read, write_x3p};
 use ndarray::{Array2, Axis, s};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -134,7 +134,7 @@ fn random_maps_like_a_scan_of_fine_roughness_on_long_waves_keep_its_slopes() {
     // No single covariance model has both lengths.
     let heights_m = 1e-7 * (correlated(1, 10.0, 2) + 0.3 * correlated(2, 5.0, 1));
     let scan = Scan::new(heights_m.clone(), Some((1e-6, 1e-6)));
-    fs::write(folder.path().join("scan.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
+    fs::write(folder.path().join("scan.x3p"), write_x3p(&scan).unwrap()).unwrap();
     let specification = "seed = 5\nsize = [\"200 um\", \"200 um\"]\npoints = [200, 200]\n[surface]\n\
                          file = \"scan.x3p\"\nlevel = \"plane\"\ngenerator = \"spectral\"\ncut_off = \"2 um\"\n";
     let maps = generated(folder.path(), specification, 2);

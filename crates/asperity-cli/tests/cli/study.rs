@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use asperity_formats::{Scan, X3pData, read, read_npz, write_vtk_fields, write_x3p};
+use asperity_formats::{Scan, read, read_npz, write_vtk_fields, write_x3p};
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -269,7 +269,7 @@ fn a_missing_or_unusable_input_is_a_data_error_not_a_usage_error() {
     fs::write(folder.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
     run_in(folder.path(), "run binary.toml").refuses(2, &["binary.toml", "not a text file"]);
     fs::remove_file(folder.path().join("binary.toml")).unwrap();
-    let scan = |heights_m: Array2<f64>| write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6))), X3pData::Float64).unwrap();
+    let scan = |heights_m: Array2<f64>| write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6)))).unwrap();
     let whole = scan(Array2::from_shape_fn((16, 16), |(row, column)| 1e-8 * ((row * 7 + column * 3) % 5) as f64));
     for (bytes, words) in [
         (None, vec!["scan.x3p"]),
@@ -342,7 +342,7 @@ fn check_and_run_name_the_line_of_a_value_that_does_not_suit_the_scan() {
     // A surface that is smooth on the scale of its pixels has no scaling range.
     let wave = |index: usize| (std::f64::consts::TAU * index as f64 / 32.0).sin();
     let heights_m = Array2::from_shape_fn((64, 64), |(row, column)| 1e-7 * (wave(row) + wave(column)));
-    let bytes = write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6))), X3pData::Float64).unwrap();
+    let bytes = write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6)))).unwrap();
     fs::write(folder.path().join("scan.x3p"), bytes).unwrap();
     let fractal = "generator = \"weierstrass_mandelbrot\"\n";
     for (files, keys, line, words) in [

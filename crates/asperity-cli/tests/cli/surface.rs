@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use asperity_formats::{Scan, X3pData, read, write_x3p};
+use asperity_formats::{Scan, read, write_x3p};
 use ndarray::{Array2, array};
 use tempfile::TempDir;
 
@@ -37,7 +37,7 @@ fn converting_keeps_heights_pitch_and_missing_points() {
 fn a_given_pixel_size_overrides_the_file_s_with_a_warning() {
     let folder = TempDir::new().unwrap();
     let scan = Scan::new(array![[1e-8, -2e-8], [-1e-8, 2e-8]], Some((1e-6, 1e-6)));
-    fs::write(folder.path().join("map.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
+    fs::write(folder.path().join("map.x3p"), write_x3p(&scan).unwrap()).unwrap();
     let found = surface(folder.path(), "convert map.x3p out.x3p --pixel-size 5um");
     assert_eq!(found.code, 0);
     assert!(
@@ -72,7 +72,7 @@ fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", array![[1e-6, 2e-6], [3e-6, 4e-6]]);
     let scan = Scan::new(Array2::zeros((16, 16)), Some((1e-6, 1e-6)));
-    let whole = write_x3p(&scan, X3pData::Float64).unwrap();
+    let whole = write_x3p(&scan).unwrap();
     fs::write(folder.path().join("cut.x3p"), &whole[..whole.len() / 2]).unwrap();
     fs::write(folder.path().join("empty.npy"), "").unwrap();
     fs::write(folder.path().join("words.txt"), "1e-6 two 3e-6\n").unwrap();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use asperity_formats::{Scan, X3pData, read, write_x3p};
+use asperity_formats::{Scan, read, write_x3p};
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -27,7 +27,7 @@ fn folder() -> TempDir {
     let mut heights = read(&folder.path().join("whole.x3p")).unwrap().heights_m;
     heights.indexed_iter_mut().filter(|((r, c), _)| r + c < 12).for_each(|(_, z)| *z = f64::NAN);
     let scan = Scan::new(heights, Some((1e-6, 1e-6)));
-    fs::write(folder.path().join("scan.x3p"), write_x3p(&scan, X3pData::Float64).unwrap()).unwrap();
+    fs::write(folder.path().join("scan.x3p"), write_x3p(&scan).unwrap()).unwrap();
     folder
 }
 

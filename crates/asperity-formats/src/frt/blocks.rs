@@ -1,9 +1,8 @@
 //! Blocks of an FRT file.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::input::Input;
+use crate::{Input, Result};
 
 /// First bytes of every file, before the version.
 pub(super) const SIGNATURE: &[u8] = b"FRTM_GLIDERV";

@@ -1,9 +1,6 @@
 //! Images of an FRT file.
 
-use crate::error::Result;
-use crate::input::Input;
-use crate::large::Shape;
-use crate::sample::Sample;
+use crate::{Input, Result, Sample, Shape};
 
 /// Size in bytes of the description of the current image, before the first image of block 0x007d.
 const IMAGES_HEADER_BYTES: usize = 8;

@@ -4,23 +4,11 @@ use std::collections::BTreeMap;
 
 use super::blocks::{Blocks, Z_UNIT};
 use crate::date::utc;
-use crate::input::{self, Input, latin1};
-
-/// Type of a field.
-#[derive(Clone, Copy)]
-enum Kind {
-    U32,
-    F64,
-    /// Seconds since 1970-01-01; 0 and all bits set mean unknown.
-    Time,
-    /// Text of at most this many bytes.
-    Text(usize),
-    /// Text after its length as u32, after this many other such texts.
-    Counted(usize),
-}
+use crate::input::Kind;
+use crate::{Input, latin1};
 
 /// Fields by block and offset.
-const FIELDS: [(u16, usize, &str, Kind); 37] = [
+const FIELDS: [(u16, usize, &str, Kind); 31] = [
     (0x0065, 0, "description", Kind::Text(usize::MAX)),
     (0x0067, 16, "x offset", Kind::F64),
     (0x0067, 24, "y offset", Kind::F64),
@@ -36,8 +24,6 @@ const FIELDS: [(u16, usize, &str, Kind); 37] = [
     (0x0070, 0, "first valid value", Kind::U32),
     (0x0070, 4, "last valid value", Kind::U32),
     (0x0071, 0, "z offset", Kind::F64),
-    (0x0072, 0, "measurement started", Kind::Time),
-    (0x0072, 4, "measurement ended", Kind::Time),
     (0x0072, 8, "measurement time in s", Kind::U32),
     (0x0074, 0, "DLL version 1", Kind::U32),
     (0x0074, 4, "DLL version 2", Kind::U32),
@@ -47,47 +33,41 @@ const FIELDS: [(u16, usize, &str, Kind); 37] = [
     (0x007a, 4, "minimum intensity", Kind::U32),
     (0x007b, 0, "sensor subtype", Kind::U32),
     (0x007f, 0, "calibration", Kind::Text(255)),
-    (0x008e, 0, "serial number", Kind::Counted(0)),
     (0x0090, 0, "despiked", Kind::U32),
     (0x0090, 12, "filtered", Kind::U32),
     (0x0095, 0, "thickness mode", Kind::U32),
     (0x0095, 8, "refractive index", Kind::F64),
     (0x009b, 0, "roundness", Kind::U32),
-    (0x00a6, 0, "objective", Kind::Counted(0)),
     (0x00a9, 0, "x axis subtracted", Kind::U32),
     (0x00a9, 4, "y axis subtracted", Kind::U32),
-    (0x00ac, 0, "user name", Kind::Counted(0)),
-    (0x00ac, 0, "user description", Kind::Counted(1)),
 ];
+
+/// Seconds since 1970-01-01 by block and offset; 0 and all bits set mean unknown.
+const TIMES: [(u16, usize, &str); 2] = [(0x0072, 0, "measurement started"), (0x0072, 4, "measurement ended")];
+/// Texts after their lengths as u32, by block and the number of other such texts before.
+const TEXTS: [(u16, usize, &str); 4] =
+    [(0x008e, 0, "serial number"), (0x00a6, 0, "objective"), (0x00ac, 0, "user name"), (0x00ac, 1, "user description")];
 
 /// Returns the fields that are present. Fields beyond the end of a block are left out.
 pub(super) fn metadata(blocks: &Blocks) -> BTreeMap<String, String> {
-    let mut metadata = BTreeMap::new();
-    for (tag, offset, name, kind) in FIELDS {
-        let Some(block) = blocks.get(&tag) else { continue };
-        metadata.extend(value(block, name, offset, kind).map(|value| (name.to_owned(), value)));
-    }
-    metadata.extend(blocks.get(&Z_UNIT).and_then(z_unit).map(|unit| ("z unit".to_owned(), unit)));
-    metadata
-}
-
-fn value(block: &Input, name: &str, offset: usize, kind: Kind) -> Option<String> {
-    match kind {
-        Kind::U32 => block.value(name, offset, input::Kind::U32).ok(),
-        Kind::F64 => block.value(name, offset, input::Kind::F64).ok(),
-        Kind::Time => block.u32(name, offset).ok().filter(|&seconds| seconds != 0 && seconds != u32::MAX).map(utc),
-        Kind::Text(length) => {
-            let length = length.min(block.len().checked_sub(offset)?);
-            block.latin1(name, offset, length).ok()
-        }
-        Kind::Counted(before) => {
-            let mut offset = offset;
-            for _ in 0..before {
-                offset += 4 + counted(block, name, offset)?.len();
-            }
-            counted(block, name, offset).map(latin1)
-        }
-    }
+    let field = |&(tag, offset, name, kind): &(u16, usize, &str, Kind)| {
+        let block = blocks.get(&tag)?;
+        let left = block.len().checked_sub(offset)?;
+        let kind = if let Kind::Text(length) = kind { Kind::Text(length.min(left)) } else { kind };
+        Some((name.to_owned(), block.value(name, offset, kind).ok()?))
+    };
+    let time = |&(tag, offset, name): &(u16, usize, &str)| {
+        let seconds = blocks.get(&tag)?.u32(name, offset).ok().filter(|&seconds| seconds != 0 && seconds != u32::MAX);
+        Some((name.to_owned(), utc(seconds?)))
+    };
+    let text = |&(tag, before, name): &(u16, usize, &str)| {
+        let block = blocks.get(&tag)?;
+        let start = (0..before).try_fold(0, |at, _| Some(at + 4 + counted(block, name, at)?.len()))?;
+        Some((name.to_owned(), latin1(counted(block, name, start)?)))
+    };
+    let unit = blocks.get(&Z_UNIT).and_then(z_unit).map(|unit| ("z unit".to_owned(), unit));
+    let fields = FIELDS.iter().filter_map(field).chain(TIMES.iter().filter_map(time));
+    fields.chain(TEXTS.iter().filter_map(text)).chain(unit).collect()
 }
 
 /// Returns a text after its length.

@@ -1,10 +1,9 @@
 //! Serialised objects and their components.
 
-use crate::error::{Result, shown};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use crate::input::{Input, MAX_TEXT_BYTES};
+use crate::{Input, MAX_TEXT_BYTES, Result, shown};
 
 /// First bytes of a file.
 pub(super) const MAGIC: &[u8] = b"GWYP";

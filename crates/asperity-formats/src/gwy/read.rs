@@ -1,14 +1,9 @@
 //! Reader of Gwyddion files.
 
-use crate::error::Result;
 use std::collections::{BTreeMap, HashMap};
 
 use super::object::{CONTAINER, Component, DATA_FIELD, MAGIC, MAGIC_1, Object, UNIT};
-use crate::chosen_map::ChosenMap;
-use crate::input::{Input, TextLimit};
-use crate::sample::Sample;
-use crate::unit::per_metre;
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{ChosenMap, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, TextLimit, large, per_metre};
 
 /// Maximum number of images of one file.
 const MAX_IMAGES: usize = 1 << 16;
@@ -47,12 +42,12 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let title = parts.title.map(|at| title(&input, at)).filter(|title| !title.is_empty());
         let title = title.unwrap_or_else(|| format!("/{number}/data"));
         let units = Units::new(&input, &field)?;
-        let other_unit = units.per_metre_z().is_none().then(|| units.z.clone());
-        maps.push((field, parts, units, (title, other_unit)));
+        let unit = if units.states_none() { "m".into() } else { units.z.clone() };
+        maps.push((field, parts, units, (title, unit)));
     }
     let chosen = ChosenMap::new(Format::Gwy, maps.iter().map(|(.., description)| description.clone()), options)?;
     let (field, parts, units, _) = &maps[chosen.map];
-    let mut scan = image(&input, field, units)?;
+    let mut scan = image(&input, field, units, chosen.per_metre)?;
     if let Some(mask) = parts.mask {
         apply_mask(&input, &object(&input, "mask", mask)?, &mut scan)?;
     }
@@ -132,11 +127,6 @@ impl Units {
         Ok(Self { xy: unit("si_unit_xy")?, z: unit("si_unit_z")? })
     }
 
-    /// Returns the number of height units per metre; `None` if the values are not lengths.
-    fn per_metre_z(&self) -> Option<f64> {
-        if self.states_none() { Some(1.0) } else { per_metre(&self.z) }
-    }
-
     fn per_metre_xy(&self) -> Option<f64> {
         if self.states_none() { Some(1.0) } else { per_metre(&self.xy) }
     }
@@ -183,10 +173,9 @@ fn layout(input: &Input, field: &Object, fields: &HashMap<String, Component>) ->
 }
 
 /// Reads the heights and the pitch of an image.
-fn image(input: &Input, field: &Object, units: &Units) -> Result<Scan> {
+fn image(input: &Input, field: &Object, units: &Units, per_metre: f64) -> Result<Scan> {
     let fields = field.fields(&FIELDS)?;
     let (ny, nx, data_at) = layout(input, field, &fields)?;
-    let per_metre = units.per_metre_z().unwrap_or(1.0);
     let heights_m = input.heights("data", data_at, (ny, nx), Sample::F64, |z| z / per_metre)?;
 
     let number = |name: &str| fields.get(name).map(|component| input.f64(name, component.value.0)).transpose();
@@ -218,13 +207,7 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
         return Ok(());
     }
     let values = input.samples("data of the mask", data_at, nx * ny, Sample::F64)?;
-    let mut masked = 0_usize;
-    for (z, value) in scan.heights_m.iter_mut().zip(values) {
-        if value > MASKED {
-            *z = f64::NAN;
-            masked += 1;
-        }
-    }
+    let masked = large::hide(&mut scan.heights_m, values.into_iter().map(|value| value > MASKED));
     if masked > 0 {
         scan.warnings.push(format!("{masked} points under the mask were read as missing"));
     }

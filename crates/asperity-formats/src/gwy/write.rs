@@ -1,10 +1,9 @@
 //! Writer of Gwyddion files.
 
-use crate::error::Result;
 use std::mem::size_of;
 
 use super::object::{CONTAINER, DATA_FIELD, MAGIC, UNIT};
-use crate::{Format, FormatError, Scan};
+use crate::{Format, FormatError, Result, Scan};
 
 /// Title of a scan without a title.
 const TITLE: &str = "Height";

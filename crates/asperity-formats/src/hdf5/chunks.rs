@@ -1,15 +1,13 @@
 //! Assembly of chunked data, and their filters.
 
-use crate::error::Result;
 use std::borrow::Cow;
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use super::dataset::Dataset;
-use super::file::File;
 use super::layout::{Chunks, Filter, Index};
-use super::tree::Keys;
+use super::{Dataset, File, Keys};
+use crate::Result;
 use crate::archive::{damage, damaged};
 
 /// Size in bytes that the chunks of every file may unpack to: a map of 2048 × 1024 as `f64`.

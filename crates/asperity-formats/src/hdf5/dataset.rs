@@ -1,16 +1,12 @@
 //! Datasets: datatype, shape, and data in one of three layouts.
 
-use crate::error::Result;
 use std::borrow::Cow;
 
-use super::datatype::{Class, Datatype, dimensions};
-use super::file::File;
-use super::header::Object;
+use super::datatype::dimensions;
 use super::header::{DATASPACE, DATATYPE, FILL_VALUE, FILTERS, LAYOUT, OLD_FILL_VALUE};
 use super::layout::{self, Chunks, Filter};
-use super::piece::Piece;
-use super::value::Value;
-use crate::sample::{ByteOrder, Sample};
+use super::{Class, Datatype, File, Object, Piece, Value};
+use crate::{ByteOrder, Result, Sample};
 
 /// Dataset with its header.
 pub(crate) struct Dataset<'a> {

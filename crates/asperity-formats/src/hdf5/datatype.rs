@@ -1,11 +1,8 @@
 //! Datatypes and dataspaces.
 
-use super::file::File;
 use super::header::DATATYPE;
-use super::header::Object;
-use super::piece::Piece;
-use crate::error::Result;
-use crate::sample::{ByteOrder, Sample};
+use super::{File, Object, Piece};
+use crate::{ByteOrder, Result, Sample};
 
 /// Maximum depth of nested types.
 const MAX_DEPTH: usize = 8;

@@ -2,10 +2,8 @@
 
 use std::cell::Cell;
 
-use super::piece::Piece;
-use crate::Format;
-use crate::error::Result;
-use crate::input::Input;
+use super::Piece;
+use crate::{Format, Input, Result};
 
 /// First bytes of every file.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -96,5 +94,10 @@ impl<'a> File<'a> {
         let left = self.work.get().checked_sub(work);
         self.work.set(left.ok_or_else(|| self.input.wrong(name, at, found, "a tree of structures"))?);
         Ok(())
+    }
+    /// Checks the number of messages, links or attributes of an object.
+    pub(super) fn check_count(&self, field: &str, at: usize, count: usize) -> Result<()> {
+        let is_allowed = count <= MAX_ENTRIES;
+        if is_allowed { Ok(()) } else { Err(self.input.too_large(field, at, count, MAX_ENTRIES)) }
     }
 }

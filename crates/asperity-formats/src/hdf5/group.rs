@@ -1,11 +1,8 @@
 //! Groups: names and addresses of their objects.
 
-use super::file::{File, MAX_ENTRIES};
-use super::header::Object;
 use super::header::{LINK, LINK_INFO, SYMBOL_TABLE};
-use super::piece::Piece;
-use super::tree::Keys;
-use crate::error::Result;
+use super::{File, Keys, Object, Piece};
+use crate::Result;
 
 /// Keys of the tree of a symbol table: offsets of names.
 const NAMES: Keys = Keys { kind: 0, bytes: 8 };
@@ -26,9 +23,7 @@ impl<'a> File<'a> {
         let mut links = Vec::new();
         let mut push = |link: Option<Link<'a>>| {
             links.extend(link);
-            let count = links.len();
-            let too_many = || self.input.too_large("the number of links", object.at, count, MAX_ENTRIES);
-            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
+            self.check_count("the number of links", object.at, links.len())
         };
         for message in object.all(LINK) {
             push(link(self.message(message, "link message")?)?)?;

@@ -1,8 +1,7 @@
 //! Object headers: the messages that describe a group or a dataset.
 
-use super::file::{File, MAX_ENTRIES};
-use super::piece::Piece;
-use crate::error::Result;
+use super::{File, MAX_ENTRIES, Piece};
+use crate::Result;
 
 pub(super) const DATASPACE: u16 = 0x01;
 pub(super) const LINK_INFO: u16 = 0x02;

@@ -1,9 +1,8 @@
 //! Heaps: local (names of a symbol table), global (variable-length values) and fractal (dense links and attributes).
 
-use super::file::File;
-use super::piece::Piece;
 use super::tree::width;
-use crate::error::Result;
+use super::{File, Piece};
+use crate::Result;
 
 /// Maximum size of a name in bytes.
 const MAX_NAME_BYTES: usize = 4096;

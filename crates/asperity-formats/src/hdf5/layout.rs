@@ -1,7 +1,7 @@
 //! Messages on chunked data: division into chunks, and filters.
 
-use super::piece::Piece;
-use crate::error::Result;
+use super::Piece;
+use crate::Result;
 
 /// Maximum number of filters of a dataset: each of the three once.
 const MAX_FILTERS: u8 = 3;

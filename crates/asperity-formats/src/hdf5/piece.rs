@@ -1,8 +1,6 @@
 //! Sequential reading of the fields of a structure.
 
-use crate::FormatError;
-use crate::error::Result;
-use crate::input::Input;
+use crate::{FormatError, Input, Result};
 
 /// Address that marks an absent object.
 const UNDEFINED: u64 = u64::MAX;

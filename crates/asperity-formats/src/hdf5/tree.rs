@@ -1,8 +1,7 @@
 //! B-trees: version 1 for symbol tables and chunks, version 2 for dense links and attributes.
 
-use super::file::File;
-use super::piece::Piece;
-use crate::error::Result;
+use super::{File, Piece};
+use crate::Result;
 
 /// Maximum number of levels of a version 2 tree. Each level multiplies the records at least by ten.
 const MAX_DEPTH: u16 = 16;

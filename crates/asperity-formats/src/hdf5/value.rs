@@ -1,11 +1,9 @@
 //! Attributes and their values.
 
-use super::datatype::{Class, Datatype, dimensions};
-use super::file::{File, MAX_ENTRIES};
-use super::header::Object;
+use super::datatype::dimensions;
 use super::header::{ATTRIBUTE, ATTRIBUTE_INFO};
-use super::piece::Piece;
-use crate::error::{Result, shown};
+use super::{Class, Datatype, File, Object, Piece};
+use crate::{Result, shown};
 
 /// Maximum number of numbers of a value that are shown as text.
 const SHOWN_NUMBERS: usize = 16;
@@ -35,9 +33,7 @@ impl<'a> File<'a> {
         let mut attributes = Vec::new();
         let mut push = |attribute: Attribute<'a>| {
             attributes.push(attribute);
-            let count = attributes.len();
-            let too_many = || self.input.too_large("the number of attributes", object.at, count, MAX_ENTRIES);
-            if count > MAX_ENTRIES { Err(too_many()) } else { Ok(()) }
+            self.check_count("the number of attributes", object.at, attributes.len())
         };
         for message in object.all(ATTRIBUTE).filter(|message| !message.shared) {
             push(attribute(self.message(message, "attribute")?)?)?;

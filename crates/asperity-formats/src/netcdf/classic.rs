@@ -4,11 +4,7 @@
 //! 64-bit Data Format Specifications.
 
 use super::contents::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable, transposed};
-use crate::Format;
-use crate::error::Result;
-use crate::input::Input;
-use crate::large::{self, Shape};
-use crate::sample::{ByteOrder, Sample};
+use crate::{ByteOrder, Format, Input, Result, Sample, Shape, large};
 
 /// Tags of the three lists.
 const DIMENSIONS: u32 = 0x0a;
@@ -44,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
         if length == 0 {
             record_dimension = Some(place);
         }
-        contents.dimensions.push(Dimension { name, length });
+        contents.dimensions.push((name, length));
     }
     contents.attributes = header.attributes()?;
     for _ in 0..header.list("variables", VARIABLES)? {
@@ -70,7 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Input<'_>, Contents)> {
         variable.record_bytes = Some(record_bytes);
     }
     if let Some(place) = record_dimension {
-        contents.dimensions[place].length = records;
+        contents.dimensions[place].1 = records;
     }
     Ok((input, contents))
 }
@@ -221,7 +217,7 @@ impl Header<'_> {
                 Value::Numbers(numbers)
             }
         };
-        Ok(Attribute { name, value })
+        Ok((name, value))
     }
 
     fn variable(&mut self, known: &[Dimension], record_dimension: Option<usize>) -> Result<Variable> {
@@ -236,7 +232,7 @@ impl Header<'_> {
             })?;
             if number < MAX_RANK {
                 dimensions.push(Some(place));
-                shape.push(dimension.length);
+                shape.push(dimension.1);
             }
         }
         let attributes = self.attributes()?;
@@ -249,7 +245,7 @@ impl Header<'_> {
         let begin = usize::try_from(begin).unwrap_or(usize::MAX);
         let has_records = record_dimension.is_some() && dimensions.first() == Some(&record_dimension);
         let is_unsigned = matches!(
-            attributes.iter().find(|attribute| attribute.name == "_Unsigned").map(|attribute| &attribute.value),
+            attributes.iter().find(|(name, _)| name == "_Unsigned").map(|(_, value)| value),
             Some(Value::Text(text)) if text == "true"
         );
         let sample = sample.filter(|_| rank <= MAX_RANK);

@@ -1,9 +1,6 @@
 //! Content of a file of either kind.
 
-use crate::FormatError;
-use crate::large::{self, Shape};
-use crate::sample::Sample;
-use crate::unit::per_metre;
+use crate::{FormatError, Sample, Shape, large, per_metre};
 
 /// Variable of the map in files of SurfaceTopography.
 pub(super) const HEIGHTS: &str = "heights";
@@ -24,15 +21,10 @@ pub(super) struct Contents {
     pub(super) first_error: Option<FormatError>,
 }
 
-pub(super) struct Dimension {
-    pub(super) name: String,
-    pub(super) length: usize,
-}
-
-pub(super) struct Attribute {
-    pub(super) name: String,
-    pub(super) value: Value,
-}
+/// Name and length.
+pub(super) type Dimension = (String, usize);
+/// Name and value.
+pub(super) type Attribute = (String, Value);
 
 pub(super) enum Value {
     Text(String),
@@ -55,7 +47,7 @@ pub(super) struct Variable {
 
 impl Variable {
     pub(super) fn attribute(&self, name: &str) -> Option<&Value> {
-        self.attributes.iter().find(|attribute| attribute.name == name).map(|attribute| &attribute.value)
+        self.attributes.iter().find(|(own, _)| own == name).map(|(_, value)| value)
     }
 
     pub(super) fn numbers(&self, name: &str) -> &[f64] {

@@ -1,9 +1,9 @@
 //! NetCDF-4: variables are HDF5 datasets, and dimensions are datasets that are dimension scales.
 
-use crate::error::Result;
 use std::collections::HashMap;
 
-use super::contents::{Attribute, Contents, Dimension, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use super::contents::{Attribute, Contents, MAX_ENTRIES, MAX_NUMBERS, Value, Variable};
+use crate::Result;
 use crate::hdf5::{File, Object, shown_name};
 
 /// Attributes that connect datasets and are not shown to the user.
@@ -46,7 +46,7 @@ pub(super) fn read(file: &File) -> Result<Contents> {
                 b"CLASS" if file.value(&attribute, |value| value.text())?.as_deref() == Some("DIMENSION_SCALE") => {
                     scales.insert(link.address, contents.dimensions.len());
                     let length = dataset.shape.first().copied().unwrap_or_default();
-                    contents.dimensions.push(Dimension { name: name.clone(), length });
+                    contents.dimensions.push((name.clone(), length));
                 }
                 b"NAME" => {
                     let name = file.value(&attribute, |value| value.text())?;
@@ -96,7 +96,7 @@ fn attributes(file: &File, object: &Object, room: &mut usize) -> Result<Vec<Attr
         // An attribute that cannot be read is neither a unit nor a fill value.
         if let Ok(Some(value)) = value {
             *room -= 1;
-            attributes.push(Attribute { name: shown_name(attribute.name), value });
+            attributes.push((shown_name(attribute.name), value));
         }
     }
     Ok(attributes)

@@ -1,12 +1,9 @@
 //! Header of an object: fields, axes and metadata.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
-use crate::FormatError;
-use crate::input::{Field, Input, Kind};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
+use crate::input::Kind;
+use crate::{ByteOrder, Field, FormatError, Input, Result, Sample, date, per_metre};
 
 /// First bytes of an object.
 pub(super) const SIGNATURE: &[u8; 12] = b"DIGITAL SURF";
@@ -176,9 +173,8 @@ impl<'a> Header<'a> {
     /// Returns date and time of the measurement; empty if no day is stated.
     fn date(&self) -> Result<String> {
         let part = |place: usize| self.input.i16(DATE.0, DATE.1 + 2 * place);
-        let (second, minute, hour, day, month, year) = (part(0)?, part(1)?, part(2)?, part(3)?, part(4)?, part(5)?);
-        let text = || format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}");
-        Ok(if day > 0 && month > 0 { text() } else { String::new() })
+        let date @ [_, month, day, ..] = [part(5)?, part(4)?, part(3)?, part(2)?, part(1)?, part(0)?];
+        Ok(if day > 0 && month > 0 { date::text(date) } else { String::new() })
     }
 
     /// Returns further fields of the header.

@@ -1,11 +1,8 @@
 //! Objects of a file: their parts and numbers.
 
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES, SIGNATURE_COMPRESSED, is_object};
-use crate::Format;
 use crate::archive::{beyond_reason, damaged, may_hold, unpack};
-use crate::error::Result;
-use crate::input::Input;
-use crate::sample::Sample;
+use crate::{Format, Input, Result, Sample};
 
 /// Maximum number of streams of one object. Writers use one, or one per processor.
 const MAX_STREAMS: u32 = 1 << 10;

@@ -1,16 +1,11 @@
 //! Reader of SUR.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 
 use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJECTS};
 use super::header::{NAME_BYTES, SPECIAL_POINTS, VOID_BELOW_MINIMUM, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
-use crate::input::Input;
-use crate::large;
-
-use crate::unit::per_metre;
-use crate::{Format, ReadOptions, Scan};
+use crate::{Format, Input, ReadOptions, Result, Scan, large, per_metre};
 
 /// Object types that some writers use for surfaces.
 const UNKNOWN: i16 = 0;

@@ -4,38 +4,10 @@ use super::header::{
     AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME, SIGNATURE,
     VOID_BELOW_MINIMUM,
 };
-use crate::error::Result;
-use crate::sample::Sample;
-use crate::{Format, FormatError, Scan};
+use crate::{Format, FormatError, Result, Scan};
 
-/// Number type of the heights in a file to write.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SurData {
-    /// 32766 steps from the lowest to the highest height.
-    Int16,
-    /// 2³¹ − 2 steps from the lowest to the highest height.
-    #[default]
-    Int32,
-}
-
-impl SurData {
-    /// Returns the number type.
-    fn sample(self) -> Sample {
-        match self {
-            Self::Int16 => Sample::I16,
-            Self::Int32 => Sample::I32,
-        }
-    }
-
-    /// Returns the highest number; the lowest is 0. One more would mark a saturated point.
-    fn highest(self) -> i32 {
-        match self {
-            Self::Int16 => i32::from(i16::MAX) - 1,
-            Self::Int32 => i32::MAX - 1,
-        }
-    }
-}
-
+/// Highest number; the lowest is 0. One more would mark a saturated point.
+const HIGHEST: i32 = i32::MAX - 1;
 /// Number of units per metre and spelling of micrometre and nanometre. µ is one byte of Latin-1.
 const MICROMETRE: (f64, &str) = (1e6, "\u{b5}m");
 const NANOMETRE: (f64, &str) = (1e9, "nm");
@@ -57,7 +29,7 @@ struct Stored {
     offset: f32,
 }
 
-/// Writes a scan as a SUR file of one surface with plain integers. Equal scans give equal bytes.
+/// Writes a scan as a SUR file of one surface with plain `int32`. Equal scans give equal bytes.
 ///
 /// Numbers start at 0. Offset and spacing are `f32`: the offset is the lowest height rounded down, the spacing is the
 /// range above it divided by the number of steps and rounded up, and heights are rounded to multiples of the rounded
@@ -72,7 +44,7 @@ struct Stored {
 /// # Errors
 /// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points, with more
 /// than 2³¹ − 1 points, or with lengths beyond the range of `f32`.
-pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
+pub fn write_sur(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     let ((ny, nx), (dx_m, dy_m)) = scan.to_store(Format::Sur)?;
     let counts = [nx, ny, scan.heights_m.len()].map(i32::try_from);
     let [Ok(columns), Ok(lines), Ok(points)] = counts else {
@@ -80,7 +52,7 @@ pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
     };
     let ((dx, x_unit), (dy, y_unit)) = (pitch(dx_m)?, pitch(dy_m)?);
     let z_unit = MICROMETRE.1;
-    let stored = quantised(scan, data)?;
+    let stored = quantised(scan)?;
     let known = |names: [&str; 2]| names.iter().find_map(|name| scan.metadata.get(*name)).map_or("", String::as_str);
     let comment = latin1(known(["comment", "Record2/Comment"]), MAX_COMMENT_BYTES);
 
@@ -94,7 +66,7 @@ pub fn write_sur(scan: &Scan, data: SurData) -> Result<Vec<u8>, FormatError> {
     file.extend([0, 0, 0, i16::from(scan.missing_points() > 0), 1].map(i16::to_le_bytes).as_flattened());
     // Resolution of the gauge, points per spectrum.
     file.extend([0; 8]);
-    file.extend([8 * data.sample().size() as i16].map(i16::to_le_bytes).as_flattened());
+    file.extend(32_i16.to_le_bytes());
     file.extend([0, stored.highest, columns, lines, points].map(i32::to_le_bytes).as_flattened());
     file.extend([dx, dy, stored.spacing].map(f32::to_le_bytes).as_flattened());
     // Lengths have the units of steps, so the ratios are 1.
@@ -141,20 +113,20 @@ fn pitch(pitch_m: f64) -> Result<(f32, &'static str)> {
 }
 
 /// Returns the heights in steps above the offset.
-fn quantised(scan: &Scan, data: SurData) -> Result<Stored> {
+fn quantised(scan: &Scan) -> Result<Stored> {
     let (low_m, high_m) = scan.height_range_m().unwrap_or((0.0, 0.0));
     let (low, high) = (low_m * MICROMETRE.0, high_m * MICROMETRE.0);
     let nearest = low as f32;
     let offset = if nearest.is_finite() && f64::from(nearest) > low { nearest.next_down() } else { nearest };
     let span = high - f64::from(offset);
     // A spacing below the normal numbers would lose digits. A flat map may have any spacing.
-    let exact = if span > 0.0 { (span / f64::from(data.highest())).max(f32::MIN_POSITIVE.into()) } else { 1.0 };
+    let exact = if span > 0.0 { (span / f64::from(HIGHEST)).max(f32::MIN_POSITIVE.into()) } else { 1.0 };
     let spacing = exact as f32;
     let spacing = if f64::from(spacing) < exact { spacing.next_up() } else { spacing };
     if !(offset.is_finite() && spacing.is_finite() && span.is_finite()) {
         return Err(not_storable(format!("heights from {low_m:e} to {high_m:e} m"), "heights within the range of f32"));
     }
-    let mut points = Vec::with_capacity(data.sample().size() * scan.heights_m.len());
+    let mut points = Vec::with_capacity(4 * scan.heights_m.len());
     let mut highest = 0;
     for &z in &scan.heights_m {
         let number = if z.is_finite() {
@@ -164,10 +136,7 @@ fn quantised(scan: &Scan, data: SurData) -> Result<Stored> {
             -VOID_BELOW_MINIMUM
         };
         highest = highest.max(number);
-        match data {
-            SurData::Int16 => points.extend((number as i16).to_le_bytes()),
-            SurData::Int32 => points.extend(number.to_le_bytes()),
-        }
+        points.extend(number.to_le_bytes());
     }
     Ok(Stored { points, highest, spacing, offset })
 }

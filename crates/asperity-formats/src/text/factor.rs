@@ -1,7 +1,7 @@
 //! Conversion factors of heights in the header of a text.
 
 use super::header::{COMMENT, DECIMAL_SIGN, Header, Pair, bare, is_one_of, unit};
-use crate::error::Result;
+use crate::Result;
 
 const BIT_TO_NM: &str = "bit2nm";
 const FACTOR: &str = "conversion factor";

@@ -11,9 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::shown;
-use crate::input::{MAX_TEXT_BYTES, TextLimit, utf8_or_latin1};
-use crate::unit::per_metre;
+use crate::{MAX_TEXT_BYTES, TextLimit, per_metre, shown, utf8_or_latin1};
 
 /// Key with its value, and the unit in brackets after the key.
 pub(super) struct Pair {

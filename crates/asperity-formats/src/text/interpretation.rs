@@ -1,10 +1,9 @@
 //! Interpretation of headers: pixel size, unit and factor of the heights, missing points.
 
-use crate::error::shown;
-use crate::large::Shape;
 use crate::text::factor::{Factor, Factors};
 use crate::text::header::{Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
 use crate::text::length::Lengths;
+use crate::{Shape, shown};
 
 /// Keys with one meaning, separated by bars.
 const DX: &str = "dx|delta x|x step|step x|x spacing|x pitch|x pixel size|pixel size x|pixel width|scale x";

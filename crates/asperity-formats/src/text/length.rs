@@ -1,7 +1,7 @@
 //! Lengths in the header of a text.
 
 use super::field::decimal_comma;
-use crate::unit::per_metre;
+use crate::per_metre;
 
 /// One or two lengths.
 pub(super) struct Lengths {

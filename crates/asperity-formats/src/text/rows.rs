@@ -2,14 +2,11 @@
 //!
 //! Long texts are cut at line ends and parsed in parallel. The result does not depend on the number of pieces.
 
-use crate::error::Result;
 use rayon::prelude::*;
 
-use crate::input::{TextLimit, utf8_or_latin1};
-use crate::large;
 use crate::text::field::{NO_DATA, decimal_comma, missing, number, special_number, spreadsheet_error};
 use crate::text::separator::{COMMENT, Separator};
-use crate::{Format, FormatError, Location, MAX_POINTS};
+use crate::{Format, FormatError, Location, MAX_POINTS, Result, TextLimit, large, utf8_or_latin1};
 
 /// Size in bytes below which another thread costs more time than it saves.
 const BYTES_PER_THREAD: usize = 1 << 20;

@@ -7,7 +7,7 @@ pub(crate) const COMMENT: &[u8] = b"#%";
 
 /// Separator of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Separator {
+pub(crate) enum Separator {
     /// One or more spaces or tabs.
     Space,
     /// A comma.

@@ -10,7 +10,7 @@ use crate::text::separator::Separator;
 ///
 /// Two comments before them state the unit of the heights and the pixel size, if the scan has one. The metadata are
 /// not stored.
-pub fn write_text(scan: &Scan, separator: Separator) -> Vec<u8> {
+pub(crate) fn write_text(scan: &Scan, separator: Separator) -> Vec<u8> {
     let mut text = String::from("# unit: m\n");
     // Writing to a String cannot fail.
     if let Some((dx_m, dy_m)) = scan.pitch_m {

@@ -2,19 +2,15 @@
 //!
 //! Strips and tiles are unpacked row by row, so that the memory holds no more than the page and one row.
 
-use crate::error::Result;
 use std::io::{self, Read};
 
 use flate2::read::ZlibDecoder;
 use weezl::decode::{Configuration, Decoder};
 use weezl::{BitOrder, LzwStatus};
 
-use super::directory::{Directory, Tag};
-use super::tag;
-use crate::Format;
+use super::{Directory, Tag, tag};
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
-use crate::large::Shape;
-use crate::sample::{ByteOrder, Sample};
+use crate::{ByteOrder, Format, Result, Sample, Shape};
 
 /// Maximum number of strips or tiles of one page.
 const MAX_CHUNKS: u64 = 1 << 16;

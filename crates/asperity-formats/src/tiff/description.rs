@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use quick_xml::events::Event;
 use quick_xml::{Reader, XmlVersion};
 
-use crate::unit::per_metre;
+use crate::per_metre;
 
 /// Content of a description.
 #[derive(Default)]

@@ -1,9 +1,6 @@
 //! Directories of a TIFF file and their fields, in classic and big files.
 
-use crate::FormatError;
-use crate::error::Result;
-use crate::input::{Input, utf8_or_latin1};
-use crate::sample::{ByteOrder, Sample};
+use crate::{ByteOrder, FormatError, Input, Result, Sample, utf8_or_latin1};
 
 /// Maximum number of fields of a directory. Files of any kind have fewer than a hundred.
 const MAX_ENTRIES: u64 = 1024;

@@ -5,10 +5,8 @@
 //!
 //! The fields have no public description; they are known from files and from the readers of several authors.
 
-use super::description::Units;
-use super::directory::{Directory, Tag};
-use crate::error::Result;
-use crate::unit::per_metre;
+use super::{Directory, Tag, Units};
+use crate::{Result, per_metre};
 
 const VERSION: Tag = Tag(0x8000, "version");
 const WIDTH: Tag = Tag(0x8042, "grid width");

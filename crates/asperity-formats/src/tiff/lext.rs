@@ -8,13 +8,8 @@
 
 use std::collections::BTreeMap;
 
-use super::description::Units;
-use super::directory::{Directory, File, Tag};
-use super::tag;
-use crate::error::Result;
-use crate::input::MAX_TEXT_BYTES;
-use crate::xml::Document;
-use crate::{Format, FormatError};
+use super::{Directory, File, Tag, Units, tag};
+use crate::{Document, Format, FormatError, MAX_TEXT_BYTES, Result};
 
 const EXIF: Tag = Tag(34665, "Exif");
 const DEVICE_SETTINGS: Tag = Tag(41995, "DeviceSettingDescription");

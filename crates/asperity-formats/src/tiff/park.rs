@@ -4,13 +4,8 @@
 //!
 //! Layout of the header: Park Systems, *TIFF Format of XEI*; Gwyddion and SurfaceTopography read the same fields.
 
-use super::directory::{Directory, Tag};
-use crate::chosen_map::ChosenMap;
-use crate::error::Result;
-use crate::input::{Input, utf16_text};
-use crate::sample::{ByteOrder, Sample};
-use crate::unit::per_metre;
-use crate::{FormatError, ReadOptions, Scan, large};
+use super::{Directory, Tag};
+use crate::{ByteOrder, ChosenMap, FormatError, Input, ReadOptions, Result, Sample, Scan, utf16_text};
 
 const MAGIC: Tag = Tag(50432, "magic number of Park Systems");
 const VERSION: Tag = Tag(50433, "version");
@@ -45,9 +40,7 @@ pub(super) fn read(page: &Directory, options: &ReadOptions) -> Result<Scan> {
     let name = text("name of the channel", 4, LONG_TEXT)?;
     let unit =
         Some(text("unit of the data", 244, SHORT_TEXT)?).filter(|unit| !unit.is_empty()).unwrap_or_else(|| "um".into());
-    let other = per_metre(&unit).is_none().then(|| unit.clone());
-    let chosen = ChosenMap::new(header.format(), [(name, other)], options)?;
-    let units = per_metre(&unit).unwrap_or(f64::NAN);
+    let chosen = ChosenMap::new(header.format(), [(name, unit.clone())], options)?;
     let (columns, rows) = (header.u32("columns", 100)?, header.u32("rows", 104)?);
     let (ny, nx) = header.shape(("rows", 104, rows), ("columns", 100, columns))?;
     let sample = if page.integer(VERSION)?.unwrap_or(0) < SECOND_VERSION {
@@ -64,10 +57,8 @@ pub(super) fn read(page: &Directory, options: &ReadOptions) -> Result<Scan> {
     let (gain, scale, offset) = (gain?, scale?, offset?);
     let scale = if scale == 0.0 { 1.0 } else { scale };
     let data = part(page, DATA)?;
-    let mut heights = data.samples("data", 0, nx * ny, sample)?;
-    large::map(&mut heights, |n| (n * scale + offset) * gain / units);
-    large::flip(&mut heights, nx);
-    let heights_m = data.matrix("data", 0, (ny, nx), heights)?;
+    let in_metre = |n| (n * scale + offset) * gain / chosen.per_metre;
+    let heights_m = data.heights_upwards("data", 0, (ny, nx), sample, in_metre)?;
     // Sizes are in micrometre.
     let pitch = |at, points: usize| Ok::<_, FormatError>(header.f64("size", at)? / points as f64 / 1e6);
     let mut scan = Scan { height_unit: Some(unit), ..Scan::new(heights_m, Some((pitch(140, nx)?, pitch(148, ny)?))) };

@@ -1,16 +1,12 @@
 //! Reader of TIFF.
 
-use crate::error::{Result, shown};
 use ndarray::{Array2, Axis};
 
-use super::description::{Units, units};
-use super::directory::{Directory, File, Tag, sample};
-use super::{decode, jpk, lext, park, tag};
+use super::description::units;
+use super::directory::sample;
+use super::{Directory, File, Tag, Units, decode, jpk, lext, park, tag};
 use crate::foreign::TO_GWY;
-use crate::input::Input;
-use crate::sample::{ByteOrder, Sample};
-use crate::selection::{some_of, unique};
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::{ByteOrder, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, shown, some_of, unique};
 
 /// Value of the Orientation tag of rows from the bottom up.
 const BOTTOM_LEFT: u64 = 4;

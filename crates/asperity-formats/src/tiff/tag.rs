@@ -1,6 +1,6 @@
 //! Supported fields, by their names in the specification.
 
-use super::directory::Tag;
+use super::Tag;
 
 pub(super) const NEW_SUBFILE_TYPE: Tag = Tag(254, "NewSubfileType");
 pub(super) const IMAGE_WIDTH: Tag = Tag(256, "ImageWidth");

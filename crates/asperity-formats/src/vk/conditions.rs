@@ -1,7 +1,6 @@
 //! Table of offsets and measurement conditions of a VK4 file.
 
-use crate::error::Result;
-use crate::input::{Field, Input};
+use crate::{Field, Input, Result};
 
 /// Offset of the table of offsets.
 const OFFSETS: usize = 12;

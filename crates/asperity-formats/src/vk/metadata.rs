@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::conditions::{number, offset};
-use crate::input::{Field, Input, utf16_text};
-use crate::sample::ByteOrder;
+use crate::{ByteOrder, Field, Input, date, utf16_text};
 
 /// Offset of the version of Keyence's library: four bytes, the main number last.
 const LIBRARY_VERSION: usize = 4;
@@ -69,20 +68,13 @@ pub(super) fn metadata(input: Input, conditions: &Input) -> BTreeMap<String, Str
 /// Returns date and time of the measurement with their offset from UTC.
 fn date(conditions: &Input) -> Option<String> {
     let number = |field| number(conditions, field).ok();
-    let [year, month, day, hour, minute, second] = DATE.map(number);
-    let day = day.filter(|&day| day > 0)?;
+    let [Some(year), Some(month), Some(day @ 1..), Some(hour), Some(minute), Some(second)] = DATE.map(number) else {
+        return None;
+    };
     let ahead = number(UTC_OFFSET)?.cast_signed();
     let (sign, apart) = (if ahead < 0 { '-' } else { '+' }, ahead.unsigned_abs());
-    Some(format!(
-        "{:04}-{:02}-{day:02}T{:02}:{:02}:{:02}{sign}{:02}:{:02}",
-        year?,
-        month?,
-        hour?,
-        minute?,
-        second?,
-        apart / 60,
-        apart % 60
-    ))
+    let date = date::text([year, month, day, hour, minute, second]);
+    Some(format!("{date}{sign}{:02}:{:02}", apart / 60, apart % 60))
 }
 
 /// Returns title and name of the lens.

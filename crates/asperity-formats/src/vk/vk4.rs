@@ -8,16 +8,11 @@
 //! difference. Some files with uncompressed heights set the field for compression. Only the size in bytes shows
 //! compression.
 
-use crate::error::Result;
 use ndarray::Array2;
 
 use super::conditions::{conditions, length_m, offset};
 use super::metadata::metadata;
-use crate::input::{Field, Input};
-use crate::large;
-use crate::sample::Sample;
-
-use crate::{Format, ReadOptions, Scan};
+use crate::{Field, Format, Input, ReadOptions, Result, Sample, Scan, large};
 
 /// First bytes of the two versions.
 const SIGNATURES: [&[u8]; 2] = [b"VK3_", b"VK4_"];

@@ -1,6 +1,6 @@
 //! Names in an archive: files, elements of `main.xml` and number types.
 
-use crate::sample::Sample;
+use crate::Sample;
 
 /// File of the archive that describes all others.
 pub(super) const MAIN: &str = "main.xml";
@@ -8,8 +8,6 @@ pub(super) const MAIN: &str = "main.xml";
 pub(super) const CHECKSUM: &str = "md5checksum.hex";
 /// File of the heights in written archives.
 pub(super) const POINT_DATA: &str = "bindata/data.bin";
-/// File of the validity bits in written archives.
-pub(super) const VALID_POINTS: &str = "bindata/valid.bin";
 
 /// Paths of elements below the root of `main.xml`, by local names.
 pub(super) mod path {
@@ -30,11 +28,13 @@ pub(super) mod path {
     pub(in crate::x3p) const CHECKSUM_FILE: &str = "Record4/ChecksumFile";
 }
 
-/// Letters of the number types in `main.xml`. Both integers are signed.
-pub(super) const SAMPLES: [(&str, Sample); 4] =
-    [("I", Sample::I16), ("L", Sample::I32), ("F", Sample::F32), ("D", Sample::F64)];
-
-/// Returns the number type of a letter in `main.xml`.
+/// Returns the number type of a letter in `main.xml`. Both integers are signed.
 pub(super) fn sample(letter: &str) -> Option<Sample> {
-    SAMPLES.into_iter().find(|(known, _)| *known == letter).map(|(_, sample)| sample)
+    match letter {
+        "I" => Some(Sample::I16),
+        "L" => Some(Sample::I32),
+        "F" => Some(Sample::F32),
+        "D" => Some(Sample::F64),
+        _ => None,
+    }
 }

@@ -1,14 +1,11 @@
 //! Reader of X3P.
 
-use crate::error::{Result, shown};
 use md5::{Digest, Md5};
 
 use super::names::{CHECKSUM, MAIN, path, sample};
-use crate::archive::{Archive, hexadecimal};
-use crate::sample::Sample;
-use crate::scan;
-use crate::xml::{Document, Value};
-use crate::{Format, FormatError, ReadOptions, Scan};
+use crate::archive::hexadecimal;
+use crate::xml::Value;
+use crate::{Archive, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, large, scan, shown};
 
 /// Largest `main.xml` in bytes: it holds a data list of two million points.
 const MAX_MAIN_BYTES: u64 = 1 << 26;
@@ -272,11 +269,7 @@ impl Record<'_> {
             (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
             (_, None) => (),
         }
-        for (point, z) in (shift..).zip(heights) {
-            if bits[point / 8] >> (point % 8) & 1 == 0 {
-                *z = f64::NAN;
-            }
-        }
+        large::hide(heights, (shift..).map(|point| bits[point / 8] >> (point % 8) & 1 == 0));
         Ok(())
     }
 }

@@ -1,67 +1,25 @@
 //! Writer of X3P.
 
-use crate::error::Result;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::{Cursor, Write as _};
+use std::io::Cursor;
 
 use md5::{Digest, Md5};
 use quick_xml::escape::escape;
 use zip::result::ZipError;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, ZipArchive};
 
-use super::names::{CHECKSUM, MAIN, POINT_DATA, SAMPLES, VALID_POINTS};
-use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit};
-use crate::sample::{Sample, stored};
-use crate::{Format, FormatError, Scan};
-
-/// Number type of the heights in a file to write.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum X3pData {
-    /// 32768 steps from the lowest to the highest height, with an error of at most half a step; missing points in
-    /// `valid.bin`. The stored numbers are 0 to 32767, so that readers that take the type as unsigned read them
-    /// correctly.
-    Int16,
-    /// `f32`; NaN for missing points.
-    Float32,
-    /// `f64`; NaN for missing points.
-    #[default]
-    Float64,
-}
-
-impl X3pData {
-    /// Returns the letter of the type in `main.xml`.
-    fn letter(self) -> &'static str {
-        SAMPLES.iter().find(|(_, sample)| *sample == self.sample()).map_or("D", |(letter, _)| letter)
-    }
-
-    /// Returns the number type.
-    fn sample(self) -> Sample {
-        match self {
-            Self::Int16 => Sample::I16,
-            Self::Float32 => Sample::F32,
-            Self::Float64 => Sample::F64,
-        }
-    }
-}
+use super::names::{CHECKSUM, MAIN, POINT_DATA};
+use crate::archive::{damage_of_zip, damaged, hexadecimal, may_hold, unpacked_limit, written};
+use crate::sample::stored;
+use crate::{Format, FormatError, Result, Sample, Scan};
 
 /// Schema of ISO 5436-2, which ISO 25178-72 adopted and readers look for.
 const NAMESPACE: &str = "http://www.opengps.eu/2008/ISO5436_2";
-/// Highest number in a file of 16-bit integers; the lowest is 0.
-const INT16_STEPS: f64 = 32767.0;
 /// Date for scans without a date; the schema requires one.
 const NO_DATE: &str = "1970-01-01T00:00:00Z";
 /// Text for unknown fields.
 const UNKNOWN: &str = "not available";
-
-/// Binary files, and the z axis that converts their numbers to metre.
-struct Stored {
-    points: Vec<u8>,
-    valid: Option<Vec<u8>>,
-    increment: f64,
-    offset_m: f64,
-}
 
 /// Writes a scan as an X3P file. Equal scans give equal bytes.
 ///
@@ -69,107 +27,26 @@ struct Stored {
 /// formats). Unknown texts read "not available".
 ///
 /// # Errors
-/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with
-/// heights beyond the range of the number type.
-pub fn write_x3p(scan: &Scan, data: X3pData) -> Result<Vec<u8>, FormatError> {
+/// [`FormatError::NoPitch`] without a pixel size, [`FormatError::NotStorable`] for a scan without points or with an
+/// invalid pixel size.
+pub fn write_x3p(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     let (_, pitch_m) = scan.to_store(Format::X3p)?;
-    let stored = match data {
-        X3pData::Int16 => int16(scan)?,
-        X3pData::Float32 => float32(scan)?,
-        X3pData::Float64 => float64(scan),
-    };
-    let main = main_xml(scan, pitch_m, data, &stored);
+    let points: Vec<u8> = scan.heights_m.iter().flat_map(stored).collect();
+    let main = main_xml(scan, pitch_m, &points);
     let checksum = format!("{} *{MAIN}\n", hexadecimal(&Md5::digest(main.as_bytes())));
-    let mut files: Vec<(&str, &[u8])> = vec![(MAIN, main.as_bytes()), (POINT_DATA, &stored.points)];
-    files.extend(stored.valid.as_deref().map(|valid| (VALID_POINTS, valid)));
-    files.push((CHECKSUM, checksum.as_bytes()));
-    archive(&files, data)
+    archive([(MAIN, main.as_bytes()), (POINT_DATA, &points), (CHECKSUM, checksum.as_bytes())])
+        .map_err(|error| damaged(Format::X3p, "archive", damage_of_zip(&error)))
 }
 
-/// Returns a zip archive whose bytes depend only on its files, not on clock or host.
+/// Returns a zip archive of the files.
 ///
-/// Files are deflated, unless their packed size would exceed the unpacking limit of the reader, as for ideal
-/// gratings.
-fn archive(files: &[(&str, &[u8])], data: X3pData) -> Result<Vec<u8>> {
-    let deflated = zip(files, |_| CompressionMethod::Deflated).map_err(unwritten)?;
-    let mut written = ZipArchive::new(Cursor::new(&deflated)).map_err(unwritten)?;
-    let mut refused = Vec::new();
-    for (place, &(name, bytes)) in files.iter().enumerate() {
-        let packed = written.by_index_raw(place).map_err(unwritten)?.compressed_size();
-        let is_read = match name {
-            POINT_DATA => may_hold(packed, (bytes.len() / data.sample().size()) as u64, data.sample()),
-            // The number of points limits them.
-            VALID_POINTS => true,
-            _ => bytes.len() as u64 <= unpacked_limit(packed),
-        };
-        if !is_read {
-            refused.push(name);
-        }
-    }
-    if refused.is_empty() {
-        return Ok(deflated);
-    }
-    let method = |name| if refused.contains(&name) { CompressionMethod::Stored } else { CompressionMethod::Deflated };
-    zip(files, method).map_err(unwritten)
-}
-
-fn unwritten(error: ZipError) -> FormatError {
-    damaged(Format::X3p, "archive", damage_of_zip(&error))
-}
-
-fn zip<'a>(files: &[(&'a str, &[u8])], method: impl Fn(&'a str) -> CompressionMethod) -> Result<Vec<u8>, ZipError> {
-    let options = SimpleFileOptions::default()
-        .last_modified_time(DateTime::default())
-        .system(System::Unix)
-        .unix_permissions(0o644);
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for &(name, bytes) in files {
-        zip.start_file(name, options.compression_method(method(name)).large_file(u32::try_from(bytes.len()).is_err()))?;
-        zip.write_all(bytes)?;
-    }
-    Ok(zip.finish()?.into_inner())
-}
-
-fn float64(scan: &Scan) -> Stored {
-    Stored { points: scan.heights_m.iter().flat_map(stored).collect(), valid: None, increment: 1.0, offset_m: 0.0 }
-}
-
-fn float32(scan: &Scan) -> Result<Stored> {
-    let mut points = Vec::with_capacity(4 * scan.heights_m.len());
-    for &z in &scan.heights_m {
-        let narrow = if z.is_finite() { z as f32 } else { f32::NAN };
-        if narrow.is_infinite() {
-            let found = format!("a height of {z:e} m");
-            return Err(FormatError::not_storable(Format::X3p, found, "heights within the range of f32"));
-        }
-        points.extend(narrow.to_le_bytes());
-    }
-    Ok(Stored { points, valid: None, increment: 1.0, offset_m: 0.0 })
-}
-
-/// Stores heights in [`INT16_STEPS`] equal steps from the lowest to the highest.
-fn int16(scan: &Scan) -> Result<Stored> {
-    let (low, high) = scan.height_range_m().unwrap_or((0.0, 0.0));
-    let step = (high - low) / INT16_STEPS;
-    if !step.is_finite() {
-        let found = format!("heights from {low:e} to {high:e} m");
-        return Err(FormatError::not_storable(Format::X3p, found, "a range that fits f64"));
-    }
-    // A flat map may have any step.
-    let increment = if step > 0.0 { step } else { 1.0 };
-    let mut points = Vec::with_capacity(2 * scan.heights_m.len());
-    let mut valid = vec![0_u8; scan.heights_m.len().div_ceil(8)];
-    for (point, &z) in scan.heights_m.iter().enumerate() {
-        let mut number = 0;
-        if z.is_finite() {
-            // A conversion of floats saturates, so rounding cannot leave the range.
-            number = ((z - low) / increment).round() as i16;
-            valid[point / 8] |= 1 << (point % 8);
-        }
-        points.extend(number.to_le_bytes());
-    }
-    let complete = scan.missing_points() == 0;
-    Ok(Stored { points, valid: (!complete).then_some(valid), increment, offset_m: low })
+/// They are deflated, unless their packed size would exceed the unpacking limit of the reader, as for ideal gratings.
+fn archive(files: [(&str, &[u8]); 3]) -> Result<Vec<u8>, ZipError> {
+    let deflated = written(&files, CompressionMethod::Deflated, None)?;
+    let packed = ZipArchive::new(Cursor::new(&deflated))?.by_index_raw(1)?.compressed_size();
+    let count = (files[1].1.len() / Sample::F64.size()) as u64;
+    let is_read = may_hold(packed, count, Sample::F64) && files[0].1.len() as u64 <= unpacked_limit(0);
+    if is_read { Ok(deflated) } else { written(&files, CompressionMethod::Stored, None) }
 }
 
 /// Elements of `Record2` and their names in the metadata of other formats.
@@ -193,7 +70,7 @@ fn is_date_time(text: &str) -> bool {
 }
 
 /// Returns the description, in the order that the schema requires.
-fn main_xml(scan: &Scan, (dx_m, dy_m): (f64, f64), data: X3pData, stored: &Stored) -> String {
+fn main_xml(scan: &Scan, (dx_m, dy_m): (f64, f64), points: &[u8]) -> String {
     let (ny, nx) = scan.heights_m.dim();
     let field = |name: &str| known(&scan.metadata, name);
     let text = |name: &str| field(name).unwrap_or_else(|| UNKNOWN.into());
@@ -204,31 +81,15 @@ fn main_xml(scan: &Scan, (dx_m, dy_m): (f64, f64), data: X3pData, stored: &Store
     let optional = |name: &str| field(name).map(|text| format!("    <{name}>{text}</{name}>\n")).unwrap_or_default();
 
     let mut axes = String::new();
-    let z = (stored.increment, stored.offset_m);
-    for (axis, kind, letter, (increment, offset)) in
-        [("CX", "I", "D", (dx_m, 0.0)), ("CY", "I", "D", (dy_m, 0.0)), ("CZ", "A", data.letter(), z)]
-    {
+    for (axis, kind, increment) in [("CX", "I", dx_m), ("CY", "I", dy_m), ("CZ", "A", 1.0)] {
         // Writing to a String cannot fail.
         let _ = write!(
             axes,
-            "      <{axis}>\n        <AxisType>{kind}</AxisType>\n        <DataType>{letter}</DataType>\n        \
-             <Increment>{increment:e}</Increment>\n        <Offset>{offset:e}</Offset>\n      </{axis}>\n"
+            "      <{axis}>\n        <AxisType>{kind}</AxisType>\n        <DataType>D</DataType>\n        \
+             <Increment>{increment:e}</Increment>\n        <Offset>0e0</Offset>\n      </{axis}>\n"
         );
     }
-    let md5 = |bytes: &[u8]| hexadecimal(&Md5::digest(bytes)).to_uppercase();
-    let mut links = format!(
-        "      <PointDataLink>{POINT_DATA}</PointDataLink>\n      \
-         <MD5ChecksumPointData>{}</MD5ChecksumPointData>\n",
-        md5(&stored.points)
-    );
-    if let Some(valid) = &stored.valid {
-        let _ = write!(
-            links,
-            "      <ValidPointsLink>{VALID_POINTS}</ValidPointsLink>\n      \
-             <MD5ChecksumValidPoints>{}</MD5ChecksumValidPoints>\n",
-            md5(valid)
-        );
-    }
+    let md5 = hexadecimal(&Md5::digest(points)).to_uppercase();
     format!(
         r#"<?xml version="1.0" encoding="UTF-8" standalone="no"?>
 <p:ISO5436_2 xmlns:p="{NAMESPACE}" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="{NAMESPACE} {NAMESPACE}/ISO5436_2.xsd">
@@ -259,7 +120,9 @@ fn main_xml(scan: &Scan, (dx_m, dy_m): (f64, f64), data: X3pData, stored: &Store
       <SizeZ>1</SizeZ>
     </MatrixDimension>
     <DataLink>
-{links}    </DataLink>
+      <PointDataLink>{POINT_DATA}</PointDataLink>
+      <MD5ChecksumPointData>{md5}</MD5ChecksumPointData>
+    </DataLink>
   </Record3>
   <Record4>
     <ChecksumFile>{CHECKSUM}</ChecksumFile>

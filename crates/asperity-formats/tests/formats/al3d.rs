@@ -253,7 +253,7 @@ fn damaged_tags_are_named() {
     assert!(with(17 + 52 + 20, b"999").contains("the end of the tag edge of a tool"));
     assert!(with(place(b"Rows") + 20, b"0").contains("is `0`; wanted 1 or more"));
     assert!(with(place(b"Rows") + 20, b"999999999").contains("the limit is"));
-    assert!(with(place(b"Cols"), b"cols").contains("Cols is missing"));
+    assert!(with(place(b"Cols"), b"Kols").contains("Cols is missing"));
     assert!(with(place(b"PixelSizeX") + 20, b"fine").contains("wanted a finite number"));
     assert!(with(place(b"DepthImageOffset") + 20, b"17\0").contains("a byte after the tags"));
     assert!(with(place(b"DepthImageOffset") + 20, b"99999").contains("the depths (byte 99999) stop after 0 bytes"));

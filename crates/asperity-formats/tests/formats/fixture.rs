@@ -126,6 +126,22 @@ pub(crate) fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Sca
     asperity_formats::read_bytes_with(bytes, options)
 }
 
+/// The name of the field for whose value a file is refused.
+pub(crate) fn wrong_field(bytes: &[u8]) -> String {
+    match read_bytes(bytes) {
+        Err(FormatError::Field { field, .. }) => field,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The content for which a valid file is refused.
+pub(crate) fn unsupported(bytes: &[u8]) -> String {
+    match read_bytes(bytes) {
+        Err(FormatError::Unsupported { found, .. }) => found,
+        other => panic!("{other:?}"),
+    }
+}
+
 /// Writes a seed below the folder `ASPERITY_SEEDS`: `format-NAME` for a whole file, `archive-NAME` for the files in an
 /// archive, each after a line with its name.
 fn keep(kind: &str, format: Format, bytes: &[u8]) {

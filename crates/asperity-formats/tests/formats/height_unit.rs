@@ -1,6 +1,6 @@
 //! The unit of heights that a user states.
 
-use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, write_npy, write_sur};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan, write_npy, write_sur};
 use ndarray::array;
 
 use crate::assert_heights;
@@ -35,7 +35,7 @@ fn heights_without_a_unit_are_in_the_stated_one() {
 
 #[test]
 fn a_stated_unit_replaces_that_of_the_file_with_a_warning() {
-    let sur = write_sur(&Scan::new(array![[1e-6, 2e-6], [3e-6, 4e-6]], Some((1e-6, 1e-6))), SurData::Int32).unwrap();
+    let sur = write_sur(&Scan::new(array![[1e-6, 2e-6], [3e-6, 4e-6]], Some((1e-6, 1e-6)))).unwrap();
     let of_sur = read_bytes(&sur).unwrap();
     let own = of_sur.height_unit.clone().unwrap();
     for (bytes, own, other) in [(b"# unit: um\n1 2\n3 4\n".as_slice(), "um", "nm"), (&sur, own.as_str(), "mm")] {

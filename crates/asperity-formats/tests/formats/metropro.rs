@@ -1,9 +1,9 @@
 //! Zygo MetroPro DAT.
 
-use asperity_formats::{Format, FormatError};
+use asperity_formats::FormatError;
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes};
+use crate::fixture::{Fixture, read_bytes, unsupported, wrong_field};
 
 const NAN: f64 = f64::NAN;
 
@@ -272,12 +272,8 @@ fn the_header_is_kept_in_either_order_of_bytes() {
 #[test]
 fn a_file_without_phase_is_refused() {
     let file = MetroPro { size: (0, 0), phase: vec![], ..MetroPro::default() };
-    match read_bytes(&file.bytes()) {
-        Err(FormatError::Unsupported { format: Format::MetroPro, found, .. }) => {
-            assert!(found.contains("no connected phase"), "{found}")
-        }
-        other => panic!("{other:?}"),
-    }
+    let found = unsupported(&file.bytes());
+    assert!(found.contains("no connected phase"), "{found}");
 }
 
 #[test]
@@ -291,10 +287,7 @@ fn headers_that_contradict_themselves_or_give_no_heights_are_errors() {
         (MetroPro { scale_factor: f32::NAN, ..plain() }, "intf_scale_factor"),
         (MetroPro { obliquity: f32::INFINITY, ..plain() }, "obliquity_factor"),
     ] {
-        match read_bytes(&file.bytes()) {
-            Err(FormatError::Field { field: found, .. }) => assert_eq!(found, field),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(wrong_field(&file.bytes()), field);
     }
 }
 

@@ -1,7 +1,7 @@
 use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes};
+use crate::fixture::{Fixture, read_bytes, unsupported, wrong_field};
 
 const NAN: f64 = f64::NAN;
 
@@ -150,12 +150,8 @@ fn profiles_and_other_numbers_are_refused_with_a_reason() {
         (Nms { dimension_type: 0, ..Nms::default() }, "a profile"),
         (Nms { data_type: 5, ..Nms::default() }, "data type 5"),
     ] {
-        match read_bytes(&file.bytes()) {
-            Err(FormatError::Unsupported { format: Format::Nms, found, .. }) => {
-                assert!(found.contains(reason), "{found}");
-            }
-            other => panic!("{other:?}"),
-        }
+        let found = unsupported(&file.bytes());
+        assert!(found.contains(reason), "{found}");
     }
 }
 
@@ -169,10 +165,7 @@ fn headers_that_exceed_the_file_are_errors() {
         (Nms { size: (0, 2), ..Nms::default() }, "nx"),
         (Nms { size: (2, -1), ..Nms::default() }, "ny"),
     ] {
-        match read_bytes(&file.bytes()) {
-            Err(FormatError::Field { field: found, .. }) => assert_eq!(found, field),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(wrong_field(&file.bytes()), field);
     }
     let error = read_bytes(&Nms { size: (i32::MAX, i32::MAX), ..Nms::default() }.bytes()).unwrap_err();
     assert!(matches!(error, FormatError::TooLarge { .. }), "{error}");

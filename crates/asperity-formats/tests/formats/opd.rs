@@ -1,9 +1,9 @@
 //! Wyko OPD.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions};
+use asperity_formats::{Channel, FormatError, ReadOptions};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, unsupported, wrong_field};
 
 const NAN: f64 = f64::NAN;
 
@@ -273,12 +273,8 @@ fn a_file_without_heights_is_refused_with_its_content() {
     for (blocks, reason) in
         [(without(new_file(), "Raw"), "the arrays SecArr_0, Image"), (vec![float("Wavelength", 1.0)], "no array")]
     {
-        match read_bytes(&file(&blocks)) {
-            Err(FormatError::Unsupported { format: Format::Opd, found, .. }) => {
-                assert!(found.contains(reason), "{found}")
-            }
-            other => panic!("{other:?}"),
-        }
+        let found = unsupported(&file(&blocks));
+        assert!(found.contains(reason), "{found}");
     }
     let message = read_bytes(&file(&without(new_file(), "Wavelength"))).unwrap_err().to_string();
     assert!(message.starts_with("OPD: Wavelength is missing"), "{message}");
@@ -306,10 +302,7 @@ fn blocks_that_give_no_heights_are_errors() {
         (changed(("RAW_DATA", 3, array(3, 2, 4, [0; 23]))), "the length of RAW_DATA"),
         (changed(("RAW_DATA", 3, array(0, 2, 4, []))), "columns of RAW_DATA"),
     ] {
-        match read_bytes(&bytes) {
-            Err(FormatError::Field { field: found, .. }) => assert_eq!(found, field),
-            other => panic!("{field}: {other:?}"),
-        }
+        assert_eq!(wrong_field(&bytes), field);
     }
     let huge = changed(("RAW_DATA", 3, array(u16::MAX, u16::MAX, 4, [])));
     assert!(matches!(read_bytes(&huge), Err(FormatError::TooLarge { .. })));

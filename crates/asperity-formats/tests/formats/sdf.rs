@@ -1,4 +1,4 @@
-use asperity_formats::{FormatError, Scan, SdfData, write_sdf};
+use asperity_formats::{FormatError, Scan, write_sdf};
 use ndarray::array;
 
 use crate::fixture::{Fixture, read_bytes};
@@ -240,7 +240,7 @@ fn errors_in_a_text_name_the_line() {
     assert_eq!(refused("Zscale = 1.0E-6", "Zscale = 0"), "SDF: Zscale (line 9) is `0`; wanted a positive number");
     assert_eq!(
         refused("DataType = 7\r\n", ""),
-        "SDF: DataType is missing (line 13); wanted a line `DataType = …` before the first `*`"
+        "SDF: DataType is missing (line 13); wanted a line `key = value` before the first `*`"
     );
     assert_eq!(refused("BAD", "x7"), "SDF: value 2 (line 16) is `x7`; wanted a number or BAD");
     let message = refused(" -0.5", "");
@@ -253,20 +253,18 @@ fn scan() -> Scan {
 }
 
 #[test]
-fn both_forms_keep_every_bit_of_heights_and_pitch() {
-    for data in [SdfData::Double, SdfData::Text] {
-        let read = read_bytes(&write_sdf(&scan(), data).unwrap()).unwrap();
-        let wanted = scan().heights_m.mapv(|z| if z.is_finite() { z } else { NAN });
-        assert_eq!(bits(&read), bits(&Scan::new(wanted, None)), "{data:?}");
-        assert_eq!(read.pitch_m, scan().pitch_m, "{data:?}");
-        assert!(!read.warnings.iter().any(|warning| warning.contains("numbers")), "{:?}", read.warnings);
-        assert_eq!(read.metadata["ManufacID"], "asperity");
-    }
+fn a_written_file_keeps_every_bit_of_heights_and_pitch() {
+    let read = read_bytes(&write_sdf(&scan()).unwrap()).unwrap();
+    let wanted = scan().heights_m.mapv(|z| if z.is_finite() { z } else { NAN });
+    assert_eq!(bits(&read), bits(&Scan::new(wanted, None)));
+    assert_eq!(read.pitch_m, scan().pitch_m);
+    assert!(!read.warnings.iter().any(|warning| warning.contains("numbers")), "{:?}", read.warnings);
+    assert_eq!(read.metadata["ManufacID"], "asperity");
 }
 
 #[test]
 fn the_binary_form_follows_the_standard() {
-    let bytes = write_sdf(&scan(), SdfData::default()).unwrap();
+    let bytes = write_sdf(&scan()).unwrap();
     assert_eq!(bytes.len(), 8 + 10 + 2 * 12 + 2 * 2 + 4 * 8 + 3 + 6 * 8);
     assert_eq!(bytes[..42], *b"bISO-1.0asperity  000000000000000000000000");
     assert_eq!(bytes[42..46], [3, 0, 2, 0]);
@@ -278,17 +276,15 @@ fn the_binary_form_follows_the_standard() {
 #[test]
 fn dates_of_a_file_that_was_read_are_kept() {
     let read = Binary::default().read();
-    for data in [SdfData::Double, SdfData::Text] {
-        let again = read_bytes(&write_sdf(&read, data).unwrap()).unwrap();
-        assert_eq!(again.metadata["CreateDate"], "301120161430");
-        assert_eq!(again.metadata["ModDate"], "011220161430");
-    }
+    let again = read_bytes(&write_sdf(&read).unwrap()).unwrap();
+    assert_eq!(again.metadata["CreateDate"], "301120161430");
+    assert_eq!(again.metadata["ModDate"], "011220161430");
 }
 
 #[test]
 fn maps_beyond_the_counts_of_version_1_become_version_2() {
     let long = Scan::new(ndarray::Array2::from_shape_fn((2, 70_000), |(y, x)| (x + y) as f64), Some((1e-6, 1e-6)));
-    let bytes = write_sdf(&long, SdfData::Double).unwrap();
+    let bytes = write_sdf(&long).unwrap();
     assert!(bytes.starts_with(b"bISO-2.0"));
     assert_eq!(bits(&read_bytes(&bytes).unwrap()), bits(&long));
 }
@@ -296,11 +292,11 @@ fn maps_beyond_the_counts_of_version_1_become_version_2() {
 #[test]
 fn scans_that_the_format_cannot_store_are_refused() {
     let without = Scan { pitch_m: None, ..scan() };
-    assert!(matches!(write_sdf(&without, SdfData::Double), Err(FormatError::NoPitch { .. })));
+    assert!(matches!(write_sdf(&without), Err(FormatError::NoPitch { .. })));
     for pitch_m in [(0.0, 1e-6), (1e-6, NAN)] {
         let wrong = Scan { pitch_m: Some(pitch_m), ..scan() };
-        assert!(matches!(write_sdf(&wrong, SdfData::Text), Err(FormatError::NotStorable { .. })));
+        assert!(matches!(write_sdf(&wrong), Err(FormatError::NotStorable { .. })));
     }
     let empty = Scan::new(ndarray::Array2::zeros((0, 3)), Some((1e-6, 1e-6)));
-    assert!(matches!(write_sdf(&empty, SdfData::Double), Err(FormatError::NotStorable { .. })));
+    assert!(matches!(write_sdf(&empty), Err(FormatError::NotStorable { .. })));
 }

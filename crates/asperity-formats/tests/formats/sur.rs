@@ -1,10 +1,10 @@
 use std::io::Write;
 
-use asperity_formats::{Format, FormatError, ReadOptions, Scan, SurData, write_sur};
+use asperity_formats::{FormatError, ReadOptions, Scan, write_sur};
 use ndarray::array;
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, unsupported, wrong_field};
 use crate::fixtures::Sur;
 use crate::memory::peak_bytes;
 
@@ -39,7 +39,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         Fixture::whole("SUR of int32, big-endian", int32(true).bytes()),
         Fixture::whole("SUR of int32, compressed in two streams", int32(false).compressed(&[6]).bytes()),
         Fixture { needed: first, ..Fixture::whole("SUR series", series()) },
-        Fixture::whole("SUR as written", write_sur(&scan, SurData::Int32).unwrap()),
+        Fixture::whole("SUR as written", write_sur(&scan).unwrap()),
     ]
 }
 
@@ -355,12 +355,8 @@ fn other_objects_are_refused_with_a_reason() {
         (Sur { object_type: 99, ..Sur::default() }.bytes(), "not published"),
     ];
     for (bytes, reason) in cases {
-        match read_bytes(&bytes) {
-            Err(FormatError::Unsupported { format: Format::Sur, found, .. }) => {
-                assert!(found.contains(reason), "{found}")
-            }
-            other => panic!("{other:?}"),
-        }
+        let found = unsupported(&bytes);
+        assert!(found.contains(reason), "{found}");
     }
 }
 
@@ -384,10 +380,7 @@ fn headers_that_exceed_the_file_are_errors() {
         (Sur { spacing: [1.0, 1.0, 0.0], ..Sur::default() }, "z spacing"),
         (Sur { z_offset: f32::INFINITY, ..Sur::default() }, "z offset"),
     ] {
-        match read_bytes(&file.bytes()) {
-            Err(FormatError::Field { field: found, .. }) => assert_eq!(found, field),
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(wrong_field(&file.bytes()), field);
     }
     let mut miscounted = Sur::default().bytes();
     miscounted[116] = 7;

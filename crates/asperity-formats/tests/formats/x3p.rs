@@ -1,8 +1,8 @@
-use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, X3pData, write_x3p};
+use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, write_x3p};
 use ndarray::array;
 
 use crate::assert_heights;
-use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with, unsupported};
 use crate::fixtures::{X3p, md5, zip};
 use crate::memory::peak_bytes;
 
@@ -24,7 +24,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         let content = Content::Zip(x3p.files(x3p.main_xml().as_bytes()));
         Fixture { name, needed: content.bytes().len(), content }
     };
-    let packed = write_x3p(&Scan::new(array![[1e-6, f64::NAN]], Some((1e-6, 1e-6))), X3pData::Int16).unwrap();
+    let packed = write_x3p(&Scan::new(array![[1e-6, f64::NAN]], Some((1e-6, 1e-6)))).unwrap();
     vec![
         fixture("X3P of float64", &X3p::default()),
         fixture("X3P of int16 with a mask in a folder", &masked),
@@ -299,12 +299,8 @@ fn profiles_point_clouds_and_absolute_axes_are_refused_with_a_reason() {
         (X3p { x_axis_type: "A", ..X3p::default() }, "CX is absolute"),
     ];
     for (file, reason) in cases {
-        match read_bytes(&file.bytes()) {
-            Err(FormatError::Unsupported { format: Format::X3p, found, .. }) => {
-                assert!(found.contains(reason), "{found}")
-            }
-            other => panic!("{other:?}"),
-        }
+        let found = unsupported(&file.bytes());
+        assert!(found.contains(reason), "{found}");
     }
 }
 

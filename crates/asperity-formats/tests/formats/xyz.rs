@@ -1,4 +1,4 @@
-use asperity_formats::{Format, Scan, Separator, SurData, write_sur, write_text};
+use asperity_formats::{Format, Scan, write_sur};
 
 use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes};
@@ -293,8 +293,8 @@ fn a_map_has_one_orientation_as_xyz_sur_and_matrix() {
     // Neither symmetric nor square; positions grow from line to line, as ISO 25178-72 and the SUR format count them.
     let heights = ndarray::Array2::from_shape_fn((5, 7), |(row, column)| 1e-6 * (3 * row * row + column) as f64);
     let map = Scan::new(heights, Some((2e-6, 3e-6)));
-    let sur = read_bytes(&write_sur(&map, SurData::Int32).unwrap()).unwrap();
-    let matrix = read_bytes(&write_text(&map, Separator::Space)).unwrap();
+    let sur = read_bytes(&write_sur(&map).unwrap()).unwrap();
+    let matrix = read_bytes(&asperity_formats::to_bytes(&map, "map.txt".as_ref()).unwrap()).unwrap();
     let points: String = sur
         .heights_m
         .indexed_iter()
