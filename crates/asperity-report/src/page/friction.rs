@@ -81,7 +81,7 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     tables
 }
 
-/// Returns the distributions and the correlation models fitted at the operating point.
+/// Returns the distributions and the correlation families fitted at the operating point.
 pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let Some(level) = friction.operating_level() else { return Vec::new() };
     let process = &level.at_mean_load;
@@ -324,11 +324,17 @@ fn correlation_models(level: &LevelResult) -> DataTable {
             yes_or_no(model.worse_beyond_chance).into(),
         ]
     });
+    let told = match level.correlation_families_told_apart {
+        Some(false) => {
+            "; the record cannot tell the families apart: the exponential is used, and the interval of its length covers both"
+        }
+        _ => "",
+    };
     let caption = format!(
-        "Models of the correlation at the operating point ({}), the best first: with the effect of the window by least squares, and \
-         without it by likelihood",
+        "Families of the correlation at the operating point ({}), the best first: with the effect of the window by least squares, and \
+         without it by likelihood{told}",
         level_name(level)
     );
-    let headers = ["Model", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
+    let headers = ["Family", "Window", "ℓ", "Misfit", "ΔAIC", "Worse beyond chance"];
     DataTable::new(&caption, &headers, curves.chain(models).collect(), RESULTS).without_empty_columns()
 }
