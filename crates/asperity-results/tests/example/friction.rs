@@ -83,11 +83,7 @@ fn level(row: usize) -> LevelResult {
             std: 0.7 * std,
             correlation_length_m: Some(2.5e-4),
             correlation_length_m_interval: Some([2e-4, 3.2e-4]),
-            correlation_curves: vec![CorrelationCurveResult {
-                model: "matern".into(),
-                length_m: 6e-4,
-                misfit: 0.012,
-            }],
+            correlation_curves: vec![CorrelationCurveResult { model: "matern".into(), length_m: 6e-4, misfit: 0.012 }],
             correlation_models: vec![CorrelationModelResult {
                 model: "exponential".into(),
                 length_m: 0.0,

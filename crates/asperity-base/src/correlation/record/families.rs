@@ -172,6 +172,15 @@ mod tests {
     }
 
     #[test]
+    fn the_test_of_fit_has_its_level_for_periodic_strips_with_few_wavenumbers() {
+        // Five wavenumbers below 1/(2W). Of 60 tests, 5 % are 3 ± 1.7 and a half is 30 ± 3.9.
+        let case = Case { model: RecordModel::Exponential, scale: 16.0, window: 32, values: 320, strips: 40 };
+        let tests: Vec<f64> = (0..60).map(|run| case.fit(run).chosen.lack_of_fit.unwrap().p_value).collect();
+        let below = |level: f64| tests.iter().filter(|p| **p < level).count();
+        assert!(below(0.05) <= 9 && below(0.5) >= 14 && below(0.5) <= 43, "{tests:?}");
+    }
+
+    #[test]
     fn the_interval_of_families_that_are_not_told_apart_covers_both() {
         let found = Case { model: RecordModel::Smooth, scale: 16.0, window: 32, values: 640, strips: 4 }.fit(0);
         assert!(!found.told_apart() && found.chosen.model == RecordModel::Exponential);

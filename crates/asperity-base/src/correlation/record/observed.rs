@@ -81,7 +81,7 @@ impl ObservedLengths {
     ///
     /// Noise, and means over the step, must each gain 4 in 2 ln L. If the exponential of values at points is shorter
     /// than two steps, the spectrum is nearly flat and hardly distinguishes them, so they must gain 12. If the step
-    /// resolves the correlation and means gain or lose less than 4, the interval of the length includes theirs.
+    /// resolves the correlation, the interval of the length covers the intervals of all models within 4 of the best one.
     ///
     /// More than 32,768 values are divided into segments of at least 32 correlation lengths, whose waves are used.
     ///
@@ -136,30 +136,31 @@ impl Candidates<'_> {
         WindowedRecords { window_m, step_m: self.step_m, cell_m, tracks: 1, records: self.records.clone() }
     }
 
-    /// Fits a family with its most likely observation model.
+    /// Fits a family with its most likely observation model. If the step resolves the correlation, the interval covers
+    /// the intervals of the models that are nearly as likely.
     fn fit(&self, model: RecordModel, resolved: bool) -> Result<LengthFit, EstimateError> {
         let gain = if resolved { GAIN } else { UNRESOLVED_GAIN };
         let all = [Observation::Points, Observation::Means].into_iter().flat_map(|seen| [(seen, false), (seen, true)]);
-        let value = |(observation, noise): (Observation, bool)| {
-            let parts = f64::from(u8::from(observation == Observation::Means) + u8::from(noise));
+        let cost = |observation: Observation, noise: bool| {
+            0.5 * gain * f64::from(u8::from(observation == Observation::Means) + u8::from(noise))
+        };
+        let score = |(observation, noise): (Observation, bool)| {
             let found = most_likely(&self.channel(observation), model, self.settings(noise));
-            (observation, noise, 0.5 * gain * parts, found.map_or(f64::NEG_INFINITY, |(_, value)| value))
+            (observation, noise, found.map_or(f64::NEG_INFINITY, |(_, value)| value - cost(observation, noise)))
         };
-        let values: Vec<(Observation, bool, f64, f64)> = all.map(value).collect();
-        let best = values.iter().copied().max_by(|a, b| (a.3 - a.2).total_cmp(&(b.3 - b.2)));
-        let (observation, noise, cost, likelihood) = best.ok_or(EstimateError::Nothing)?;
-        let fit = fit_length(&[self.channel(observation)], model, self.settings(noise))?;
-        let alike = |other: &&(Observation, bool, f64, f64)| {
-            other.0 == Observation::Means && other.1 == noise && likelihood - other.3 < 0.5 * GAIN
+        let scores: Vec<(Observation, bool, f64)> = all.map(score).collect();
+        let best = scores.iter().copied().max_by(|a, b| a.2.total_cmp(&b.2)).ok_or(EstimateError::Nothing)?;
+        let fit = |(observation, noise, _): (Observation, bool, f64)| {
+            fit_length(&[self.channel(observation)], model, self.settings(noise))
         };
-        let interval = match values.iter().find(alike) {
-            Some(_) if resolved && observation == Observation::Points => {
-                let means = fit_length(&[self.channel(Observation::Means)], model, self.settings(noise))?;
-                fit.interval.around(means.interval)
-            }
-            _ => fit.interval,
-        };
-        Ok(LengthFit { interval, log_likelihood: fit.log_likelihood - cost, ..fit })
+        let found = fit(best)?;
+        let mut interval = found.interval;
+        let alike = |other: &&(Observation, bool, f64)| resolved && best.2 - other.2 < 0.5 * GAIN && **other != best;
+        for other in scores.iter().filter(alike) {
+            interval = interval.around(fit(*other)?.interval);
+        }
+        let log_likelihood = found.log_likelihood - cost(best.0, best.1);
+        Ok(LengthFit { interval, log_likelihood, ..found })
     }
 }
 
