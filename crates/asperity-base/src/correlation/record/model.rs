@@ -1,7 +1,5 @@
 //! Correlation families of records, with or without a sliding window.
 
-use crate::correlation::CorrelationModel;
-
 /// Windows shorter than this fraction of ℓ are ignored; second differences would be dominated by rounding.
 const NO_WINDOW: f64 = 1e-5;
 
@@ -41,8 +39,11 @@ impl RecordModel {
     /// Returns ρ_0 at r = s/ℓ.
     fn scaled(&self, r: f64) -> f64 {
         match self {
-            Self::Exponential => CorrelationModel::Exponential.correlation(r),
-            Self::Smooth => CorrelationModel::Matern { nu: Self::SMOOTHNESS }.correlation(r),
+            Self::Exponential => (-r).exp(),
+            Self::Smooth => {
+                let y = 5.0_f64.sqrt() * r;
+                (1.0 + y + y * y / 3.0) * (-y).exp()
+            }
         }
     }
 
@@ -77,8 +78,8 @@ impl RecordModel {
 ///
 /// A window of few cells is a mean of n values at distance Δ rather than an integral over W
 /// ([`WindowedModel::with_cells`]); its power transfer is sin²(πfnΔ)/(n sin(πfΔ))² at the frequency f instead of
-/// sinc²(fW). The covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ), for the exponential
-/// three terms as above with sums for integrals.
+/// sinc²(fW). The covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ): three terms as above with
+/// sums for integrals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowedModel {
     model: RecordModel,
@@ -141,19 +142,27 @@ impl WindowedModel {
     }
 
     /// Returns the covariance of two means of n values at steps of δ lengths, t steps apart.
+    ///
+    /// ρ_0 at u steps is (1 + au + bu²)φ^u. With the sums s_m = Σ_{j > 0} j^m φ^j it has T(x) = Σ_{u > x} (u − x) ρ_0(u) =
+    /// φ^x [(1 + ax + bx²)s_1 + (a + 2bx)s_2 + bs_3] and, over all u, Σ ρ_0 = 1 + 2(s_0 + as_1 + bs_2).
     fn mean_of_cells(&self, t: f64, n: f64, step: f64) -> f64 {
-        if self.model == RecordModel::Exponential && n * step >= NO_WINDOW {
-            // Σ_{u > x} (u − x) φ^u = φ^{x+1}/(1 − φ)², and Σ φ^|u| over all u = (1 + φ)/(1 − φ).
-            let (phi, rest) = ((-step).exp(), -(-step).exp_m1());
-            let tail = |x: f64| (-x * step).exp();
-            let kink = (n - t).max(0.0) * (1.0 + phi) / rest;
-            return (kink + phi / (rest * rest) * (tail(t + n) + tail((t - n).abs()) - 2.0 * tail(t))) / (n * n);
+        if n * step < NO_WINDOW {
+            return self.model.scaled(t * step);
         }
-        let term = |k: i64| {
-            let both = self.model.scaled((t + k as f64).abs() * step) + self.model.scaled((t - k as f64).abs() * step);
-            (n - k as f64) * both
+        let (rate, a, b) = match self.model {
+            RecordModel::Exponential => (step, 0.0, 0.0),
+            RecordModel::Smooth => (5.0_f64.sqrt() * step, 5.0_f64.sqrt() * step, 5.0 / 3.0 * step * step),
         };
-        (n * self.model.scaled(t * step) + (1..n as i64).map(term).sum::<f64>()) / (n * n)
+        let (phi, rest) = ((-rate).exp(), -(-rate).exp_m1());
+        let s = [
+            phi / rest,
+            phi / rest.powi(2),
+            phi * (1.0 + phi) / rest.powi(3),
+            phi * (1.0 + phi * (4.0 + phi)) / rest.powi(4),
+        ];
+        let tail = |x: f64| (-x * rate).exp() * ((1.0 + x * (a + b * x)) * s[1] + (a + 2.0 * b * x) * s[2] + b * s[3]);
+        let kink = (n - t).max(0.0) * (1.0 + 2.0 * (s[0] + a * s[1] + b * s[2]));
+        (kink + tail(t + n) + tail((t - n).abs()) - 2.0 * tail(t)) / (n * n)
     }
 }
 
@@ -175,6 +184,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::correlation::CorrelationModel;
 
     const MODELS: [RecordModel; 2] = RecordModel::BOTH;
 
@@ -290,6 +300,14 @@ mod tests {
         assert!((at / 600.0 - 0.632_12).abs() < 1e-5);
         let windowed = WindowedModel::new(RecordModel::Exponential, 600.0);
         assert!((windowed.correlation(at, 0.0) - (-1.0_f64).exp()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_smooth_family_is_the_matern_correlation() {
+        let matern = CorrelationModel::Matern { nu: RecordModel::SMOOTHNESS };
+        for r in [0.0, 1e-3, 0.4, 1.0, 3.0, 12.0] {
+            assert!((RecordModel::Smooth.correlation(r, 1.0) - matern.correlation(r)).abs() < 1e-13, "{r}");
+        }
     }
 
     #[test]
