@@ -77,10 +77,12 @@ class CorrelationCurveResult(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class CorrelationModelResult(Record):
-    """A model of the correlation without the window, fitted by likelihood."""
+    """A correlation family fitted by likelihood, without the window."""
 
     aic_difference: float
-    """Difference of Akaike's criterion from the best model."""
+    """Difference of Akaike's criterion from the more likely family, divided by the variance of the scores relative
+    to Gaussian strips.
+    """
     length_interval: list[float]
     """95 % interval of `length_m`."""
     length_m: float
@@ -88,7 +90,7 @@ class CorrelationModelResult(Record):
     model: str
     """Name of the model."""
     worse_beyond_chance: bool
-    """Whether the best model is better by more than chance."""
+    """Whether the strips reject this family: the likelihood of the other is at least 20 times as large."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,13 +140,15 @@ class AtMeanLoad(Record):
     """
 
     correlation_curves: list[CorrelationCurveResult]
-    """Curves fitted to the correlation, the closest first; their ℓ includes the effect of the window."""
+    """Both families fitted to the correlation, the closest first; their ℓ includes the effect of the window."""
     correlation_length_m: float | None
     """ℓ of the exponential fit; it includes the effect of the window."""
     correlation_length_m_interval: list[float] | None
     """95 % interval of `correlation_length_m`."""
     correlation_models: list[CorrelationModelResult]
-    """Models of the correlation without the effect of the window, the most likely first."""
+    """Both families fitted without the effect of the window, jointly over windows of W to W/8, the more likely
+    first.
+    """
     effective_windows: float
     """Effective number of independent windows."""
     excess_kurtosis: float | None
@@ -744,6 +748,10 @@ class LevelResult(Record):
     """Contact area over nominal area, corrected."""
     control: Prescribed
     """Prescribed quantity."""
+    correlation_families_told_apart: bool | None
+    """Whether the strips tell the two correlation families apart. If not, the exponential is used, and the interval
+    of its length covers the lengths of both.
+    """
     correlation_length_m: float | None
     """ℓ_μ of the exponential fit; it includes the effect of the window."""
     correlation_length_m_interval: list[float] | None
@@ -757,9 +765,9 @@ class LevelResult(Record):
     correlation_without_window_agreement_p: float | None
     """p-value of the agreement between the lengths under each window alone."""
     correlation_without_window_fit_p: float | None
-    """p-value of the fit of that model to the spectrum."""
+    """p-value of the fit of that family to the spectrum."""
     correlation_without_window_model: str | None
-    """Correlation model with this length."""
+    """Correlation family with this length: `exponential`, or the smooth `matern` of ν = 5/2."""
     effective_windows: float
     """Effective number of independent windows."""
     empty_windows: int

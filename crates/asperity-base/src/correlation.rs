@@ -23,10 +23,10 @@ pub use measured::{MeasuredCovariance, MeasuredCovarianceError};
 pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use profiles::Axis;
 pub use record::{
-    CrossCorrelation, DriftTest, LackOfFit, LengthFit, LengthSettings, Observation, ObservedLengths, RankedLength,
+    CrossCorrelation, DriftTest, FamilyFits, LackOfFit, LengthFit, LengthSettings, Observation, ObservedLengths,
     RecordBand, RecordCorrelation, RecordEnds, RecordFit, RecordHistory, RecordModel, RecordSpectrum, Stationarity,
-    Wander, WindowedModel, WindowedRecords, cross_correlation, fit_length, fit_record, fitted_length_interval,
-    rank_lengths, record_spectrum, windowed_exponential,
+    Wander, WindowedModel, WindowedRecords, cross_correlation, fit_families, fit_length, fit_record,
+    fitted_length_interval, record_spectrum, windowed_exponential,
 };
 #[doc(hidden)]
 pub use spectrum::Block;

@@ -1,24 +1,18 @@
-//! Further analysis of the records of a level: correlation models, spectrum, drifts, and area against load.
+//! Further analysis of the records of a level: spectrum, drifts, and area against load.
 
 use crate::strip::Record;
 use crate::window::Window;
 use asperity_base::correlation::{
-    CrossCorrelation, EstimateError, LengthSettings, RankedLength, RecordEnds, RecordModel, RecordSpectrum,
-    Stationarity, WindowedRecords, cross_correlation, rank_lengths, record_spectrum,
+    CrossCorrelation, EstimateError, RecordEnds, RecordSpectrum, Stationarity, cross_correlation, record_spectrum,
 };
 use asperity_base::stats::Layout;
 
-/// Candidate models of the correlation without the effect of the window.
-pub const MODELS: [RecordModel; 3] =
-    [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }];
 /// Largest lag of the cross-correlation in windows.
 const CROSS_WINDOWS: f64 = 2.0;
 
-/// Correlation models, spectrum, drifts and cross-correlation of the records of one level.
+/// Spectrum, drifts and cross-correlation of the records of one level.
 #[derive(Debug, Clone)]
 pub struct ProcessAnalysis {
-    /// Models of the correlation without the window, the most likely first. Windows that are not rectangles have none.
-    pub models: Result<Vec<RankedLength>, EstimateError>,
     /// Power spectral density.
     pub spectrum: Result<RecordSpectrum, EstimateError>,
     /// Drifts along the strips.
@@ -34,23 +28,10 @@ impl ProcessAnalysis {
         let Layout { periodic, tracks } = layout.into();
         let (step_m, series) = (window.step_m(), series(records));
         let ends = record_ends(records, window, periodic, strip_m);
-        let models = if window.is_rectangle() {
-            let channel = WindowedRecords {
-                window_m: window.length_m(),
-                step_m,
-                cell_m: window.cell_m(),
-                tracks,
-                records: series.clone(),
-            };
-            rank_lengths(&[channel], &MODELS, LengthSettings { ends, ..LengthSettings::default() })
-        } else {
-            Err(EstimateError::Nothing)
-        };
         let pairs: Vec<(&[f64], &[f64])> =
             records.iter().map(|record| (record.area_m2.as_slice(), record.load_n.as_slice())).collect();
         let reach = (CROSS_WINDOWS * window.length_m() / step_m).round() as usize;
         Self {
-            models,
             spectrum: record_spectrum(&series, tracks, step_m, ends),
             stationarity: Stationarity::new(&series, tracks, step_m),
             area_and_load: cross_correlation(&pairs, tracks, step_m, reach),

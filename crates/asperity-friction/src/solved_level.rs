@@ -6,7 +6,7 @@ use asperity_base::stats::{Interval, Layout, ProcessMoments};
 use asperity_process::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind};
 
 use crate::FrictionError;
-use crate::analysis::{MODELS, ProcessAnalysis, record_ends};
+use crate::analysis::{ProcessAnalysis, record_ends};
 use crate::level_control::LevelControl;
 use crate::mean_errors::MeanErrors;
 use crate::statistics::{FrictionStatistics, HeavyTail};
@@ -73,7 +73,7 @@ impl SolvedLevel {
         let round = windows.iter().all(|seen| whole(seen) == RecordEnds::Periodic);
         let ends = if round { RecordEnds::Periodic } else { RecordEnds::Free };
         let settings = LengthSettings { ends, ..LengthSettings::default() };
-        let study = || WindowStudy::with_models(&windows, strips.tracks, &MODELS, settings).ok();
+        let study = || WindowStudy::new(&windows, strips.tracks, settings).ok();
         let window_study = if varies { study() } else { None };
         let analysis = ProcessAnalysis::new(&at_mean_load, window, layout, strip_m);
         let heavy_tail = statistics.heavy_tail();

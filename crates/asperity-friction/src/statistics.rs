@@ -65,7 +65,7 @@ pub struct ProcessCorrelation {
     pub exponential: RecordFit,
     /// 95 % interval of ℓ_μ by the jackknife over strips or pieces of them; `None` if they are too few.
     pub length_interval: Option<Interval>,
-    /// All models of [`RecordModel::USUAL`] fitted without removing the window, the closest first.
+    /// Both families fitted without removing the window, the closest first.
     pub models: Vec<RecordFit>,
 }
 
@@ -147,7 +147,7 @@ pub(super) fn correlate(series: &[&[f64]], tracks: usize, step_m: f64) -> Result
     let exponential = fit_record(&estimate, RecordModel::Exponential)?;
     let length_interval = fitted_length_interval(series, tracks, step_m, largest_lag, &exponential);
     let mut models =
-        RecordModel::USUAL.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
+        RecordModel::BOTH.iter().map(|model| fit_record(&estimate, *model)).collect::<Result<Vec<_>, _>>()?;
     models.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
     Ok(ProcessCorrelation { estimate, exponential, length_interval, models })
 }

@@ -7,18 +7,16 @@ use crate::strip::Record;
 use crate::window::Window;
 use asperity_base::blocks;
 use asperity_base::correlation::{
-    EstimateError, LackOfFit, LengthFit, LengthSettings, RankedLength, RecordCorrelation, RecordModel, WindowedModel,
-    WindowedRecords, fit_length, fit_record, rank_lengths,
+    EstimateError, FamilyFits, LackOfFit, LengthFit, LengthSettings, RecordCorrelation, RecordModel, WindowedModel,
+    WindowedRecords, fit_families, fit_length, fit_record,
 };
 use asperity_base::stats::{Interval, Moments, student_quantile, student_two_sided};
 
 /// Largest and least number of groups of strips of the jackknife.
 const MOST_GROUPS: usize = 20;
 const LEAST_GROUPS: usize = 5;
-/// Largest difference of Akaike's criterion at which the exponential is kept if chance may have caused the difference.
-const KEPT: f64 = 10.0;
 
-/// One process under several windows, ρ_W = triangle_W ⊛ ρ_0(ℓ), fitted jointly by [`fit_length`].
+/// One process under several windows, ρ_W = triangle_W ⊛ ρ_0(ℓ), fitted jointly by [`fit_families`].
 ///
 /// Records of several windows are moving averages of the same strips. A wavenumber that two windows share carries the
 /// same information in both, so it counts once. The narrowest window contains almost all information; the others show
@@ -27,7 +25,9 @@ const KEPT: f64 = 10.0;
 pub struct WindowStudy {
     /// Results of each window, from the longest.
     pub windows: Vec<WindowCorrelation>,
-    /// Model ρ_0 without the window.
+    /// Both families of ρ_0 without the window.
+    pub families: FamilyFits,
+    /// Family of ρ_0 to use; the exponential if the records do not tell them apart.
     pub model: RecordModel,
     /// ℓ in metre, without the window; 0 if the windows explain the whole correlation.
     pub length_m: f64,
@@ -61,43 +61,34 @@ pub struct WindowCorrelation {
 }
 
 impl WindowStudy {
-    /// Fits ρ_0 = e^{−s/ℓ} to records at the mean load ([`Record::at_mean_load`]), which are moving averages. Every
-    /// window has the records of the same strips in the same order. Strips are treated as free strips with one track.
+    /// Fits both families to records at the mean load ([`Record::at_mean_load`]), which are moving averages, with
+    /// `tracks` records per strip. Every window has the records of the same strips in the same order. Ends may be
+    /// periodic only if the positions of every window divide the strip evenly.
     ///
     /// # Errors
     /// There is no strip, the records are constant, or the strips are shorter than about three windows.
-    pub fn new(records: &[(Window, Vec<Record>)]) -> Result<Self, EstimateError> {
-        Self::with_models(records, 1, &[RecordModel::Exponential], LengthSettings::default())
-    }
-
-    /// Fits the best of several models to strips with `tracks` records each, with given settings. Ends may be periodic
-    /// only if the positions of every window divide the strip evenly.
-    ///
-    /// # Errors
-    /// The errors of [`WindowStudy::new`].
-    pub fn with_models(
+    pub fn new(
         records: &[(Window, Vec<Record>)],
         tracks: usize,
-        models: &[RecordModel],
         settings: LengthSettings,
     ) -> Result<Self, EstimateError> {
         let channels: Vec<WindowedRecords<'_>> =
-            records.iter().map(|(window, records)| under(window, records, tracks)).collect();
-        let joint = best(&rank_lengths(&channels, models, settings)?).ok_or(EstimateError::Nothing)?;
+            records.iter().map(|(window, records)| channel(window, records, tracks)).collect();
+        let families = fit_families(&channels, settings)?;
+        let joint = families.chosen;
         let model = joint.model;
-        let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
-        let narrowest_m = channels.iter().map(|channel| channel.window_m).fold(f64::INFINITY, f64::min);
+        let under = |window_m: f64| WindowedModel::new(model, window_m).with_cells(joint.cell_m);
         let seen: Result<Vec<(WindowCorrelation, f64)>, EstimateError> = blocks::map(0..channels.len(), |window| {
             let channel = &channels[window];
             let estimate = correlation(channel)?;
             let fitted = WindowCorrelation {
                 window_m: channel.window_m,
                 std: estimate.variance.sqrt(),
-                expected_std: joint.std * std_ratio(&shape, joint.length_m, channel.window_m, narrowest_m),
+                expected_std: joint.std * std_ratio(under, joint.length_m, channel.window_m, joint.window_m),
                 length_m: fit_record(&estimate, RecordModel::Exponential)?.length_m,
                 own: fit_length(std::slice::from_ref(channel), model, settings).ok(),
             };
-            Ok((fitted, estimate.misfit(&shape.with_window(channel.window_m), joint.length_m)))
+            Ok((fitted, estimate.misfit(&under(channel.window_m), joint.length_m)))
         });
         let seen = seen?;
         let resolution_m = channels.iter().map(|channel| channel.step_m).fold(f64::INFINITY, f64::min);
@@ -106,6 +97,7 @@ impl WindowStudy {
         let mean_square = seen.iter().map(|(_, misfit)| misfit * misfit).sum::<f64>() / seen.len() as f64;
         Ok(Self {
             windows: seen.into_iter().map(|(seen, _)| seen).collect(),
+            families,
             model,
             length_m: joint.length_m,
             interval: jackknife.as_ref().map_or(joint.interval, |jackknife| jackknife.widened(&joint)),
@@ -123,14 +115,6 @@ impl WindowStudy {
     pub fn window_only(&self) -> bool {
         self.interval.low < self.resolution_m
     }
-}
-
-/// Returns the exponential, unless another model is better beyond chance or by far.
-fn best(models: &[RankedLength]) -> Option<LengthFit> {
-    let simple = |ranked: &&RankedLength| {
-        ranked.fit.model == RecordModel::Exponential && !ranked.worse && ranked.aic_difference < KEPT
-    };
-    models.iter().find(simple).or(models.first()).map(|ranked| ranked.fit)
 }
 
 /// Logarithms of ℓ without each group of strips: jointly for all windows, and for every window alone. Lengths below a
@@ -202,7 +186,7 @@ impl Jackknife {
     }
 }
 
-fn under<'a>(window: &Window, records: &'a [Record], tracks: usize) -> WindowedRecords<'a> {
+fn channel<'a>(window: &Window, records: &'a [Record], tracks: usize) -> WindowedRecords<'a> {
     WindowedRecords {
         window_m: window.length_m(),
         step_m: window.step_m(),
@@ -213,11 +197,11 @@ fn under<'a>(window: &Window, records: &'a [Record], tracks: usize) -> WindowedR
 }
 
 /// Returns the standard deviation under a window over the standard deviation under a narrower one.
-fn std_ratio(shape: &WindowedModel, length_m: f64, window_m: f64, narrower_m: f64) -> f64 {
+fn std_ratio(under: impl Fn(f64) -> WindowedModel, length_m: f64, window_m: f64, narrower_m: f64) -> f64 {
     if length_m == 0.0 {
         return (narrower_m / window_m).sqrt();
     }
-    let variance = |window_m: f64| shape.with_window(window_m).covariance(0.0, length_m);
+    let variance = |window_m: f64| under(window_m).covariance(0.0, length_m);
     (variance(window_m) / variance(narrower_m)).sqrt()
 }
 

@@ -39,14 +39,11 @@ pub enum CorrelationShape {
 }
 
 impl CorrelationShape {
-    /// Returns shape and length of a fitted model of length ℓ. A triangle is the correlation of a window over
-    /// uncorrelated values.
-    pub fn from_record_model(model: RecordModel, length: f64) -> (Self, f64) {
+    /// Returns the shape of a family fitted to records.
+    pub fn from_record_model(model: RecordModel) -> Self {
         match model {
-            RecordModel::Exponential => (Self::Exponential, length),
-            RecordModel::SquaredExponential => (Self::SquaredExponential, length),
-            RecordModel::Matern { nu } => (Self::Matern { nu }, length),
-            RecordModel::Triangle => (Self::WindowedExponential { window: length }, 0.0),
+            RecordModel::Exponential => Self::Exponential,
+            RecordModel::Smooth => Self::Matern { nu: RecordModel::SMOOTHNESS },
         }
     }
 

@@ -171,9 +171,13 @@ pub struct LevelResult {
     pub correlation_length_without_window_m: Option<f64>,
     /// 95 % interval of `correlation_length_without_window_m`.
     pub correlation_length_without_window_m_interval: Option<Pair>,
-    /// Correlation model with this length.
+    /// Correlation family with this length: `exponential`, or the smooth `matern` of ν = 5/2.
     pub correlation_without_window_model: Option<String>,
-    /// p-value of the fit of that model to the spectrum.
+    /// Whether the strips tell the two correlation families apart. If not, the exponential is used, and the interval of its length
+    /// covers the lengths of both.
+    #[serde(default)]
+    pub correlation_families_told_apart: Option<bool>,
+    /// p-value of the fit of that family to the spectrum.
     pub correlation_without_window_fit_p: Option<f64>,
     /// p-value of the agreement between the lengths under each window alone.
     pub correlation_without_window_agreement_p: Option<f64>,
@@ -239,9 +243,9 @@ pub struct AtMeanLoad {
     pub correlation_length_m: Option<f64>,
     /// 95 % interval of `correlation_length_m`.
     pub correlation_length_m_interval: Option<Pair>,
-    /// Curves fitted to the correlation, the closest first; their ℓ includes the effect of the window.
+    /// Both families fitted to the correlation, the closest first; their ℓ includes the effect of the window.
     pub correlation_curves: Vec<CorrelationCurveResult>,
-    /// Models of the correlation without the effect of the window, the most likely first.
+    /// Both families fitted without the effect of the window, jointly over windows of W to W/8, the more likely first.
     pub correlation_models: Vec<CorrelationModelResult>,
     /// Marginal distribution ranked first by Akaike's criterion.
     pub marginal: Option<DistributionResult>,
@@ -293,7 +297,7 @@ pub struct CorrelationCurveResult {
     pub misfit: f64,
 }
 
-/// A model of the correlation without the window, fitted by likelihood.
+/// A correlation family fitted by likelihood, without the window.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationModelResult {
@@ -303,9 +307,9 @@ pub struct CorrelationModelResult {
     pub length_m: f64,
     /// 95 % interval of `length_m`.
     pub length_interval: Pair,
-    /// Difference of Akaike's criterion from the best model.
+    /// Difference of Akaike's criterion from the more likely family, divided by the variance of the scores relative to Gaussian strips.
     pub aic_difference: f64,
-    /// Whether the best model is better by more than chance.
+    /// Whether the strips reject this family: the likelihood of the other is at least 20 times as large.
     pub worse_beyond_chance: bool,
 }
 

@@ -51,7 +51,7 @@ fn a_record_of_distance_and_one_of_time_give_the_same_process() {
     assert!(low < number(&distance, "mean") && number(&distance, "mean") < high && low < 0.2 && 0.2 < high);
     assert!((number(&distance, "step_m") / 50e-6 - 1.0).abs() < 1e-9);
     assert!(
-        distance["laws"].as_array().unwrap().len() > 1 && distance["correlation_models"].as_array().unwrap().len() == 3
+        distance["laws"].as_array().unwrap().len() > 1 && distance["correlation_models"].as_array().unwrap().len() == 2
     );
     // The written file is a valid process for `simulate`.
     let fitted: Value = serde_json::from_slice(&fs::read(at.join("fit.json")).unwrap()).unwrap();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use asperity_base::correlation::{CorrelationModel, Covariance, RecordCorrelation};
+use asperity_base::correlation::{CorrelationModel, Covariance, LengthSettings, RecordCorrelation};
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::Family;
 use asperity_base::map::{Grid, HeightMap};
@@ -308,7 +308,7 @@ fn study_of(phi: f64, seed: u64) -> (WindowStudy, Grid) {
     let seen = |window: &Window| strips.iter().map(|strip| averaged(strip, window, grid)).collect();
     let records: Vec<(Window, Vec<Record>)> = windows.map(|window| (window.clone(), seen(&window))).collect();
     assert_eq!(records.len(), 4);
-    (WindowStudy::new(&records).unwrap(), grid)
+    (WindowStudy::new(&records, 1, LengthSettings::default()).unwrap(), grid)
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::diagnostics::{Columns, integral_transform, quantile_pairs};
 use crate::{CorrelationShape, FittedCorrelation, FittedProcess, IMPLAUSIBLE_FRICTION, Origin, OriginKind};
 use asperity_base::blocks::Task;
 use asperity_base::correlation::{
-    LengthFit, Observation, ObservedLengths, RankedLength, RecordCorrelation, RecordHistory, WindowedModel,
+    FamilyFits, LengthFit, Observation, ObservedLengths, RecordCorrelation, RecordHistory, WindowedModel,
 };
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
@@ -104,11 +104,9 @@ pub struct FittedRecord {
     pub goodness: Option<FitGoodness>,
     /// Autocorrelation up to half the record.
     pub correlation: RecordCorrelation,
-    /// Correlation models, the most likely first.
-    pub models: Vec<RankedLength>,
-    /// Correlation model of the process, with the noise found beside it.
-    pub length: LengthFit,
-    /// Relation between the values and the process: points, means or a moving average.
+    /// Both correlation families, with the noise found beside them, and the one of the process.
+    pub families: FamilyFits,
+    /// Relation between the values and the process: points or means over the step.
     pub observation: Observation,
     /// Standard deviation of the values, including noise and averaging, which the standard deviation of the process
     /// excludes.
@@ -145,18 +143,6 @@ fn marginal_of(
     Ok((ranking, marginal))
 }
 
-/// Returns the correlation up to half the record, and its models.
-fn correlate(
-    pieces: &[&[f64]],
-    step_m: f64,
-    history: RecordHistory,
-    monitor: &dyn Monitor,
-) -> Result<(RecordCorrelation, ObservedLengths), MeasuredError> {
-    let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
-    let found = RecordCorrelation::estimate(pieces, step_m, longest / 2)?;
-    Ok((found, ObservedLengths::fit(pieces, step_m, history, monitor)?))
-}
-
 /// Standard deviation of the process over the one of the values.
 struct StdRatio {
     best: f64,
@@ -165,27 +151,22 @@ struct StdRatio {
 }
 
 /// Returns whether the values are means over a step that does not resolve the correlation.
-fn averages_unresolved(fit: &LengthFit, observation: Observation, step_m: f64) -> bool {
-    let over_step = fit.window_m > 0.0 && !matches!(observation, Observation::MovingAverage { .. });
-    over_step && fit.length_m < ObservedLengths::RESOLVED * step_m
+fn averages_unresolved(fit: &LengthFit, step_m: f64) -> bool {
+    fit.window_m > 0.0 && fit.length_m < ObservedLengths::RESOLVED * step_m
 }
 
 /// Returns the ratio that excludes noise and the effect of averaging.
 ///
 /// The variance of means over a step tends to zero with ℓ. If the step does not resolve the correlation, the ends
 /// include the interval of ℓ; if ℓ may be zero, the ratio excludes noise only.
-fn std_ratio(fit: &LengthFit, observation: Observation, step_m: f64) -> StdRatio {
+fn std_ratio(fit: &LengthFit, step_m: f64) -> StdRatio {
     let window = WindowedModel::new(fit.model, fit.window_m).with_cells(fit.cell_m);
     let ratio = |length_m: f64| {
-        let left = match observation {
-            _ if length_m > 0.0 => window.covariance(0.0, length_m),
-            Observation::MovingAverage { values } => (values as f64).recip(),
-            Observation::Points | Observation::Means => 1.0,
-        };
+        let left = if length_m > 0.0 { window.covariance(0.0, length_m) } else { 1.0 };
         ((1.0 - fit.noise_fraction) / left).sqrt()
     };
     let Interval { low, high } = fit.interval;
-    let (length_m, ends_m) = match averages_unresolved(fit, observation, step_m) {
+    let (length_m, ends_m) = match averages_unresolved(fit, step_m) {
         true if low == 0.0 => (0.0, [0.0; 2]),
         true => (fit.length_m, [high, low]),
         false => (fit.length_m, [fit.length_m; 2]),
@@ -252,8 +233,11 @@ impl FittedRecord {
             let effective = SLOW_DEGREE as f64 + 1.0;
             return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
-        let (correlation, ObservedLengths { models, chosen: best, observation, narrowed_to_per_m }) =
-            correlate(&pieces, record.step_m, prepared.history, monitor)?;
+        let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
+        let correlation = RecordCorrelation::estimate(&pieces, record.step_m, longest / 2)?;
+        let ObservedLengths { families, observation } =
+            ObservedLengths::fit(&pieces, record.step_m, prepared.history, monitor)?;
+        let best = families.chosen;
         task.advance(1);
         // A slow wave has many values but few correlation lengths.
         let effective = 0.5 * present as f64 * record.step_m / best.length_m;
@@ -271,13 +255,7 @@ impl FittedRecord {
         task.advance(1);
         let goodness =
             marginals.fits.iter().position(|fit| fit.marginal == marginal).and_then(|place| marginals.distance(place));
-        // With a narrowed band, the fitted noise is not the noise of the values.
-        let StdRatio { best: ratio, ends: ratios } = match narrowed_to_per_m {
-            Some(_) => StdRatio { best: 1.0, ends: [1.0; 2] },
-            None => std_ratio(&best, observation, record.step_m),
-        };
-        let (shape, length_m) =
-            CorrelationShape::from_record_model(best.model, best.length_m.max(LEAST_LENGTH * record.step_m));
+        let StdRatio { best: ratio, ends: ratios } = std_ratio(&best, record.step_m);
         let process = FittedProcess {
             mean: moments.moments.mean,
             mean_interval: moments.mean.filter(|_| prepared.history.band.high_pass_m.is_none()).map(pair),
@@ -285,8 +263,8 @@ impl FittedRecord {
             std_interval: moments.std.map(pair).map(|ends| [ratios[0] * ends[0], ratios[1] * ends[1]]),
             marginal: Some(marginal),
             correlation: Some(FittedCorrelation {
-                shape,
-                length_m,
+                shape: CorrelationShape::from_record_model(best.model),
+                length_m: best.length_m.max(LEAST_LENGTH * record.step_m),
                 length_interval_m: Some([best.interval.low, best.interval.high]),
                 window_m: None,
                 length_without_window_m: None,
@@ -313,10 +291,9 @@ impl FittedRecord {
             );
         }
         warnings.extend(drift::warning(values, record.step_m, moments.moments.std));
-        warnings.extend(notes_on(&best, observation, narrowed_to_per_m, moments.moments.std, ratio));
+        warnings.extend(notes_on(&families, observation, moments.moments.std, ratio));
         if best.length_m < ObservedLengths::RESOLVED * record.step_m {
-            let whole = narrowed_to_per_m.is_none();
-            warnings.push(unresolved(&best, observation, record.step_m, whole));
+            warnings.push(unresolved(&best, record.step_m));
         }
         if let Some(fit) = goodness.filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
             warnings.push(format!(
@@ -351,8 +328,7 @@ impl FittedRecord {
             marginals,
             goodness,
             correlation,
-            models,
-            length: best,
+            families,
             observation,
             warnings,
         })
@@ -393,9 +369,10 @@ impl FittedRecord {
 
     fn correlations(&self) -> Series {
         let step_m = self.correlation.step_m;
+        // A family that is significantly worse may fit a scale that is not shown.
+        let likely = if self.families.told_apart() { &self.families.fits[..1] } else { &self.families.fits };
         // Beyond ten lengths the estimate is noise.
-        let likely = self.models.iter().filter(|model| !model.worse);
-        let reach = likely.map(|model| 10.0 * model.fit.length_m / step_m).fold(20.0, f64::max);
+        let reach = likely.iter().map(|fit| 10.0 * fit.length_m / step_m).fold(20.0, f64::max);
         let lags = self.correlation.correlation.len().min(reach.ceil().min(1e9) as usize);
         let lag_m: Vec<f64> = (0..lags).map(|lag| lag as f64 * step_m).collect();
         let model = |fit: &LengthFit| -> (String, Vec<f64>) {
@@ -404,23 +381,23 @@ impl FittedRecord {
         };
         let mut columns =
             vec![("lag_m".to_owned(), lag_m.clone()), ("acf".into(), self.correlation.correlation[..lags].to_vec())];
-        // A model that is significantly worse may fit a scale that is not shown.
-        columns.extend(self.models.iter().filter(|ranked| !ranked.worse).map(|ranked| model(&ranked.fit)));
+        columns.extend(likely.iter().map(model));
         columns
     }
 }
 
 /// Returns notes on the fit of the correlation.
-fn notes_on(
-    fit: &LengthFit,
-    observation: Observation,
-    narrowed_to_per_m: Option<f64>,
-    std: f64,
-    ratio: f64,
-) -> Vec<String> {
+fn notes_on(families: &FamilyFits, observation: Observation, std: f64, ratio: f64) -> Vec<String> {
+    let fit = &families.chosen;
     let mut notes = Vec::new();
-    let whole = narrowed_to_per_m.is_none();
-    if let Some(interval) = fit.noise_interval.filter(|_| whole && fit.noise_fraction > 0.0) {
+    if !families.told_apart() {
+        notes.push(format!(
+            "the record cannot tell the correlation families apart: the process uses the {}, and the interval of the \
+             correlation length covers both",
+            fit.model.name()
+        ));
+    }
+    if let Some(interval) = fit.noise_interval.filter(|_| fit.noise_fraction > 0.0) {
         notes.push(format!(
             "white noise is {:.2} % ({:.2} to {:.2} %) of the variance; the correlation length excludes it",
             100.0 * fit.noise_fraction,
@@ -428,17 +405,12 @@ fn notes_on(
             100.0 * interval.high
         ));
     }
-    match observation {
-        Observation::Points => {}
-        Observation::Means => notes.push(
+    if observation == Observation::Means {
+        notes.push(
             "the spectrum is consistent with means over the step, not with values at points; the correlation length excludes \
              this averaging"
                 .into(),
-        ),
-        Observation::MovingAverage { values } => notes.push(format!(
-            "the spectrum is consistent with a moving average of {values} values, such as a sensor's filter; the correlation \
-             length excludes it"
-        )),
+        );
     }
     if (ratio - 1.0).abs() > 0.005 {
         notes.push(format!(
@@ -446,17 +418,11 @@ fn notes_on(
             ratio * std
         ));
     }
-    if let Some(highest_per_m) = narrowed_to_per_m {
-        notes.push(format!(
-            "no correlation model fits the fast waves, possibly because of a filter of the instrument: the correlation length \
-             uses only waves longer than {:.3e} m, and the standard deviation includes noise and filter",
-            highest_per_m.recip()
-        ));
-    }
     if let Some(test) = fit.lack_of_fit.filter(|test| test.significant()) {
         notes.push(format!(
-            "no correlation model fits the record (p = {:.1e} for its spectrum): the correlation length and its interval are \
-             valid only for the shape {}; compare friction_acf",
+            "no correlation family fits the record (p = {:.1e} for its spectrum): the correlation length and its interval are \
+             valid only for the shape {}; compare friction_acf. If the instrument filters fast waves, remove them with a \
+             low-pass filter",
             test.p_value,
             fit.model.name()
         ));
@@ -464,8 +430,8 @@ fn notes_on(
     notes
 }
 
-/// Returns the warning that the step does not resolve the correlation; `whole` if the fit uses all frequencies.
-fn unresolved(fit: &LengthFit, observation: Observation, step_m: f64, whole: bool) -> String {
+/// Returns the warning that the step does not resolve the correlation.
+fn unresolved(fit: &LengthFit, step_m: f64) -> String {
     let metre = |value: f64| if value == 0.0 { "0".to_owned() } else { format!("{value:.3e}") };
     let Interval { low, high } = fit.interval;
     let start = format!(
@@ -474,10 +440,10 @@ fn unresolved(fit: &LengthFit, observation: Observation, step_m: f64, whole: boo
         metre(low),
         metre(high)
     );
-    let rest = if whole && averages_unresolved(fit, observation, step_m) && low == 0.0 {
+    let rest = if averages_unresolved(fit, step_m) && low == 0.0 {
         "the effect of the averaging is unknown, and the standard deviation is the one of the averages; sample more finely, or average \
          fewer values"
-    } else if whole && observation == Observation::Points && fit.window_m == 0.0 && fit.noise_fraction == 0.0 {
+    } else if fit.window_m == 0.0 && fit.noise_fraction == 0.0 {
         "the spectrum hardly distinguishes values at points from means over the step, or the process from white noise; the \
          values are taken as values at points without noise, and the standard deviation is the one of the recorded values; \
          sample more finely"

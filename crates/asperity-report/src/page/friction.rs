@@ -98,7 +98,7 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     tables
 }
 
-/// Returns the distributions and the correlation models fitted at the operating point.
+/// Returns the distributions and the correlation families fitted at the operating point.
 pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let Some(level) = friction.operating_level() else { return Vec::new() };
     let AtMeanLoad { marginal, marginal_parameter_intervals, laws, correlation_curves, correlation_models, .. } =

@@ -22,7 +22,7 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     has(&run, "friction_shape", &["CoV of μ", "Skewness of μ", "95 %, at the mean load", "Penetration (µm)"]);
     has(&run, "friction_load_curve", &["Mean pressure (MPa)", "Contact fraction", "95 % interval"]);
     has(&run, "friction_histogram", &["ranked first (shifted lognormal)", "Beta", "shifted Gamma", "normal"]);
-    has(&run, "friction_acf", &["window alone (triangle)", "window and exponential", "squared exponential"]);
+    has(&run, "friction_acf", &["window alone (triangle)", "window and process", "Matérn"]);
     has(
         &run,
         "friction_windows",

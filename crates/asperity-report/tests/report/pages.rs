@@ -88,7 +88,7 @@ fn the_comparison_of_methods_and_the_checks_of_models_are_in_the_appendix() {
     for (entry, contents) in [
         ("appendix-surface", &["Distributions fitted to the heights"][..]),
         ("appendix-pressure", &["Methods for the distribution of the pressure", "figure-pressure_accuracy"]),
-        ("appendix-friction", &["Models of the correlation", "figure-friction_pit", "figure-friction_qq"]),
+        ("appendix-friction", &["Families of the correlation", "figure-friction_pit", "figure-friction_qq"]),
     ] {
         let link = place(&format!("<a href=\"#{entry}\">"));
         assert!(link < appendix && appendix < place(&format!("<details id=\"{entry}\">")), "{entry}");

@@ -374,7 +374,7 @@ fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
             ("fit", map(&lag, |lag| (-(lag / 4e-4)).exp())),
             ("window_only", map(&lag, |lag| (1.0 - lag / 6e-4).max(0.0))),
             ("windowed_fit", map(&lag, |lag| (1.0 - lag / 6.4e-4).max(0.0))),
-            ("fit_squared_exponential", map(&lag, |lag| (-(lag / 4e-4).powi(2)).exp())),
+            ("fit_matern", map(&lag, |lag| (1.0 + lag / 2e-4) * (-(lag / 2e-4)).exp())),
         ]),
     );
     let position = grid(3e-4, 5.7e-3, 800);

@@ -67,6 +67,7 @@ fn level(row: usize) -> LevelResult {
         correlation_length_without_window_m: Some(2.5e-5),
         correlation_length_without_window_m_interval: Some([2.1e-5, 2.9e-5]),
         correlation_without_window_model: Some("exponential".into()),
+        correlation_families_told_apart: Some(false),
         window_only: Some(percentile.is_none()),
         marginal: Some(law("beta", &[("a", 2.13), ("b", 4.9), ("low", 0.1851), ("high", 0.2303)])),
         marginal_parameter_intervals: BTreeMap::from([("a".into(), Some([1.8, 2.6])), ("b".into(), None)]),
@@ -82,11 +83,7 @@ fn level(row: usize) -> LevelResult {
             std: 0.7 * std,
             correlation_length_m: Some(2.5e-4),
             correlation_length_m_interval: Some([2e-4, 3.2e-4]),
-            correlation_curves: vec![CorrelationCurveResult {
-                model: "triangle".into(),
-                length_m: 6e-4,
-                misfit: 0.012,
-            }],
+            correlation_curves: vec![CorrelationCurveResult { model: "matern".into(), length_m: 6e-4, misfit: 0.012 }],
             correlation_models: vec![CorrelationModelResult {
                 model: "exponential".into(),
                 length_m: 0.0,

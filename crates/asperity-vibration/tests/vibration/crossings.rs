@@ -30,7 +30,8 @@ fn intervals_of_crossings_cover_the_crossings_of_many_more_trajectories() {
     let found: Vec<Vec<CrossingResult>> =
         (1..=replicates as u64).into_par_iter().map(|seed| crossings(PATHS, seed)).collect();
     for (k, truth) in wanted.iter().map(|crossing| crossing.damping_ratio.unwrap()).enumerate() {
-        let intervals: Vec<[f64; 2]> = found.iter().map(|crossings| crossings[k].damping_ratio_interval.unwrap()).collect();
+        let intervals: Vec<[f64; 2]> =
+            found.iter().map(|crossings| crossings[k].damping_ratio_interval.unwrap()).collect();
         let covered = intervals.iter().filter(|[low, high]| *low <= truth && truth <= *high).count();
         let width = intervals.iter().map(|[low, high]| high - low).sum::<f64>() / replicates as f64;
         println!("level {}: {truth:.5}, covered by {covered} of {replicates}, mean width {width:.5}", LEVELS[k]);

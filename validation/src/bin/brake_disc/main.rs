@@ -1,4 +1,5 @@
 //! Makes the synthetic scan of `studies/quickstart.toml`: the friction track of a brake disc, with the faults of a measurement.
+//! The file in `studies` has these heights in steps of 16 bits.
 //!
 //! ```text
 //! cargo run --release -p asperity-validation --bin brake_disc -- studies/brake_disc.x3p
@@ -14,7 +15,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use asperity_formats::{X3pData, write_x3p};
+use asperity_formats::write_x3p;
 use asperity_validation::brake_disc::brake_disc;
 
 fn main() -> ExitCode {
@@ -22,7 +23,7 @@ fn main() -> ExitCode {
         eprintln!("usage: brake_disc OUT.x3p");
         return ExitCode::from(2);
     };
-    let written = brake_disc().and_then(|scan| Ok(std::fs::write(&path, write_x3p(&scan, X3pData::Int16)?)?));
+    let written = brake_disc().and_then(|scan| Ok(std::fs::write(&path, write_x3p(&scan)?)?));
     match written {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::band::RecordBand;
 use super::checked_moments;
 use super::likelihood::{Likelihood, RecordEnds, WindowedRecords};
-use super::model::{RecordModel, WindowedModel};
+use super::model::RecordModel;
 use super::tangent::Tangent;
 use crate::correlation::estimate::EstimateError;
 use crate::numeric::scanned_minimum;
@@ -17,25 +17,18 @@ const PIECES: usize = 20;
 const SHORTEST_PIECE: f64 = 10.0;
 /// Degrees of freedom assigned to the theoretical variance of the score for Gaussian records.
 const PRIOR: f64 = 10.0;
+/// Probability of the interval of a length.
+const LEVEL: f64 = 0.95;
 
 /// Settings of a fit of the correlation length.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LengthSettings {
     /// Boundary of the records.
     pub ends: RecordEnds,
-    /// Confidence level of the interval, between 0 and 1.
-    pub level: f64,
     /// Whether to fit the fraction of white noise in the values.
     pub noise: bool,
-    /// Frequencies used.
+    /// Frequencies used; by default all up to half a wave per window.
     pub band: RecordBand,
-}
-
-impl Default for LengthSettings {
-    /// Free ends, 95 %, no noise, all frequencies up to half a wave per window.
-    fn default() -> Self {
-        Self { ends: RecordEnds::Free, level: 0.95, noise: false, band: RecordBand::default() }
-    }
 }
 
 /// Goodness-of-fit test of a spectrum of records: χ² over bands of wavenumbers, corrected for the fitted parameters.
@@ -50,20 +43,20 @@ pub struct LackOfFit {
 }
 
 impl LackOfFit {
-    /// Returns whether the test rejects the model at 1 %.
+    /// Returns whether the test rejects the family at 1 %.
     pub fn significant(&self) -> bool {
         self.p_value < 0.01
     }
 }
 
-/// Fitted ℓ of a model of ρ_0, corrected for the window.
+/// Fitted ℓ of a family ρ_0, corrected for the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LengthFit {
-    /// The model.
+    /// The family.
     pub model: RecordModel,
     /// ℓ in metre; 0 if the windows explain the whole correlation.
     pub length_m: f64,
-    /// Confidence interval of ℓ; the upper limit is at most the length of the longest record, and a lower limit of 0
+    /// 95 % interval of ℓ; the upper limit is at most the length of the longest record, and a lower limit of 0
     /// means that no small length is rejected.
     pub interval: Interval,
     /// Narrowest window in metre.
@@ -74,7 +67,7 @@ pub struct LengthFit {
     pub std: f64,
     /// Fraction of white noise in the variance of the values; 0 if not fitted.
     pub noise_fraction: f64,
-    /// Confidence interval of the noise fraction; `None` if not fitted.
+    /// 95 % interval of the noise fraction; `None` if not fitted.
     pub noise_interval: Option<Interval>,
     /// Goodness of fit; `None` with too few wavenumbers.
     pub lack_of_fit: Option<LackOfFit>,
@@ -89,7 +82,7 @@ pub struct LengthFit {
     pub pieces: usize,
 }
 
-/// Fits ℓ of a model to records of one process under one or more windows by Whittle's likelihood.
+/// Fits ℓ of a family to records of one process under one or more windows by Whittle's likelihood.
 ///
 /// The expectation of every periodogram ordinate accounts for window, sampling and record length; the mean is unknown.
 /// A wavenumber counts once over all windows, so windows on the same strips are not treated as independent.
@@ -107,91 +100,58 @@ pub fn fit_length(
     model: RecordModel,
     settings: LengthSettings,
 ) -> Result<LengthFit, EstimateError> {
-    let likelihood = likelihood(channels, model, settings)?;
-    Ok(fit_likelihood(&likelihood, channels, model, settings))
-}
-
-/// Returns the likelihood of a model of records.
-pub(super) fn likelihood(
-    channels: &[WindowedRecords<'_>],
-    model: RecordModel,
-    settings: LengthSettings,
-) -> Result<Likelihood, EstimateError> {
     check(channels)?;
-    let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
-    let records = channels.iter().map(|channel| channel.records.len()).max().unwrap_or(0);
-    let owners: Vec<usize> = (0..records).collect();
-    let too_few = || EstimateError::TooFew { present: 0, wanted: 3 };
-    Likelihood::new(channels, &owners, (settings.ends, settings.band), &shape).ok_or_else(too_few)
-}
-
-/// Fits ℓ as [`fit_length`] does with a given likelihood of the records.
-pub(super) fn fit_likelihood(
-    likelihood: &Likelihood,
-    channels: &[WindowedRecords<'_>],
-    model: RecordModel,
-    settings: LengthSettings,
-) -> LengthFit {
-    let shape = WindowedModel::new(model, 0.0).with_cells(channels[0].cell_m);
+    let too_few = EstimateError::TooFew { present: 0, wanted: 3 };
+    let likelihood = Likelihood::new(channels, settings.ends, settings.band, model).ok_or(too_few)?;
     let (low_m, high_m) = range_m(channels);
-    let noise_at = |length_m: f64| likelihood.profile(length_m, settings.noise);
-    let curve = |length_m: f64| noise_at(length_m).1;
+    let curve = |length_m: f64| likelihood.profile(length_m, settings.noise).1;
     let (length_m, least) = minimum(&curve, low_m, high_m);
-    let (noise_fraction, _) = noise_at(length_m);
+    let (noise_fraction, _) = likelihood.profile(length_m, settings.noise);
     let narrowest = narrowest(channels);
-    let pieces = Pieces::new(narrowest, length_m + narrowest.window_m, settings, &shape);
-    let theory = likelihood.spread();
-    let found = pieces.and_then(|pieces| pieces.dispersion(length_m.max(low_m), noise_fraction, narrowest.tracks));
-    let (dispersion, track_redundancy, freedom, count) = match found {
-        Some((found, track_redundancy, count)) => {
-            let own = count as f64 - 1.0;
-            ((PRIOR * theory * track_redundancy + own * found) / (PRIOR + own), track_redundancy, PRIOR + own, count)
-        }
-        None => (theory * narrowest.tracks as f64, narrowest.tracks as f64, PRIOR, 1),
-    };
-    let t = student_quantile(0.5 + 0.5 * settings.level, freedom);
-    let bound = least + 0.5 * dispersion * t * t;
+    let scatter = Scatter::new(narrowest, model, settings, (length_m, low_m), noise_fraction, likelihood.spread());
+    let bound = least + 0.5 * scatter.dispersion * scatter.t * scatter.t;
     let interval = Interval {
         low: if curve(0.0) <= bound { 0.0 } else { crossing(&curve, bound, length_m, low_m).unwrap_or(0.0) },
         high: crossing(&curve, bound, length_m.max(low_m), high_m).unwrap_or(high_m),
     };
-    let tangent = Tangent::new(likelihood, length_m, noise_fraction);
-    // Skewed records, and so their scores, have a larger variance than the theoretical one.
-    let lack_of_fit =
-        tangent.lack_of_fit(dispersion.max(theory * track_redundancy)).and_then(|(statistic, degrees_of_freedom)| {
-            let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
-            Some(LackOfFit { statistic, degrees_of_freedom, p_value: distribution.sf(statistic.max(0.0)) })
-        });
+    let tangent = Tangent::new(&likelihood, length_m, noise_fraction);
+    let lack_of_fit = tangent.lack_of_fit(scatter.of_ordinates).and_then(|(statistic, degrees_of_freedom)| {
+        let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
+        Some(LackOfFit { statistic, degrees_of_freedom, p_value: distribution.sf(statistic.max(0.0)) })
+    });
     let noise_interval = settings.noise.then(|| {
-        let reach = tangent.noise_variance(noise_fraction).map_or(0.0, |variance| t * (dispersion * variance).sqrt());
+        let variance = tangent.noise_variance(noise_fraction).unwrap_or(0.0);
+        let reach = scatter.t * (scatter.dispersion * variance).sqrt();
         Interval { low: (noise_fraction - reach).max(0.0), high: (noise_fraction + reach).min(1.0) }
     });
-    LengthFit {
+    Ok(LengthFit {
         model,
         length_m,
         interval,
         window_m: narrowest.window_m,
         cell_m: narrowest.cell_m,
-        std: (tangent.variance() * (1.0 - noise_fraction)).sqrt(),
+        std: (tangent.variance * (1.0 - noise_fraction)).sqrt(),
         noise_fraction,
         noise_interval,
         lack_of_fit,
         log_likelihood: -least,
-        dispersion,
-        track_redundancy,
-        pieces: count,
-    }
+        dispersion: scatter.dispersion,
+        track_redundancy: scatter.track_redundancy,
+        pieces: scatter.pieces,
+    })
 }
 
-/// Returns the minimum of −ln L without the rest of [`fit_length`].
-pub(super) fn least(likelihood: &Likelihood, channel: &WindowedRecords<'_>, noise: bool) -> f64 {
-    length_and_least(likelihood, channel, noise).1
-}
-
-/// Returns ℓ in metre and the minimum of −ln L without the rest of [`fit_length`].
-pub(super) fn length_and_least(likelihood: &Likelihood, channel: &WindowedRecords<'_>, noise: bool) -> (f64, f64) {
-    let (low_m, high_m) = range_m(std::slice::from_ref(channel));
-    minimum(&|length_m| likelihood.profile(length_m, noise).1, low_m, high_m)
+/// Returns ℓ in metre and the maximum of ln L, without the rest of [`fit_length`]; `None` with too few wavenumbers.
+pub(super) fn most_likely(
+    channel: &WindowedRecords<'_>,
+    model: RecordModel,
+    settings: LengthSettings,
+) -> Option<(f64, f64)> {
+    let channels = std::slice::from_ref(channel);
+    let likelihood = Likelihood::new(channels, settings.ends, settings.band, model)?;
+    let (low_m, high_m) = range_m(channels);
+    let (length_m, least) = minimum(&|length_m| likelihood.profile(length_m, settings.noise).1, low_m, high_m);
+    Some((length_m, -least))
 }
 
 fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
@@ -202,7 +162,7 @@ fn check(channels: &[WindowedRecords<'_>]) -> Result<(), EstimateError> {
 }
 
 /// Returns the channel with the narrowest window, which contains nearly all the information.
-pub(super) fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords<'a> {
+fn narrowest<'a, 'b>(channels: &'b [WindowedRecords<'a>]) -> &'b WindowedRecords<'a> {
     let less = |a: &'b WindowedRecords<'a>, b: &'b WindowedRecords<'a>| if b.window_m < a.window_m { b } else { a };
     channels.iter().fold(&channels[0], less)
 }
@@ -242,8 +202,44 @@ fn crossing(curve: &dyn Fn(f64) -> f64, bound: f64, from_m: f64, limit_m: f64) -
     Some((inside * outside).sqrt())
 }
 
+/// Variance of the score relative to independent Gaussian ordinates.
+struct Scatter {
+    dispersion: f64,
+    /// Variance of ordinates: skewed records, and so their scores, have a larger variance than the theoretical one.
+    of_ordinates: f64,
+    track_redundancy: f64,
+    /// Number of blocks.
+    pieces: usize,
+    /// Student's quantile for the interval.
+    t: f64,
+}
+
+impl Scatter {
+    /// Combines the variance over the blocks of records under the narrowest window with the theoretical one.
+    fn new(
+        channel: &WindowedRecords<'_>,
+        model: RecordModel,
+        settings: LengthSettings,
+        (length_m, least_m): (f64, f64),
+        noise: f64,
+        theory: f64,
+    ) -> Self {
+        let pieces = Pieces::new(channel, length_m + channel.window_m, settings, model);
+        let found = pieces.and_then(|pieces| pieces.dispersion(length_m.max(least_m), noise, channel.tracks));
+        let (dispersion, track_redundancy, freedom, pieces) = match found {
+            Some((found, redundancy, count)) => {
+                let own = count as f64 - 1.0;
+                ((PRIOR * theory * redundancy + own * found) / (PRIOR + own), redundancy, PRIOR + own, count)
+            }
+            None => (theory * channel.tracks as f64, channel.tracks as f64, PRIOR, 1),
+        };
+        let of_ordinates = dispersion.max(theory * track_redundancy);
+        Self { dispersion, of_ordinates, track_redundancy, pieces, t: student_quantile(0.5 + 0.5 * LEVEL, freedom) }
+    }
+}
+
 /// Blocks of the strips under the narrowest window.
-pub(super) struct Pieces {
+struct Pieces {
     /// Likelihood by blocks of records.
     likelihood: Likelihood,
     /// Block of the strip that contains each block of a record.
@@ -254,12 +250,7 @@ pub(super) struct Pieces {
 
 impl Pieces {
     /// Divides strips into about [`PIECES`] blocks, none shorter than ten times `reach_m`.
-    pub(super) fn new(
-        channel: &WindowedRecords<'_>,
-        reach_m: f64,
-        settings: LengthSettings,
-        shape: &WindowedModel,
-    ) -> Option<Self> {
+    fn new(channel: &WindowedRecords<'_>, reach_m: f64, settings: LengthSettings, model: RecordModel) -> Option<Self> {
         let wanted = PIECES.div_ceil(channel.records.len().div_ceil(channel.tracks));
         let shortest = SHORTEST_PIECE * reach_m / channel.step_m;
         let (mut pieces, mut places, mut count) = (Vec::<&[f64]>::new(), Vec::new(), 0);
@@ -275,17 +266,10 @@ impl Pieces {
             count += parts;
         }
         let whole = pieces.len() == channel.records.len();
-        let owners: Vec<usize> = (0..pieces.len()).collect();
         let cut = WindowedRecords { records: pieces, ..channel.clone() };
         let ends = if whole { settings.ends } else { RecordEnds::Free };
-        let likelihood = Likelihood::new(&[cut], &owners, (ends, settings.band), shape)?;
+        let likelihood = Likelihood::new(&[cut], ends, settings.band, model)?;
         (count > 1).then_some(Self { likelihood, places, count })
-    }
-
-    /// Returns −ln L of every block.
-    pub(super) fn negative_logs(&self, length_m: f64, noise: f64) -> Vec<f64> {
-        let spectra = self.likelihood.with_noise(&self.likelihood.spectra(length_m), noise);
-        self.by_place(&self.likelihood.negative_log_by_owner(&spectra, self.places.len()))
     }
 
     /// Returns the ratio of the variance of the block scores to their information, the redundancy of the tracks, and

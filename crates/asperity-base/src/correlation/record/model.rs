@@ -1,44 +1,28 @@
-//! Correlation models of records, with or without a sliding window.
-
-use std::f64::consts::PI;
-
-use statrs::function::erf::erfc;
-use statrs::function::gamma::ln_gamma;
-
-use super::tail::TailTable;
-use crate::correlation::CorrelationModel;
+//! Correlation families of records, with or without a sliding window.
 
 /// Windows shorter than this fraction of ℓ are ignored; second differences would be dominated by rounding.
 const NO_WINDOW: f64 = 1e-5;
 
-/// A correlation ρ_0(s; ℓ) of a stationary record.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Family of the correlation ρ_0(s; ℓ) of a stationary record: a rough and a smooth one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordModel {
-    /// e^{−s/ℓ}.
+    /// Rough: e^{−s/ℓ}.
     Exponential,
-    /// e^{−(s/ℓ)²}.
-    SquaredExponential,
-    /// max(0, 1 − s/ℓ): uncorrelated values under a window of length ℓ.
-    Triangle,
-    /// 2^{1−ν}/Γ(ν) (√(2ν) s/ℓ)^ν K_ν(√(2ν) s/ℓ).
-    Matern {
-        /// Smoothness ν, from 0.1 to 20.
-        nu: f64,
-    },
+    /// Smooth: the Matérn correlation of ν = 5/2, (1 + y + y²/3) e^{−y} with y = √5 s/ℓ.
+    Smooth,
 }
 
 impl RecordModel {
-    /// Models compared by default.
-    pub const USUAL: [Self; 4] =
-        [Self::Exponential, Self::SquaredExponential, Self::Matern { nu: 1.5 }, Self::Triangle];
+    /// Both families, the exponential first.
+    pub const BOTH: [Self; 2] = [Self::Exponential, Self::Smooth];
+    /// Smoothness ν of the smooth family.
+    pub const SMOOTHNESS: f64 = 2.5;
 
-    /// Returns the name of the model.
+    /// Returns the name of the family as in files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Exponential => "exponential",
-            Self::SquaredExponential => "squared_exponential",
-            Self::Triangle => "triangle",
-            Self::Matern { .. } => "matern",
+            Self::Smooth => "matern",
         }
     }
 
@@ -47,80 +31,71 @@ impl RecordModel {
         self.scaled(lag_m / length_m)
     }
 
-    /// Returns the integral scale ∫₀^∞ ρ_0 ds in metre, a common measure of length for different models.
+    /// Returns the integral scale ∫₀^∞ ρ_0 ds in metre, the common measure of length of both families.
     pub fn integral_scale_m(&self, length_m: f64) -> f64 {
         self.integral() * length_m
     }
 
     /// Returns ρ_0 at r = s/ℓ.
-    pub(super) fn scaled(&self, r: f64) -> f64 {
-        match *self {
-            Self::Triangle => (1.0 - r).max(0.0),
-            Self::Exponential => CorrelationModel::Exponential.correlation(r),
-            Self::SquaredExponential => CorrelationModel::SquaredExponential.correlation(r),
-            Self::Matern { nu } => CorrelationModel::Matern { nu }.correlation(r),
+    fn scaled(&self, r: f64) -> f64 {
+        match self {
+            Self::Exponential => (-r).exp(),
+            Self::Smooth => {
+                let y = 5.0_f64.sqrt() * r;
+                (1.0 + y + y * y / 3.0) * (-y).exp()
+            }
         }
     }
 
     /// Returns ∫₀^∞ ρ_0 dr.
     fn integral(&self) -> f64 {
-        match *self {
+        match self {
             Self::Exponential => 1.0,
-            Self::SquaredExponential => 0.5 * PI.sqrt(),
-            Self::Triangle => 0.5,
-            Self::Matern { nu } => PI.sqrt() * (ln_gamma(nu + 0.5) - ln_gamma(nu)).exp() / (2.0 * nu).sqrt(),
+            Self::Smooth => 8.0 / (3.0 * 5.0_f64.sqrt()),
+        }
+    }
+
+    /// Returns T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
+    fn tail(&self, x: f64) -> f64 {
+        match self {
+            Self::Exponential => (-x).exp(),
+            Self::Smooth => {
+                let y = 5.0_f64.sqrt() * x;
+                (1.0 + 7.0 / 15.0 * y + y * y / 15.0) * (-y).exp()
+            }
         }
     }
 }
 
-/// Model under a sliding window W: triangle_W ⊛ ρ_0, the covariance of the moving average over W of a process of unit
-/// variance.
+/// Correlation under a sliding window W: triangle_W ⊛ ρ_0, the covariance of the moving average over W of a process of
+/// unit variance.
 ///
 /// With a = W/ℓ, t = |s|/ℓ and the twice integrated tail T(x) = ∫_x^∞ (u − x) ρ_0(u) du it is
 ///
-/// > [2 max(0, a − t) ∫₀^∞ρ_0 du + T(t + a) + T(|t − a|) − 2 T(t)]/a²,
+/// > [2 max(0, a − t) ∫₀^∞ρ_0 du + T(t + a) + T(|t − a|) − 2 T(t)]/a².
 ///
-/// in closed form for all models except Matérn with ν other than 1/2, 3/2 and 5/2, whose T is tabulated once.
+/// A length that the window does not resolve has the limit ℓ = 0, the triangle of the window.
 ///
 /// A window of few cells is a mean of n values at distance Δ rather than an integral over W
 /// ([`WindowedModel::with_cells`]); its power transfer is sin²(πfnΔ)/(n sin(πfΔ))² at the frequency f instead of
-/// sinc²(fW). The covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ), for the exponential
-/// three terms as above with sums for integrals.
-#[derive(Debug, Clone)]
+/// sinc²(fW). The covariance at a lag of whole cells is then Σ_{|k| < n} (n − |k|)/n² ρ_0(s + kΔ): three terms as above with
+/// sums for integrals.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowedModel {
     model: RecordModel,
     window_m: f64,
     /// Cell in metre; 0 if the window is an integral.
     cell_m: f64,
-    integral: f64,
-    table: Option<TailTable>,
 }
 
 impl WindowedModel {
     /// Creates a model under a window W ≥ 0 in metre; 0 for none.
     ///
     /// # Panics
-    /// If the window is negative or infinite, or ν lies outside [0.1, 20].
+    /// If the window is negative or infinite.
     pub fn new(model: RecordModel, window_m: f64) -> Self {
         assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
-        let table = match model {
-            RecordModel::Matern { nu } if nu != 0.5 && nu != 1.5 && nu != 2.5 => {
-                assert!((0.1..=20.0).contains(&nu), "ν = {nu} lies outside [0.1, 20]");
-                Some(TailTable::new(&|r| model.scaled(r), 60.0 / (2.0 * nu).sqrt()))
-            }
-            _ => None,
-        };
-        Self { model, window_m, cell_m: 0.0, integral: model.integral(), table }
-    }
-
-    /// Returns the model under another window.
-    ///
-    /// # Panics
-    /// If the window is negative or infinite.
-    #[must_use]
-    pub fn with_window(&self, window_m: f64) -> Self {
-        assert!(window_m >= 0.0 && window_m.is_finite(), "window {window_m} m");
-        Self { window_m, ..self.clone() }
+        Self { model, window_m, cell_m: 0.0 }
     }
 
     /// Returns the model with windows that average values at distance `cell_m`; 0 for integrals. Lags are then rounded
@@ -129,14 +104,9 @@ impl WindowedModel {
     /// # Panics
     /// If the cell is negative or infinite.
     #[must_use]
-    pub fn with_cells(&self, cell_m: f64) -> Self {
+    pub fn with_cells(self, cell_m: f64) -> Self {
         assert!(cell_m >= 0.0 && cell_m.is_finite(), "cell {cell_m} m");
-        Self { cell_m, ..self.clone() }
-    }
-
-    /// Returns the model without a window.
-    pub fn model(&self) -> RecordModel {
-        self.model
+        Self { cell_m, ..self }
     }
 
     /// Returns the window W in metre.
@@ -167,48 +137,32 @@ impl WindowedModel {
         if a < NO_WINDOW {
             return self.model.scaled(t);
         }
-        let kink = 2.0 * self.integral * (a - t).max(0.0);
-        (kink + self.tail(t + a) + self.tail((t - a).abs()) - 2.0 * self.tail(t)) / (a * a)
+        let (kink, tail) = (2.0 * self.model.integral() * (a - t).max(0.0), |x: f64| self.model.tail(x));
+        (kink + tail(t + a) + tail((t - a).abs()) - 2.0 * tail(t)) / (a * a)
     }
 
     /// Returns the covariance of two means of n values at steps of δ lengths, t steps apart.
+    ///
+    /// ρ_0 at u steps is (1 + au + bu²)φ^u. With the sums s_m = Σ_{j > 0} j^m φ^j it has T(x) = Σ_{u > x} (u − x) ρ_0(u) =
+    /// φ^x [(1 + ax + bx²)s_1 + (a + 2bx)s_2 + bs_3] and, over all u, Σ ρ_0 = 1 + 2(s_0 + as_1 + bs_2).
     fn mean_of_cells(&self, t: f64, n: f64, step: f64) -> f64 {
-        let exponential =
-            matches!(self.model, RecordModel::Exponential) || self.model == RecordModel::Matern { nu: 0.5 };
-        if exponential && n * step >= NO_WINDOW {
-            // Σ_{u > x} (u − x) φ^u = φ^{x+1}/(1 − φ)², and Σ φ^|u| over all u = (1 + φ)/(1 − φ).
-            let (phi, rest) = ((-step).exp(), -(-step).exp_m1());
-            let tail = |x: f64| (-x * step).exp();
-            let kink = (n - t).max(0.0) * (1.0 + phi) / rest;
-            return (kink + phi / (rest * rest) * (tail(t + n) + tail((t - n).abs()) - 2.0 * tail(t))) / (n * n);
+        if n * step < NO_WINDOW {
+            return self.model.scaled(t * step);
         }
-        let term = |k: i64| {
-            let both = self.model.scaled((t + k as f64).abs() * step) + self.model.scaled((t - k as f64).abs() * step);
-            (n - k as f64) * both
+        let (rate, a, b) = match self.model {
+            RecordModel::Exponential => (step, 0.0, 0.0),
+            RecordModel::Smooth => (5.0_f64.sqrt() * step, 5.0_f64.sqrt() * step, 5.0 / 3.0 * step * step),
         };
-        (n * self.model.scaled(t * step) + (1..n as i64).map(term).sum::<f64>()) / (n * n)
-    }
-
-    /// Returns T(x) = ∫_x^∞ (u − x) ρ_0(u) du.
-    fn tail(&self, x: f64) -> f64 {
-        match self.model {
-            RecordModel::Exponential => (-x).exp(),
-            RecordModel::SquaredExponential => 0.5 * ((-x * x).exp() - x * PI.sqrt() * erfc(x)),
-            RecordModel::Triangle => (1.0 - x).max(0.0).powi(3) / 6.0,
-            RecordModel::Matern { nu } => {
-                let y = (2.0 * nu).sqrt() * x;
-                let polynomial = if nu == 0.5 {
-                    1.0
-                } else if nu == 1.5 {
-                    3.0 + y
-                } else if nu == 2.5 {
-                    5.0 + 7.0 / 3.0 * y + y * y / 3.0
-                } else {
-                    return self.table.as_ref().map_or(f64::NAN, |table| table.tail(x));
-                };
-                polynomial * (-y).exp() / (2.0 * nu)
-            }
-        }
+        let (phi, rest) = ((-rate).exp(), -(-rate).exp_m1());
+        let s = [
+            phi / rest,
+            phi / rest.powi(2),
+            phi * (1.0 + phi) / rest.powi(3),
+            phi * (1.0 + phi * (4.0 + phi)) / rest.powi(4),
+        ];
+        let tail = |x: f64| (-x * rate).exp() * ((1.0 + x * (a + b * x)) * s[1] + (a + 2.0 * b * x) * s[2] + b * s[3]);
+        let kink = (n - t).max(0.0) * (1.0 + 2.0 * (s[0] + a * s[1] + b * s[2]));
+        (kink + tail(t + n) + tail((t - n).abs()) - 2.0 * tail(t)) / (n * n)
     }
 }
 
@@ -227,17 +181,12 @@ pub fn windowed_exponential(lag_m: f64, window_m: f64, length_m: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::f64::consts::PI;
 
-    const MODELS: [RecordModel; 7] = [
-        RecordModel::Exponential,
-        RecordModel::SquaredExponential,
-        RecordModel::Triangle,
-        RecordModel::Matern { nu: 0.3 },
-        RecordModel::Matern { nu: 1.0 },
-        RecordModel::Matern { nu: 1.5 },
-        RecordModel::Matern { nu: 2.5 },
-    ];
+    use super::*;
+    use crate::correlation::CorrelationModel;
+
+    const MODELS: [RecordModel; 2] = RecordModel::BOTH;
 
     /// Returns ∫ of (1 − |u|) ρ_0(s + uW) du over (−1, 1) by the midpoint rule with `n` cells of a variable that
     /// refines the kinks.
@@ -254,7 +203,7 @@ mod tests {
         for pair in kinks.windows(2) {
             let (low, width) = (pair[0], pair[1] - pair[0]);
             for i in 0..n {
-                // x = v³(10 − 15v + 6v²) concentrates points at both ends, where a small ν has its cusp.
+                // x = v³(10 − 15v + 6v²) concentrates points at both ends, where the exponential has its cusp.
                 let v = (f64::from(i) + 0.5) / f64::from(n);
                 let (x, slope) = (v.powi(3) * (10.0 - 15.0 * v + 6.0 * v * v), 30.0 * (v * (1.0 - v)).powi(2));
                 let u = low + width * x;
@@ -316,7 +265,7 @@ mod tests {
     #[test]
     fn windows_of_many_cells_are_integrals() {
         // The trapezoidal rule has the error Δ²/12 of the correlation: the test resolves its second order.
-        for model in [RecordModel::Exponential, RecordModel::SquaredExponential, RecordModel::Matern { nu: 1.5 }] {
+        for model in MODELS {
             let error = |cells: f64| {
                 let windowed = WindowedModel::new(model, 600.0);
                 (windowed.with_cells(600.0 / cells).covariance(0.0, 250.0) - windowed.covariance(0.0, 250.0)).abs()
@@ -333,8 +282,8 @@ mod tests {
                 let windowed = WindowedModel::new(model, 1.0);
                 assert!((windowed.correlation(s, 1e-7) - (1.0 - s).max(0.0)).abs() < 1e-6, "{model:?} {s}");
                 assert_eq!(windowed.correlation(s, 0.0), (1.0 - s).max(0.0));
-                // With a cusp r^{2ν} of ν = 0.3 the effect of a window W decreases as W^{0.6}.
-                for (window, error) in [(1e-4, 6e-3), (1e-6, 1e-9)] {
+                // With the cusp of the exponential the effect of a window W decreases as W.
+                for (window, error) in [(1e-4, 1e-4), (1e-6, 1e-9)] {
                     let found = WindowedModel::new(model, window).correlation(s, 1.0);
                     assert!((found - model.scaled(s)).abs() < error, "{model:?} {s} {window}");
                 }
@@ -354,11 +303,19 @@ mod tests {
     }
 
     #[test]
+    fn the_smooth_family_is_the_matern_correlation() {
+        let matern = CorrelationModel::Matern { nu: RecordModel::SMOOTHNESS };
+        for r in [0.0, 1e-3, 0.4, 1.0, 3.0, 12.0] {
+            assert!((RecordModel::Smooth.correlation(r, 1.0) - matern.correlation(r)).abs() < 1e-13, "{r}");
+        }
+    }
+
+    #[test]
     fn integral_scales_are_the_integrals() {
         for model in MODELS {
             let n = 200_000_i32;
             let sum: f64 = (0..n).map(|i| model.scaled((f64::from(i) + 0.5) * 1e-3 * 0.5)).sum::<f64>() * 0.5e-3;
-            // The midpoint rule at a cusp r^{2ν} has an error of about h^{1 + 2ν}.
+            // The midpoint rule has an error of about h²/12.
             assert!((sum - model.integral_scale_m(1.0)).abs() < 1e-5, "{model:?}");
         }
     }

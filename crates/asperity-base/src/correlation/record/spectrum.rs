@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::checked_moments;
-use super::likelihood::{Likelihood, RecordEnds, taper, tapered};
+use super::likelihood::{RecordEnds, taper, tapered};
 use super::model::WindowedModel;
 use crate::correlation::estimate::EstimateError;
 use crate::correlation::spectrum::{bin_of, edges};
@@ -63,7 +63,7 @@ pub fn record_spectrum(
     for (place, record) in records.iter().enumerate().filter(|(_, record)| record.len() >= 8) {
         let track = place % tracks;
         let n = record.len();
-        let weights = taper(n, ends, Likelihood::TAPER);
+        let weights = taper(n, ends);
         let (values, weights) = tapered(record, &weights, moments.mean);
         let squares: f64 = weights.iter().map(|w| w * w).sum();
         if squares == 0.0 {

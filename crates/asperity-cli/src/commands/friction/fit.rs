@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use asperity::correlation::RankedLength;
+use asperity::correlation::LengthFit;
 use asperity::distribution::fit::Fit;
 use asperity::friction::measured::{
     Abscissa, ColumnTable, Cut, Detrend, DistributionChoice, FittedRecord, MeasuredError, MeasuredRecord, NormalForce,
@@ -248,6 +248,7 @@ impl FitRecord {
 fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answer {
     let (record, process, moments) = (&prepared.record, &fitted.process, &fitted.moments);
     let correlation = process.correlation;
+    let (families, length) = (&fitted.families, &fitted.families.chosen);
     let fit = fitted.goodness.map(|fit| fit.kolmogorov_smirnov);
     let mut answer = Answer::default()
         .with("values", record.friction.len())
@@ -268,10 +269,11 @@ fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answe
         .with("correlation", correlation.map(|correlation| correlation.shape.name()))
         .with("correlation_length_m", correlation.map(|correlation| correlation.length_m))
         .with("correlation_length_m_interval", json!(correlation.and_then(|correlation| correlation.length_interval_m)))
-        .with("correlation_fit_p_value", fitted.length.lack_of_fit.map(|test| test.p_value))
+        .with("correlation_families_told_apart", families.told_apart())
+        .with("correlation_fit_p_value", length.lack_of_fit.map(|test| test.p_value))
         .with("values_are", fitted.observation.name())
-        .with("noise_share", fitted.length.noise_fraction)
-        .with("noise_share_interval", json!(fitted.length.noise_interval.map(|i| [i.low, i.high])))
+        .with("noise_share", length.noise_fraction)
+        .with("noise_share_interval", json!(length.noise_interval.map(|i| [i.low, i.high])))
         .with("law", process.marginal.as_ref().map(ToString::to_string))
         .with("law_distance", fit.map(|fit| fit.statistic))
         .with("law_p_value", fit.map(|fit| fit.p_value));
@@ -286,14 +288,14 @@ fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answe
         let aic = fit.aic_correlated(marginals.effective_size);
         json!({ "name": fit.family.key(), "law": fit.marginal.to_string(), "aic": aic })
     };
-    let model = |ranked: &RankedLength| {
-        let fit = &ranked.fit;
+    let model = |fit: &LengthFit| {
+        let best = fit.model == families.fits[0].model;
         json!({
             "model": fit.model.name(),
             "length_m": fit.length_m,
             "length_m_interval": [fit.interval.low, fit.interval.high],
-            "aic_difference": ranked.aic_difference,
-            "worse": ranked.worse,
+            "aic_difference": if best { 0.0 } else { families.evidence() },
+            "worse": !best && families.told_apart(),
             "window_m": fit.window_m,
             "noise_share": fit.noise_fraction,
             "fit_p_value": fit.lack_of_fit.map(|test| test.p_value),
@@ -302,7 +304,7 @@ fn answer(prepared: &PreparedRecord, fitted: &FittedRecord, json: bool) -> Answe
     let warnings: Vec<&String> = record.warnings.iter().chain(&fitted.warnings).collect();
     answer
         .with("laws", marginals.fits.iter().map(ranked).collect::<Vec<_>>())
-        .with("correlation_models", fitted.models.iter().map(model).collect::<Vec<_>>())
+        .with("correlation_models", families.fits.iter().map(model).collect::<Vec<_>>())
         .with("warnings", json!(warnings))
 }
 

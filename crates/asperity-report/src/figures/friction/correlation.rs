@@ -27,7 +27,7 @@ pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {
         let (label, pen) = match name {
             "acf" => (data.to_owned(), Pen::new(BLUE, 2.2, Dash::Solid)),
             "fit" => ("exponential".into(), Pen::new(VERMILION, 1.8, Dash::Dashed)),
-            "windowed_fit" => ("window and exponential".into(), Pen::new(GREEN, 1.8, Dash::Alternating)),
+            "windowed_fit" => ("window and process".into(), Pen::new(GREEN, 1.8, Dash::Alternating)),
             "window_only" => ("window alone (triangle)".into(), Pen::new(BLACK, 1.5, Dash::Dotted)),
             other => (in_words(other.trim_start_matches("fit_")), others.next().unwrap_or(pen(first))),
         };
@@ -50,7 +50,7 @@ pub(super) fn spectrum(table: &Table) -> Option<Chart> {
     }
     let curves = [
         ("density_m", "windows", Pen::new(BLUE, 2.0, Dash::Solid)),
-        ("windowed_fit_m", "window and exponential", Pen::new(GREEN, 1.8, Dash::Alternating)),
+        ("windowed_fit_m", "window and process", Pen::new(GREEN, 1.8, Dash::Alternating)),
         ("window_only_m", "window alone", Pen::new(BLACK, 1.5, Dash::Dotted)),
     ];
     for (column, name, pen) in curves {

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::words::no_variance;
-use crate::correlation::Stationarity;
+use crate::correlation::{LengthFit, Stationarity};
 use crate::distribution::fit::{Fit, Ranking};
-use crate::friction::analysis::ProcessAnalysis;
 use crate::friction::statistics::{FrictionStatistics, ReturnLevel, Tail};
 use crate::friction::window_study::WindowStudy;
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
@@ -63,6 +62,7 @@ fn without_path(level: LevelResult) -> LevelResult {
         correlation_length_without_window_m: None,
         correlation_length_without_window_m_interval: None,
         correlation_without_window_model: None,
+        correlation_families_told_apart: None,
         correlation_without_window_fit_p: None,
         correlation_without_window_agreement_p: None,
         window_only: None,
@@ -111,6 +111,7 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         correlation_length_without_window_m: study.map(|s| s.length_m),
         correlation_length_without_window_m_interval: study.map(|s| pair(s.interval)),
         correlation_without_window_model: study.map(|s| s.model.name().into()),
+        correlation_families_told_apart: study.map(|s| s.families.told_apart()),
         correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
         correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
         window_only: study.map(WindowStudy::window_only),
@@ -157,7 +158,7 @@ fn at_mean_load(solved: &SolvedLevel) -> AtMeanLoad {
         correlation_length_m: process.correlation.as_ref().ok().map(|c| c.exponential.length_m),
         correlation_length_m_interval: process.correlation.as_ref().ok().and_then(|c| c.length_interval).map(pair),
         correlation_curves: correlation_curves(process),
-        correlation_models: correlation_models(&solved.analysis),
+        correlation_models: solved.window_study.as_ref().map_or_else(Vec::new, correlation_models),
         marginal: process.marginal().map(|fit| distribution_result(&fit.marginal)),
         marginal_parameter_intervals: parameter_intervals(process),
         gof: goodness(process),
@@ -255,17 +256,19 @@ fn correlation_curves(process: &FrictionStatistics) -> Vec<CorrelationCurveResul
         .collect()
 }
 
-fn correlation_models(analysis: &ProcessAnalysis) -> Vec<CorrelationModelResult> {
-    let models = analysis.models.iter().flatten();
-    models
-        .map(|ranked| CorrelationModelResult {
-            model: ranked.fit.model.name().into(),
-            length_m: ranked.fit.length_m,
-            length_interval: pair(ranked.fit.interval),
-            aic_difference: ranked.aic_difference,
-            worse_beyond_chance: ranked.worse,
-        })
-        .collect()
+fn correlation_models(study: &WindowStudy) -> Vec<CorrelationModelResult> {
+    let families = &study.families;
+    let result = |fit: &LengthFit| {
+        let best = fit.model == families.fits[0].model;
+        CorrelationModelResult {
+            model: fit.model.name().into(),
+            length_m: fit.length_m,
+            length_interval: pair(fit.interval),
+            aic_difference: if best { 0.0 } else { families.evidence() },
+            worse_beyond_chance: !best && families.told_apart(),
+        }
+    };
+    families.fits.iter().map(result).collect()
 }
 
 fn stationarity(found: &Stationarity) -> StationarityResult {

@@ -11,6 +11,9 @@ use crate::study::sentence;
 
 /// Probability of a drift under stationarity below which it is warned about.
 const UNLIKELY: f64 = 0.01;
+/// Sentence on strips that do not tell the correlation families apart.
+const UNTOLD: &str = " The record cannot tell the rough and the smooth correlation family apart: the exponential is used, and the \
+                      interval covers both.";
 
 pub(super) fn sentences(
     study: &FrictionStudy,
@@ -31,13 +34,14 @@ pub(super) fn sentences(
         None => Some(format!("At {name} friction does not vary, so it has no correlation.")),
         Some(study) => Some(format!(
             "A moving window correlates neighbouring values by itself, so a correlation length is only stated with its \
-             window. Windows of {} together leave a length of {} (95 %: {} to {}; {} model) at {name}{}.",
+             window. Windows of {} together leave a length of {} (95 %: {} to {}; {} family) at {name}{}.{}",
             study.windows.iter().map(|seen| sentence::si(seen.window_m, "m")).collect::<Vec<_>>().join(", "),
             sentence::si(study.length_m, "m"),
             sentence::si(study.interval.low, "m"),
             sentence::si(study.interval.high, "m"),
             study.model.name().replace('_', " "),
-            if study.window_only() { ": the correlation is due to the window alone" } else { " beside the window" }
+            if study.window_only() { ": the correlation is due to the window alone" } else { " beside the window" },
+            if study.families.told_apart() { "" } else { UNTOLD }
         )),
     };
     let shape = match study.window_shape {
@@ -173,14 +177,14 @@ pub(super) fn correlation(lead: &SolvedLevel) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(p) = study.one_length_p.filter(|p| *p < UNLIKELY) {
         warnings.push(format!(
-            "at {name}, the length beside the window differs from window to window (p = {p:.1e}, {model} model): one length does \
+            "at {name}, the length beside the window differs from window to window (p = {p:.1e}, {model} family): one length does \
              not describe the correlation, and the standard deviation over the nominal area depends on the window"
         ));
     }
     if let Some(test) = study.lack_of_fit.filter(|test| test.p_value < UNLIKELY) {
         warnings.push(format!(
-            "at {name}, no correlation model fits the spectrum of friction (p = {:.1e}): the length beside the window and its \
-             interval hold for the {model} model alone",
+            "at {name}, no correlation family fits the spectrum of friction (p = {:.1e}): the length beside the window and its \
+             interval hold for the {model} family alone",
             test.p_value
         ));
     }
