@@ -5,7 +5,13 @@ export type Call =
   | { what: "open"; bytes: ArrayBuffer; name: string; settings: string }
   | { what: "state"; settings: string }
   | { what: "spectrum" | "twin" }
-  | { what: "contact" | "friction" | "cycle" | "limits" | "ensemble"; settings: string };
+  | { what: "contact" | "friction"; settings: string }
+  | MotionCall;
+
+/** Calls that move a machine, or draw the portrait of its motion. */
+export type MotionCall =
+  | { what: "cycle" | "limits" | "ensemble"; settings: string }
+  | { what: "portrait"; cycle: Result; ensemble?: Result; belt_m_per_s: number };
 
 export type What = Call["what"];
 
@@ -18,7 +24,7 @@ export interface Request {
   call: Call;
 }
 
-/** Numbers of an answer, and its arrays by name. */
+/** Numbers of an answer, with the drawing of its figure as `svg`, and its arrays by name. */
 export interface Result {
   // The module returns the keys of the command line.
   numbers: any;

@@ -1,12 +1,9 @@
 // The page: parameters in, calls to the workers, results on the cards.
 
-import { digits, FigureView } from "../chart";
-import type { Figure } from "../figure";
 import { Controls } from "./controls";
 import { compiled, Lane, type Watcher, workers } from "../engine";
-import * as figures from "./figures";
-import * as motion from "../motion";
-import { percent, quantity, row } from "../format";
+import { Figure } from "../figure";
+import { digits, percent, quantity, row } from "../format";
 import { MapView, extremes } from "./map";
 import type { Call, Result } from "../messages";
 import { defaults, fragment, fromFragment, type Key, si, type Values } from "./parameters";
@@ -75,7 +72,7 @@ class Page {
   private limits?: Result;
   private ensemble?: Result;
   private readonly controls = new Controls((key, value) => this.set(key, value));
-  private readonly views = new Map<Card, FigureView>();
+  private readonly figures = new Map<Card, Figure>();
   private readonly map = new MapView(part("map", ".host"));
   private readonly twin = new MapView(part("map", ".twin"));
   private readonly pressure = new MapView(part("pressure", ".host"));
@@ -92,7 +89,7 @@ class Page {
       progress: (task, done, total) => this.showProgress(task, done, total),
       broken: () => (this.opened = false),
     };
-    this.motion = new Lane(start, watcher, ["cycle", "limits"]);
+    this.motion = new Lane(start, watcher, ["portrait", "cycle", "limits"]);
     this.surface = new Lane(start, watcher, ["open", "state", "contact", "spectrum"]);
     this.strips = new Lane(start, watcher, ["open", "state", "friction", "twin"]);
     this.runs = new Lane(start, watcher, ["ensemble"]);
@@ -194,7 +191,7 @@ class Page {
       [this.scan, this.rejected, this.opened, this.described] = [source, undefined, true, result];
       this.problem();
       this.showSurface(result);
-      surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", figures.spectrum(found)), (error) => this.report(error, "spectrum"));
+      surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", found), (error) => this.report(error, "spectrum"));
       strips.call(call, () => undefined, failed);
       strips.call({ what: "twin" }, (found) => this.showTwin(found), (error) => this.report(error, "map"));
       this.press();
@@ -447,10 +444,10 @@ class Page {
     element("scale").hidden = !message && !this.scan;
   }
 
-  private draw(card: Card, figure: Figure, note = "") {
-    const view = this.views.get(card);
-    if (view) view.update(figure);
-    else this.views.set(card, new FigureView(part(card, ".host"), figure));
+  private draw(card: Card, { numbers }: Result, note = "") {
+    const figure = this.figures.get(card) ?? new Figure(part(card, ".host"));
+    this.figures.set(card, figure);
+    figure.replace(numbers.svg);
     this.settle(card, note);
   }
 
@@ -512,7 +509,7 @@ class Page {
     const { mean, mean_interval: interval, std, window_m, window_width_m } = result.numbers;
     const range = interval ? ` (95 %: ${digits(interval[0], 3)} to ${digits(interval[1], 3)})` : "";
     const size = `${quantity(window_m, "m", 3)} × ${quantity(window_width_m, "m", 3)}`;
-    this.draw("friction", figures.friction(result), `Mean μ = ${digits(mean, 3)}${range}, standard deviation ${digits(std, 2)} over windows of ${size}.`);
+    this.draw("friction", result, `Mean μ = ${digits(mean, 3)}${range}, standard deviation ${digits(std, 2)} over windows of ${size}.`);
     this.showLinked();
   }
 
@@ -524,8 +521,12 @@ class Page {
     const note = numbers.limit_cycle
       ? `Without fluctuation: ${kind}, period ${quantity(numbers.period * numbers.time_s, "s")}, in slip for ${percent(numbers.slip_duration / numbers.period)} of it.`
       : "Without fluctuation every motion ends in steady sliding.";
-    this.draw("portrait", motion.portrait(cycle, ensemble, si(this.values, "belt_velocity")), note);
-    Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify(numbers) });
+    const call = { what: "portrait", cycle, ensemble, belt_m_per_s: si(this.values, "belt_velocity") } as const;
+    const done = (drawn: Result) => {
+      this.draw("portrait", drawn, note);
+      Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify(numbers) });
+    };
+    this.motion.call(call, done, (message) => this.report(message, "portrait"));
     this.showVerdict();
   }
 
@@ -543,12 +544,11 @@ class Page {
         `On average they vibrate for ${percent(numbers.vibration_share)} of it, with ${digits(numbers.cycles_mean, 3)} cycles of stick-slip ` +
         `(${numbers.cycles_deterministic} without fluctuation).${failures}${clipped}`,
     );
-    Object.assign(part("probability", ".note").dataset, { numbers: JSON.stringify(numbers) });
-    const attached = numbers.reattachment_count > 0;
+    Object.assign(part("probability", ".note").dataset, { numbers: JSON.stringify({ ...numbers, svg: undefined }) });
     this.draw(
       "reattachment",
-      motion.reattachment(result, this.cycle?.numbers.reattachment_displacement ?? null),
-      attached
+      result,
+      numbers.svg
         ? `${numbers.reattachment_count} re-attachments: mean ${quantity(numbers.reattachment_mean * numbers.length_m, "m")}, ` +
             `standard deviation ${quantity(numbers.reattachment_std * numbers.length_m, "m")}, skewness ${digits(numbers.reattachment_skewness, 3)}.`
         : "No run sticks again.",

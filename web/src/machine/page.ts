@@ -1,12 +1,10 @@
 // The machine of a report, which the reader moves with sliders.
 
-import { digits, FigureView } from "../chart";
 import { control, type Control, type Slider } from "../controls";
 import { compiled, Lane, workers } from "../engine";
-import type { Figure } from "../figure";
-import { percent, quantity } from "../format";
+import { Figure } from "../figure";
+import { digits, percent, quantity } from "../format";
 import type { Call, Result } from "../messages";
-import * as motion from "../motion";
 
 /** Largest number of runs of an ensemble on the page. */
 const RUNS = 200;
@@ -65,7 +63,7 @@ class Page {
   private readonly controls = new Map<Key, Control>();
   private readonly own: Partial<Record<Key, number>>;
   private values: Partial<Record<Key, number>>;
-  private readonly views = new Map<string, FigureView>();
+  private readonly figures = new Map<string, Figure>();
   private readonly motion: Lane;
   private readonly runs: Lane;
   private readonly velocity_m_per_s: number;
@@ -101,7 +99,7 @@ class Page {
       progress: (_: string, done: number, total: number) => ((element(host, "progress") as HTMLProgressElement).value = done / total),
       broken: () => undefined,
     };
-    this.motion = new Lane(start, watcher, ["cycle", "limits"]);
+    this.motion = new Lane(start, watcher, ["portrait", "cycle", "limits"]);
     this.runs = new Lane(start, watcher, ["ensemble"]);
     const place = element(host, ".controls");
     for (const [key, own] of Object.entries(this.sliders) as [Key, Slider][]) {
@@ -194,15 +192,16 @@ class Page {
     const limit = limits?.numbers.limit_damping_ratio;
     if (typeof limit === "number") sentences.push(`Vibration ends at a damping ratio of ${digits(limit, 3)}.`);
     element(host, "#moved-details").textContent = sentences.join(" ");
-    host.dataset.numbers = JSON.stringify({ ...limits?.numbers, ...ensemble?.numbers, ...numbers });
-    this.draw("portrait", motion.portrait(cycle, ensemble, this.values.belt_velocity ?? NaN));
-    if (ensemble?.numbers.reattachment_count) this.draw("histogram", motion.reattachment(ensemble, numbers.reattachment_displacement));
+    host.dataset.numbers = JSON.stringify({ ...limits?.numbers, ...ensemble?.numbers, ...numbers, svg: undefined });
+    const call = { what: "portrait", cycle, ensemble, belt_m_per_s: this.values.belt_velocity ?? NaN } as const;
+    this.motion.call(call, (drawn) => this.draw("portrait", drawn), (message) => console.error(message));
+    if (ensemble?.numbers.svg) this.draw("histogram", ensemble);
   }
 
-  private draw(name: string, figure: Figure) {
-    const view = this.views.get(name);
-    if (view) view.update(figure);
-    else this.views.set(name, new FigureView(element(this.host, `.${name}`), figure));
+  private draw(name: string, { numbers }: Result) {
+    const figure = this.figures.get(name) ?? new Figure(element(this.host, `.${name}`));
+    this.figures.set(name, figure);
+    figure.replace(numbers.svg);
   }
 }
 

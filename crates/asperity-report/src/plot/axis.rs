@@ -75,24 +75,34 @@ impl Axis {
         Self { downward: true, ..self }
     }
 
+    /// Returns the unit of the labels.
+    pub(crate) fn unit(&self) -> &Unit {
+        &self.unit
+    }
+
     /// Returns the names in place of numbers.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Reports whether values increase downward.
-    pub(crate) fn is_downward(&self) -> bool {
-        self.downward
-    }
-
-    /// Reports whether equal distances are equal ratios.
-    pub(crate) fn is_logarithmic(&self) -> bool {
-        self.spacing == Spacing::Logarithmic
-    }
-
-    /// Returns the number that the labels show for a value in SI units.
-    pub(crate) fn shown(&self, value: f64) -> f64 {
-        (value - self.offset()) / (self.unit.si * 10f64.powi(self.power()))
+    /// Returns the attributes from which the page's script computes the value of a place: label, spacing, and the numbers at the left or
+    /// lower end and at the other end, as the labels show them.
+    pub(crate) fn attributes(&self) -> [(&'static str, String); 4] {
+        let shown = |value: f64| (value - self.offset()) / (self.unit.si * 10f64.powi(self.power()));
+        let text =
+            |value: f64| format!("{:.6e}", shown(value)).parse().map_or_else(|_| String::new(), |v: f64| v.to_string());
+        let (from, to) = if self.downward { (self.high, self.low) } else { (self.low, self.high) };
+        let spacing = match self.spacing {
+            Spacing::Linear if !self.names.is_empty() => "names",
+            Spacing::Linear => "linear",
+            Spacing::Logarithmic => "log",
+        };
+        [
+            ("data-label", self.label()),
+            ("data-spacing", spacing.into()),
+            ("data-from", text(from)),
+            ("data-to", text(to)),
+        ]
     }
 
     /// Returns a linear axis with a margin at either end, as a fraction of the range; an end at zero stays there.
