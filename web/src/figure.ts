@@ -16,6 +16,9 @@ const INK = "#222222";
 const PAIR = /(-?[\d.]+),(-?[\d.]+)/g;
 
 const both = (of: (which: 0 | 1) => number): Point => [of(0), of(1)];
+/** The place at a part of the way between two ends, and the part of a place. */
+const between = ([a, b]: Point, part: number) => a + part * (b - a);
+const partOf = ([a, b]: Point, place: number) => (place - a) / (b - a);
 
 function set(element: Element, attributes: Record<string, string | number>) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
@@ -34,6 +37,7 @@ function add(parent: Element, tag: string, attributes: Record<string, string | n
 class Axis {
   readonly label: string;
   private readonly spacing: string;
+  /** Values at both ends, or their logarithms. */
   private readonly values: Point;
   private readonly texts: string[];
   private readonly ticks: Node[];
@@ -49,7 +53,8 @@ class Axis {
     private readonly across: Point,
   ) {
     const { label = "", spacing = "", from, to } = group.dataset;
-    [this.label, this.spacing, this.values, this.view] = [label, spacing, [Number(from), Number(to)], ends];
+    const value = (end?: string) => (spacing === "log" ? Math.log10(Number(end)) : Number(end));
+    [this.label, this.spacing, this.values, this.view] = [label, spacing, [value(from), value(to)], ends];
     this.texts = [...group.querySelectorAll("text")].map(({ textContent }) => textContent ?? "");
     this.ticks = [...group.childNodes];
   }
@@ -65,47 +70,40 @@ class Axis {
 
   /** Returns where a place is shown. */
   shown(place: number): number {
-    const [[a, b], [first, last]] = [this.view, this.ends];
-    return first + ((place - a) / (b - a)) * (last - first);
+    return between(this.ends, partOf(this.view, place));
   }
 
   /** Returns the place that is shown at a coordinate. */
   placeAt(shown: number): number {
-    const [[a, b], [first, last]] = [this.view, this.ends];
-    return a + ((shown - first) / (last - first)) * (b - a);
+    return between(this.view, partOf(this.ends, shown));
   }
 
-  /** Reports whether a coordinate lies between the ends, or at most a pixel beyond. */
-  contains(shown: number): boolean {
-    const [first, last] = this.ends;
-    return shown >= Math.min(first, last) - 1 && shown <= Math.max(first, last) + 1;
+  /** Returns a coordinate between the ends. */
+  inside(shown: number): number {
+    return Math.min(Math.max(shown, Math.min(...this.ends)), Math.max(...this.ends));
   }
 
   private value(place: number): number {
-    const [[from, to], [first, last]] = [this.values, this.ends];
-    const part = (place - first) / (last - first);
-    return this.spacing === "log" ? from * (to / from) ** part : from + part * (to - from);
+    const scaled = between(this.values, partOf(this.ends, place));
+    return this.spacing === "log" ? 10 ** scaled : scaled;
   }
 
   private placeOf(value: number): number {
-    const [[from, to], [first, last]] = [this.values, this.ends];
-    const part = this.spacing === "log" ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
-    return first + part * (last - first);
+    return between(this.ends, partOf(this.values, this.spacing === "log" ? Math.log10(value) : value));
   }
 
   /** Returns the value of a place with its label, in the digits that the drawing resolves. */
   text(place: number): string {
     const value = this.value(place);
     if (this.spacing === "names") return this.texts[Math.round(value)] ?? "";
-    const step = (RESOLUTION * (this.values[1] - this.values[0])) / (this.ends[1] - this.ends[0]);
-    return `${this.label}: ${this.spacing === "log" ? digits(value, 4) : fixed(value, step)}`;
+    const next = this.value(place + RESOLUTION);
+    return `${this.label}: ${this.spacing === "log" ? digits(value, 4) : fixed(value, next - value)}`;
   }
 
   /** Shows the part between two coordinates as they are shown, or all. */
   zoom(part?: Point) {
     const [first, last] = this.ends;
-    const within = (place: number) => Math.min(Math.max(place, Math.min(first, last)), Math.max(first, last));
-    const [a, b] = part ? both((end) => within(this.placeAt(part[end]))) : this.ends;
+    const [a, b] = part ? both((end) => this.inside(this.placeAt(part[end]))) : this.ends;
     const magnified = (last - first) / (b - a);
     if (magnified > MOST) return;
     this.view = magnified < 1.001 ? this.ends : [a, b];
@@ -213,8 +211,9 @@ class Chart {
     return shapes.map(({ points }) => points);
   }
 
+  /** Reports whether a coordinate lies in the plot or at most a pixel beside it. */
   contains(shown: Point): boolean {
-    return this.axes.every((axis, i) => axis.contains(shown[i as 0 | 1]));
+    return this.axes.every((axis, i) => Math.abs(axis.inside(shown[i as 0 | 1]) - shown[i as 0 | 1]) < 1);
   }
 
   private shown(point: Point): Point {
@@ -254,7 +253,7 @@ class Chart {
           const end = this.shown(point);
           const [x, y] = both((axis) => end[axis] - start[axis]);
           const part = Math.min(Math.max(((to[0] - start[0]) * x + (to[1] - start[1]) * y) / (x * x + y * y || 1), 0), 1);
-          const at: Point = [start[0] + part * x, start[1] + part * y];
+          const at = both((axis) => between([start[axis], end[axis]], part));
           const distance = Math.hypot(at[0] - to[0], at[1] - to[1]);
           if (distance < best.distance && this.contains(at)) best = { distance, name, at };
           start = end;
