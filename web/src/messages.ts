@@ -8,10 +8,8 @@ export type Call =
   | { what: "contact" | "friction"; settings: string }
   | MotionCall;
 
-/** Calls that move a machine, or draw the portrait of its motion. */
-export type MotionCall =
-  | { what: "cycle" | "limits" | "ensemble"; settings: string }
-  | { what: "portrait"; cycle: Result; ensemble?: Result; belt_m_per_s: number };
+/** Calls that move a machine. The portrait of its cycle also has the runs of an ensemble. */
+export type MotionCall = { what: "cycle" | "limits" | "ensemble"; settings: string; runs?: Result["arrays"] };
 
 export type What = Call["what"];
 

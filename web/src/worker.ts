@@ -30,7 +30,7 @@ interface Units {
 
 /** Machine in the variables of the oscillator, with what an ensemble of it needs. */
 export interface Motion {
-  parameters: object;
+  parameters: { belt_velocity: number };
   process: object | null;
   units: Units;
   [key: string]: unknown;
@@ -47,27 +47,25 @@ export function taken(answer: Answer): Result {
 }
 
 const NONE = new Float64Array();
+const columns = ({ displacement = NONE, velocity = NONE }: Result["arrays"]) => [displacement, velocity] as const;
 
-/** Moves a machine, with its units among the numbers, or draws the portrait of the motion. */
-export function moved(module: Oscillator, call: MotionCall, read: (settings: string) => Motion): Result {
-  if (call.what === "portrait") {
-    const { cycle, ensemble, belt_m_per_s } = call;
-    const columns = (result?: Result) => [result?.arrays.displacement ?? NONE, result?.arrays.velocity ?? NONE] as const;
-    const { length_m, velocity_m_per_s } = cycle.numbers;
-    const svg = module.portrait(...columns(cycle), ...columns(ensemble), length_m, velocity_m_per_s, belt_m_per_s);
-    return { numbers: { svg }, arrays: {} };
-  }
-  const { units, parameters, ...rest } = read(call.settings);
+/** Moves a machine; its units and the drawing join the numbers. */
+export function moved(module: Oscillator, { what, runs = {} }: MotionCall, { units, parameters, ...rest }: Motion): Result {
+  const { length_m, velocity_m_per_s } = units;
   const text = JSON.stringify(parameters);
   const answers = {
     cycle: () => module.cycle(text, PORTRAIT_POINTS),
     limits: () => module.limits(text),
     ensemble: () => module.ensemble(JSON.stringify({ parameters, ...rest })),
   };
-  const { numbers, arrays } = taken(answers[call.what]());
+  const { numbers, arrays } = taken(answers[what]());
   const { reattachment = NONE, reattachment_density = NONE } = arrays;
-  const svg = reattachment.length > 0 ? module.reattachment(reattachment, reattachment_density, numbers.reattachment_displacement ?? undefined, units.length_m) : "";
-  return { numbers: { ...numbers, ...units, svg }, arrays };
+  const drawings = {
+    cycle: () => module.portrait(...columns(arrays), ...columns(runs), length_m, velocity_m_per_s, parameters.belt_velocity * velocity_m_per_s),
+    limits: () => "",
+    ensemble: () => (reattachment.length > 0 ? module.reattachment(reattachment, reattachment_density, numbers.reattachment_displacement ?? undefined, length_m) : ""),
+  };
+  return { numbers: { ...numbers, ...units, svg: drawings[what]() }, arrays };
 }
 
 /** Answers the calls of the page. */

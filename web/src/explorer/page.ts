@@ -89,7 +89,7 @@ class Page {
       progress: (task, done, total) => this.showProgress(task, done, total),
       broken: () => (this.opened = false),
     };
-    this.motion = new Lane(start, watcher, ["portrait", "cycle", "limits"]);
+    this.motion = new Lane(start, watcher, ["cycle", "limits"]);
     this.surface = new Lane(start, watcher, ["open", "state", "contact", "spectrum"]);
     this.strips = new Lane(start, watcher, ["open", "state", "friction", "twin"]);
     this.runs = new Lane(start, watcher, ["ensemble"]);
@@ -313,23 +313,14 @@ class Page {
     const { values } = this;
     const machine = this.machine();
     if (!machine) return;
-    const settings = JSON.stringify({ machine });
-    const failed = (message: string) => this.report(message, "portrait");
+    this.portray();
     this.motion.call(
-      { what: "cycle", settings },
-      (result) => {
-        this.cycle = result;
-        this.showMotion();
-      },
-      failed,
-    );
-    this.motion.call(
-      { what: "limits", settings },
+      { what: "limits", settings: JSON.stringify({ machine }) },
       (result) => {
         this.limits = result;
         this.showVerdict();
       },
-      failed,
+      (message) => this.report(message, "portrait"),
     );
     this.stale("probability", "reattachment");
     const request = {
@@ -349,6 +340,20 @@ class Page {
         this.report(message, "probability", "reattachment");
         this.showVerdict();
       },
+    );
+  }
+
+  /** Computes the cycle, and draws it with the runs of the last ensemble. */
+  private portray() {
+    const machine = this.machine();
+    if (!machine) return;
+    this.motion.call(
+      { what: "cycle", settings: JSON.stringify({ machine }), runs: this.ensemble?.arrays },
+      (result) => {
+        this.cycle = result;
+        this.showMotion();
+      },
+      (message) => this.report(message, "portrait"),
     );
   }
 
@@ -514,19 +519,15 @@ class Page {
   }
 
   private showMotion() {
-    const { cycle, ensemble } = this;
+    const { cycle } = this;
     if (!cycle) return;
     const { numbers } = cycle;
     const kind = String(numbers.kind).replaceAll("_", "-");
     const note = numbers.limit_cycle
       ? `Without fluctuation: ${kind}, period ${quantity(numbers.period * numbers.time_s, "s")}, in slip for ${percent(numbers.slip_duration / numbers.period)} of it.`
       : "Without fluctuation every motion ends in steady sliding.";
-    const call = { what: "portrait", cycle, ensemble, belt_m_per_s: si(this.values, "belt_velocity") } as const;
-    const done = (drawn: Result) => {
-      this.draw("portrait", drawn, note);
-      Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify(numbers) });
-    };
-    this.motion.call(call, done, (message) => this.report(message, "portrait"));
+    this.draw("portrait", cycle, note);
+    Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify({ ...numbers, svg: undefined }) });
     this.showVerdict();
   }
 
@@ -553,7 +554,7 @@ class Page {
             `standard deviation ${quantity(numbers.reattachment_std * numbers.length_m, "m")}, skewness ${digits(numbers.reattachment_skewness, 3)}.`
         : "No run sticks again.",
     );
-    this.showMotion();
+    this.portray();
   }
 
   private showVerdict() {

@@ -2,7 +2,7 @@
 
 import { cycle, dimensionless, ensemble, initSync, limits, portrait, reattachment, Surface } from "../../build/asperity_wasm";
 import type { Call, Result } from "../messages";
-import { type Motion, moved, serve, taken } from "../worker";
+import { moved, serve, taken } from "../worker";
 
 let surface: Surface | undefined;
 
@@ -30,15 +30,12 @@ function run(call: Call): Result {
       return taken(own().contact(call.settings));
     case "friction":
       return taken(own().friction(call.settings));
-    default:
-      return moved({ cycle, limits, ensemble, portrait, reattachment }, call, read);
+    default: {
+      const { machine, ...rest } = JSON.parse(call.settings) as { machine: object };
+      const { parameters, process, ...units } = taken(dimensionless(JSON.stringify(machine))).numbers;
+      return moved({ cycle, limits, ensemble, portrait, reattachment }, call, { parameters, process, units, ...rest });
+    }
   }
-}
-
-function read(settings: string): Motion {
-  const { machine, ...rest } = JSON.parse(settings) as { machine: object };
-  const { parameters, process, ...units } = taken(dimensionless(JSON.stringify(machine))).numbers;
-  return { parameters, process, units, ...rest };
 }
 
 serve(initSync, run);

@@ -99,7 +99,7 @@ class Page {
       progress: (_: string, done: number, total: number) => ((element(host, "progress") as HTMLProgressElement).value = done / total),
       broken: () => undefined,
     };
-    this.motion = new Lane(start, watcher, ["portrait", "cycle", "limits"]);
+    this.motion = new Lane(start, watcher, ["cycle", "limits"]);
     this.runs = new Lane(start, watcher, ["ensemble"]);
     const place = element(host, ".controls");
     for (const [key, own] of Object.entries(this.sliders) as [Key, Slider][]) {
@@ -131,11 +131,11 @@ class Page {
     this.move();
   }
 
-  /** Computes the motion with the present values; those of the study unless a slider was moved. */
-  private move() {
+  /** Returns the machine with the present values; those of the study unless a slider was moved. */
+  private settings(): string {
     const { parameters, process, length_m, time_s, trajectories, ...rest } = this.machine;
     const { damping = NaN, belt_velocity = NaN, friction = NaN, variability = NaN } = this.values;
-    const settings = JSON.stringify({
+    return JSON.stringify({
       ...rest,
       trajectories: Math.min(trajectories, RUNS),
       parameters: {
@@ -148,9 +148,24 @@ class Page {
       process: process && { ...process, std: variability * friction },
       units: { length_m, time_s, velocity_m_per_s: this.velocity_m_per_s },
     });
-    this.call(this.motion, { what: "cycle", settings }, (found) => (this.cycle = found));
+  }
+
+  /** Computes the motion with the present values. */
+  private move() {
+    const settings = this.settings();
+    this.portray();
     this.call(this.motion, { what: "limits", settings }, (found) => (this.limits = found));
-    if (process) this.call(this.runs, { what: "ensemble", settings }, (found) => (this.ensemble = found));
+    if (!this.machine.process) return;
+    this.call(this.runs, { what: "ensemble", settings }, (found) => {
+      this.ensemble = found;
+      this.portray();
+    });
+  }
+
+  /** Computes the cycle, and draws it with the runs of the last ensemble. */
+  private portray() {
+    const call = { what: "cycle", settings: this.settings(), runs: this.ensemble?.arrays } as const;
+    this.call(this.motion, call, (found) => (this.cycle = found));
   }
 
   private call(lane: Lane, call: Call, keep: (result?: Result) => void) {
@@ -193,8 +208,7 @@ class Page {
     if (typeof limit === "number") sentences.push(`Vibration ends at a damping ratio of ${digits(limit, 3)}.`);
     element(host, "#moved-details").textContent = sentences.join(" ");
     host.dataset.numbers = JSON.stringify({ ...limits?.numbers, ...ensemble?.numbers, ...numbers, svg: undefined });
-    const call = { what: "portrait", cycle, ensemble, belt_m_per_s: this.values.belt_velocity ?? NaN } as const;
-    this.motion.call(call, (drawn) => this.draw("portrait", drawn), (message) => console.error(message));
+    this.draw("portrait", cycle);
     if (ensemble?.numbers.svg) this.draw("histogram", ensemble);
   }
 

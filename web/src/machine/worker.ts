@@ -4,4 +4,4 @@ import { cycle, ensemble, initSync, limits, portrait, reattachment } from "../..
 import type { MotionCall } from "../messages";
 import { moved, serve } from "../worker";
 
-serve(initSync, (call) => moved({ cycle, limits, ensemble, portrait, reattachment }, call as MotionCall, JSON.parse));
+serve(initSync, (call) => moved({ cycle, limits, ensemble, portrait, reattachment }, call as MotionCall, JSON.parse((call as MotionCall).settings)));
