@@ -85,7 +85,7 @@ pub(crate) enum Dash {
 
 impl Dash {
     /// Returns the lengths drawn and left out in turn, in pixels.
-    pub(crate) fn lengths(self) -> &'static [f64] {
+    fn lengths(self) -> &'static [f64] {
         match self {
             Self::Solid => &[],
             Self::Dashed => &[8.0, 4.0],
