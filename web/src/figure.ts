@@ -151,9 +151,7 @@ interface Shape {
 }
 
 function shape(element: Element): Shape {
-  const of = (names: [string, string]) => names.map((name) => Number(element.getAttribute(name))) as Point;
-  if (element.tagName === "circle") return { element, points: [of(["cx", "cy"])] };
-  if (element.tagName === "image") return { element, points: [of(["x", "y"])] };
+  if (element.tagName === "circle") return { element, points: [[Number(element.getAttribute("cx")), Number(element.getAttribute("cy"))]] };
   const text = element.getAttribute(element.tagName === "g" ? "transform" : "points") ?? "";
   return { element, points: [...text.matchAll(PAIR)].map(([, x, y]) => [Number(x), Number(y)]) };
 }
@@ -202,7 +200,7 @@ class Chart {
 
   /** Returns the points of a series that have values: discs and symbols; otherwise edges of areas that the plot does not cut; or lines. */
   private pieces(shapes: Shape[]): Point[][] {
-    const points = shapes.filter(({ element }) => /circle|g/.test(element.tagName)).flatMap(({ points }) => points);
+    const points = shapes.filter(({ element }) => /^(circle|g)$/.test(element.tagName)).flatMap(({ points }) => points);
     if (points.length > 0) return [...new Map(points.map((point) => [point.join(), [point]])).values()];
     const isArea = ({ element }: Shape) => element.tagName === "polygon";
     const cut = ([a, b]: Point, [c, d]: Point) => a === c || (b === d && this.axes[1].ends.includes(b));
@@ -231,9 +229,9 @@ class Chart {
       if (element.tagName === "circle") set(element, { cx: x, cy: y });
       else if (element.tagName === "g") set(element, { transform: `translate(${x},${y})` });
       else if (element.tagName === "image") {
-        const [from, to] = [this.shown([0, 0]), this.shown([1, 1])];
-        if (zoomed) set(element, { transform: `matrix(${to[0] - from[0]},0,0,${to[1] - from[1]},${from.join()})` });
-        else element.removeAttribute("transform");
+        const at = (place: number) => both((axis) => this.axes[axis].shown(place));
+        const [from, to] = [at(0), at(1)];
+        set(element, { transform: `matrix(${to[0] - from[0]},0,0,${to[1] - from[1]},${from.join()})` });
       } else set(element, { points: moved.join(" ") });
     }
     this.show();

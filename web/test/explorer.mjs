@@ -248,6 +248,9 @@ const tests = {
     await settled(page);
     assert.equal(await page.getAttribute(`#portrait [data-entry='${cycle}']`, "aria-pressed"), "false");
     assert.equal(await page.getAttribute(`#portrait [data-series='${cycle}']`, "display"), "none");
+    // The last bar of a histogram is not empty.
+    await page.locator("#reattachment .chart").press("End");
+    assert.match(await text(page, "#reattachment output"), /^runs with fluctuating friction; .*: (\d*[1-9]\d*\.\d+|0\.\d*[1-9]\d*)$/);
     await page.locator("#reattachment .chart").press("ArrowDown");
     assert.match(await text(page, "#reattachment output"), /^without fluctuation; Displacement at re-attachment \(.m\): [\d.]+; Density \(1\/.m\): [\d.]+$/);
     await page.close();
