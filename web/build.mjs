@@ -1,5 +1,5 @@
-// Bundles the scripts. `node build.mjs` writes the script of reports into `asperity-report`, which carries it; `check` fails if
-// the script there is another one.
+// Bundles the scripts. `node build.mjs` writes the script of reports into `asperity-report`, which carries it; `check` fails if the
+// scripts there are others, or if the module there has other functions than the bindings of the oscillator as they are.
 // `node build.mjs explorer` compiles the bindings and writes the explorer, one file, to dist/explorer.html; `page` writes it
 // with the bindings as they are. `node build.mjs oscillator` compiles the bindings of the oscillator alone, and `node build.mjs
 // machine` also writes them into `asperity-report`, with the script of their worker.
@@ -7,7 +7,7 @@
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
-import { gzipSync } from "node:zlib";
+import { gunzipSync, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
 const COMMON = { bundle: true, minify: true, format: "iife", target: "es2022", charset: "utf8", legalComments: "inline" };
@@ -18,12 +18,21 @@ const TOOL = "target/tools/bin/wasm-bindgen";
 /** What `asperity-report` carries. */
 const CARRIED = "../crates/asperity-report/src/page";
 
-async function report(write) {
-  const outfile = `${CARRIED}/figures.js`;
-  const { outputFiles } = await build({ ...COMMON, entryPoints: ["src/report.ts"], outfile, write: false });
-  const [{ text }] = outputFiles;
-  if (write) writeFileSync(outfile, text);
-  else if (readFileSync(outfile, "utf8") !== text) throw new Error(`${outfile} is not current; run \`npm run build\``);
+/** Bundle of the page of a report. */
+const figures = async () => (await build({ ...COMMON, entryPoints: ["src/report.ts"], write: false })).outputFiles[0].text;
+
+/** Bundle of the worker of the machine in a report, and the module that it calls. */
+const worker = () => script("src/machine/worker.ts", { "import.meta.url": '""' });
+const MODULE = "build/oscillator/asperity_wasm_bg.wasm";
+
+async function check() {
+  for (const [name, text, target] of [["figures.js", await figures(), "build"], ["oscillator.js", await worker(), "machine"]]) {
+    if (readFileSync(`${CARRIED}/${name}`, "utf8") !== text) throw new Error(`${CARRIED}/${name} is not current; run \`npm run ${target}\``);
+  }
+  // The bytes depend on the profile and the compiler.
+  const functions = async (bytes) => JSON.stringify(WebAssembly.Module.exports(await WebAssembly.compile(bytes)).map(({ name }) => name).sort());
+  const carried = gunzipSync(readFileSync(`${CARRIED}/oscillator.wasm.gz`));
+  if ((await functions(carried)) !== (await functions(readFileSync(MODULE)))) throw new Error("oscillator.wasm.gz is not current; run `npm run machine`");
 }
 
 /** Profile of cargo for the bindings; `dev` compiles in less than half the time. */
@@ -53,8 +62,8 @@ async function script(entry, define) {
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
 async function machine() {
-  writeFileSync(`${CARRIED}/oscillator.js`, await script("src/machine/worker.ts", { "import.meta.url": '""' }));
-  writeFileSync(`${CARRIED}/oscillator.wasm.gz`, gzipSync(readFileSync("build/oscillator/asperity_wasm_bg.wasm"), { level: 9 }));
+  writeFileSync(`${CARRIED}/oscillator.js`, await worker());
+  writeFileSync(`${CARRIED}/oscillator.wasm.gz`, gzipSync(readFileSync(MODULE), { level: 9 }));
 }
 
 async function page() {
@@ -82,10 +91,10 @@ const size = (path) => `${path}: ${(readFileSync(path).length / 1e6).toFixed(2)}
 
 switch (process.argv[2]) {
   case undefined:
-    await report(true);
+    writeFileSync(`${CARRIED}/figures.js`, await figures());
     break;
   case "check":
-    await report(false);
+    await check();
     break;
   case "explorer":
     bindings("build");
@@ -97,7 +106,7 @@ switch (process.argv[2]) {
     break;
   case "oscillator":
     bindings("build/oscillator", ["--no-default-features"]);
-    console.log(size("build/oscillator/asperity_wasm_bg.wasm"));
+    console.log(size(MODULE));
     break;
   case "machine":
     bindings("build/oscillator", ["--no-default-features"]);

@@ -1,7 +1,5 @@
 // Numbers for people: units with prefixes, and four digits.
 
-import { digits } from "./chart";
-
 const PREFIXES: [number, string][] = [
   [1e9, "G"],
   [1e6, "M"],
@@ -21,6 +19,26 @@ const UNITS: [ending: string, unit: string, prefixed: boolean][] = [
   ["_m", "m", true],
   ["_n", "N", true],
 ];
+
+function superscript(text: string): string {
+  return [...text].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
+}
+
+/** Writes a power of ten. */
+export function power(exponent: number): string {
+  return `10${superscript(String(exponent))}`;
+}
+
+/** Writes a number with a true minus sign. */
+export function digits(value: number, count = 5): string {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (value !== 0 && (size < 1e-4 || size >= 1e6)) {
+    const [factor, exponent] = value.toExponential(count - 1).split("e");
+    return `${String(Number(factor)).replace("-", "−")} · ${power(Number(exponent))}`;
+  }
+  return String(Number(value.toPrecision(count))).replace("-", "−");
+}
 
 /** Writes a quantity with a prefix of its unit. */
 export function quantity(value: number, unit: string, count = 4): string {

@@ -5,7 +5,11 @@ export type Call =
   | { what: "open"; bytes: ArrayBuffer; name: string; settings: string }
   | { what: "state"; settings: string }
   | { what: "spectrum" | "twin" }
-  | { what: "contact" | "friction" | "cycle" | "limits" | "ensemble"; settings: string };
+  | { what: "contact" | "friction"; settings: string }
+  | MotionCall;
+
+/** Calls that move a machine. The portrait of its cycle also has the runs of an ensemble. */
+export type MotionCall = { what: "cycle" | "limits" | "ensemble"; settings: string; runs?: Result["arrays"] };
 
 export type What = Call["what"];
 
@@ -18,7 +22,7 @@ export interface Request {
   call: Call;
 }
 
-/** Numbers of an answer, and its arrays by name. */
+/** Numbers of an answer, with the drawing of its figure as `svg`, and its arrays by name. */
 export interface Result {
   // The module returns the keys of the command line.
   numbers: any;

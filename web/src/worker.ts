@@ -1,6 +1,6 @@
 // What the workers share: they answer calls to the module on a thread of their own. Ending a worker cancels its call.
 
-import type { Call, Reply, Request, Result, Start } from "./messages";
+import type { Call, MotionCall, Reply, Request, Result, Start } from "./messages";
 
 /** Points of the portrait of a limit cycle. */
 const PORTRAIT_POINTS = 240;
@@ -17,14 +17,22 @@ interface Oscillator {
   cycle(parameters: string, points: number): Answer;
   limits(parameters: string): Answer;
   ensemble(request: string): Answer;
+  portrait(x: Float64Array, v: Float64Array, runsX: Float64Array, runsV: Float64Array, lengthM: number, velocityMPerS: number, beltMPerS: number): string;
+  reattachment(centres: Float64Array, density: Float64Array, without: number | undefined, lengthM: number): string;
+}
+
+/** Units of length, time and velocity in SI. */
+interface Units {
+  length_m: number;
+  time_s: number;
+  velocity_m_per_s: number;
 }
 
 /** Machine in the variables of the oscillator, with what an ensemble of it needs. */
 export interface Motion {
-  parameters: object;
+  parameters: { belt_velocity: number };
   process: object | null;
-  /** Units of length, time and velocity. */
-  units: object;
+  units: Units;
   [key: string]: unknown;
 }
 
@@ -38,8 +46,12 @@ export function taken(answer: Answer): Result {
   return { numbers, arrays };
 }
 
-/** Moves a machine; its units join the numbers. */
-export function moved(module: Oscillator, what: "cycle" | "limits" | "ensemble", { units, parameters, ...rest }: Motion): Result {
+const NONE = new Float64Array();
+const columns = ({ displacement = NONE, velocity = NONE }: Result["arrays"]) => [displacement, velocity] as const;
+
+/** Moves a machine; its units and the drawing join the numbers. */
+export function moved(module: Oscillator, { what, runs = {} }: MotionCall, { units, parameters, ...rest }: Motion): Result {
+  const { length_m, velocity_m_per_s } = units;
   const text = JSON.stringify(parameters);
   const answers = {
     cycle: () => module.cycle(text, PORTRAIT_POINTS),
@@ -47,7 +59,13 @@ export function moved(module: Oscillator, what: "cycle" | "limits" | "ensemble",
     ensemble: () => module.ensemble(JSON.stringify({ parameters, ...rest })),
   };
   const { numbers, arrays } = taken(answers[what]());
-  return { numbers: { ...numbers, ...units }, arrays };
+  const { reattachment = NONE, reattachment_density = NONE } = arrays;
+  const drawings = {
+    cycle: () => module.portrait(...columns(arrays), ...columns(runs), length_m, velocity_m_per_s, parameters.belt_velocity * velocity_m_per_s),
+    limits: () => "",
+    ensemble: () => (reattachment.length > 0 ? module.reattachment(reattachment, reattachment_density, numbers.reattachment_displacement ?? undefined, length_m) : ""),
+  };
+  return { numbers: { ...numbers, ...units, svg: drawings[what]() }, arrays };
 }
 
 /** Answers the calls of the page. */

@@ -239,6 +239,23 @@ const tests = {
     await page.close();
   },
 
+  async "a curve that is off stays off while its figure is drawn again, and a key shows values"() {
+    const page = await open("#from_surface=no&trajectories=50&duration=1");
+    const cycle = "limit cycle without fluctuation";
+    await page.locator(`#portrait [data-entry='${cycle}']`).press("Enter");
+    const damping = page.locator("input[type=range][aria-label='Damping ratio ζ']");
+    for (let i = 0; i < 5; i++) await damping.press("ArrowLeft");
+    await settled(page);
+    assert.equal(await page.getAttribute(`#portrait [data-entry='${cycle}']`, "aria-pressed"), "false");
+    assert.equal(await page.getAttribute(`#portrait [data-series='${cycle}']`, "display"), "none");
+    // The last bar of a histogram is not empty.
+    await page.locator("#reattachment .chart").press("End");
+    assert.match(await text(page, "#reattachment output"), /^runs with fluctuating friction; .*: (\d*[1-9]\d*\.\d+|0\.\d*[1-9]\d*)$/);
+    await page.locator("#reattachment .chart").press("ArrowDown");
+    assert.match(await text(page, "#reattachment output"), /^without fluctuation; Displacement at re-attachment \(.m\): [\d.]+; Density \(1\/.m\): [\d.]+$/);
+    await page.close();
+  },
+
   async "cancel ends a long computation, and the next one works"() {
     const page = await open("#from_surface=no&trajectories=100&duration=1");
     await enter(page, "duration", 10000);

@@ -20,35 +20,33 @@ function check(holds, message) {
   if (!holds) throw new Error(message);
 }
 
-/** Shares of the pixels of each canvas of a figure that differ from its most common colour. */
-const drawn = (figure) =>
-  [...figure.querySelectorAll(".canvas canvas")].map((canvas) => {
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+/** What the pixels of a figure show: of each chart, the share of its plot that differs from the most common colour, the names of its curves,
+ * and those of curves with a halo whose colour no pixel has. */
+const drawn = async (figure) => {
+  const svg = figure.querySelector(".drawing svg");
+  const image = new Image();
+  image.src = `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(svg))}`;
+  await image.decode();
+  const { width, height } = svg.viewBox.baseVal;
+  const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+  context.drawImage(image, 0, 0, width, height);
+  return [...svg.querySelectorAll(".chart")].map((chart) => {
+    const [left, top, right, bottom] = chart.dataset.plot.split(" ").map(Number);
+    const { data } = context.getImageData(left, top, right - left, bottom - top);
     const counts = new Map();
     for (let i = 0; i < data.length; i += 4) {
-      const colour = `${data[i]},${data[i + 1]},${data[i + 2]},${data[i + 3]}`;
+      const colour = [0, 1, 2].map((k) => data[i + k]).join();
       counts.set(colour, (counts.get(colour) ?? 0) + 1);
     }
-    return 1 - Math.max(...counts.values()) / (data.length / 4);
+    const has = (colour) => [...counts.keys()].some((own) => own.split(",").every((c, k) => Math.abs(c - parseInt(colour.slice(2 * k + 1, 2 * k + 3), 16)) < 12));
+    const curves = [...chart.querySelectorAll("[data-series]:not([data-series='']) > polyline")];
+    const halo = (curve) => curve.parentElement.previousElementSibling?.querySelector("polyline[opacity='0.85']");
+    const covered = curves.filter((curve) => halo(curve) && !has(curve.getAttribute("stroke")));
+    const names = (found) => [...new Set(found.map((curve) => curve.parentElement.dataset.series))];
+    // A line across the plot has two points, and the outlines of bars are no curves.
+    const bent = curves.filter((curve) => curve.points.length > 2 && !curve.parentElement.querySelector("polygon"));
+    return { share: 1 - Math.max(...counts.values()) / (data.length / 4), curves: names(bent), covered: names(covered) };
   });
-
-/** Names of the outlined curves of a figure whose colour no pixel has, because the outline covers them. */
-const covered = (figure) => {
-  const canvases = [...figure.querySelectorAll(".canvas canvas")];
-  const { charts } = JSON.parse(figure.querySelector("script").textContent);
-  return charts.flatMap(({ series }, place) => {
-    const canvas = canvases[place];
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
-    copy.drawImage(canvas, 0, 0);
-    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
-    const is = (rgb, i) => rgb.every((c, k) => Math.abs(data[i + k] - c) < 12);
-    const outlined = series.filter((_, k) => k > 0 && series[k - 1].mark === "line" && series[k - 1].name === "" && series[k - 1].pen.opacity === 0.85);
-    return outlined.filter(({ pen }) => {
-      const rgb = [1, 3, 5].map((at) => parseInt(pen.colour.slice(at, at + 2), 16));
-      for (let i = 0; i < data.length; i += 4) if (is(rgb, i)) return false;
-      return true;
-    });
-  }).map(({ name }) => name);
 };
 
 async function open(browser, page, options) {
@@ -126,11 +124,6 @@ async function accessibility(browser, page, options) {
   return violations;
 }
 
-async function download(tab, button) {
-  const [file] = await Promise.all([tab.waitForEvent("download"), button.click()]);
-  return { name: file.suggestedFilename(), text: readFileSync(await file.path(), "utf8") };
-}
-
 async function examine(browser, file, width, colorScheme) {
   const page = pathToFileURL(resolve(file)).href;
   const { context, tab, faults } = await open(browser, page, { viewport: { width, height: 800 }, colorScheme });
@@ -141,19 +134,13 @@ async function examine(browser, file, width, colorScheme) {
   const figures = await tab.locator("figure[id]").all();
   for (const figure of figures) {
     await figure.scrollIntoViewIfNeeded();
-    await figure.locator(".canvas canvas").first().waitFor();
-    await tab.waitForTimeout(60);
-    const shares = await figure.evaluate(drawn);
+    await figure.locator(".chart[tabindex]").first().waitFor();
     const name = await figure.getAttribute("id");
-    const most = await figure.evaluate((element) => {
-      const { charts } = JSON.parse(element.querySelector("script").textContent);
-      const curves = ({ series }) => new Set(series.filter(({ mark }) => mark === "line").map(({ name }) => name).filter((name) => name !== ""));
-      return Math.max(...charts.map((chart) => curves(chart).size));
-    });
-    check(most <= 6, `${what}: ${await figure.getAttribute("id")} has ${most} curves in a panel`);
-    const under = colorScheme === "light" ? await figure.evaluate(covered) : [];
-    check(under.length === 0, `${what}: ${name} has curves under their outlines: ${under}`);
-    check(shares.length > 0 && shares.every((share) => share > 0.004), `${what}: ${name} is empty: ${shares}`);
+    for (const { share, curves, covered } of await figure.evaluate(drawn)) {
+      check(share > 0.004, `${what}: ${name} is empty: ${share}`);
+      check(curves.length <= 6, `${what}: ${name} has ${curves.length} curves in a panel`);
+      check(covered.length === 0, `${what}: ${name} has curves under their halos: ${covered}`);
+    }
   }
   const violations = await accessibility(browser, page, { viewport: { width, height: 800 }, colorScheme });
   const serious = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
@@ -169,53 +156,157 @@ async function examine(browser, file, width, colorScheme) {
   return figures.length;
 }
 
-/** Uses the tools of the first figure with a named curve. */
+/** The number at the end of a text of the page. */
+function number(text) {
+  const plain = text.replace(/^.*: /, "").replaceAll("−", "-");
+  const [, factor = "1", power] = plain.match(/^(?:(.*) · )?10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)$/) ?? [undefined, plain, ""];
+  return Number(factor) * 10 ** Number([...power].map((c) => (c === "⁻" ? "-" : "⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(c))).join(""));
+}
+
+/** The name of the curve and the numbers in the text that states a point. */
+function stated(text) {
+  const [name, x = "", y = ""] = text.split("; ");
+  return { name, x: number(x), y: number(y) };
+}
+
+/** Uses a figure of one chart: legend, zoom, arrow keys, pointer and file. */
 async function use(browser, file) {
   const page = pathToFileURL(resolve(file)).href;
   const { context, tab, faults } = await open(browser, page, { viewport: { width: 1280, height: 800 } });
   const id = await tab.evaluate(() => {
-    const hasCurve = (element) => {
-      const { charts } = JSON.parse(element.querySelector("script").textContent);
-      return charts.length === 1 && !charts[0].backdrop && charts[0].series.some(({ mark, name }) => mark === "line" && name !== "");
-    };
-    return [...document.querySelectorAll("figure[id]")].find(hasCurve)?.id;
+    const fits = (figure) => figure.querySelectorAll(".chart").length === 1 && figure.querySelector(".data:not(.image) [data-series]:not([data-series='']) > polyline");
+    return [...document.querySelectorAll("figure[id]")].find(fits)?.id;
   });
   if (id === undefined) return context.close();
   const figure = tab.locator(`#${id}`);
   await figure.scrollIntoViewIfNeeded();
-  const canvas = figure.locator(".canvas canvas").first();
-  await canvas.waitFor();
-  const image = () => canvas.evaluate((element) => element.toDataURL());
-  const changed = async (act, what) => {
-    const before = await image();
-    await act();
-    await tab.waitForTimeout(120);
-    check((await image()) !== before, `${file}: ${what} changes nothing`);
-  };
-  const curve = figure.locator(".legend button").first();
-  await changed(() => curve.click(), "a curve that is switched off");
-  check((await curve.getAttribute("aria-pressed")) === "false", "the state of a switched curve");
-  await changed(() => curve.press("Enter"), "a curve that is switched on by a key");
-  const box = await canvas.boundingBox();
-  await changed(async () => {
-    await tab.mouse.move(box.x + 0.4 * box.width, box.y + 0.3 * box.height);
+  const chart = figure.locator(".chart[tabindex]");
+  await chart.waitFor();
+  const data = () => chart.locator(".data").innerHTML();
+  const said = async () => stated(await figure.locator("output").textContent());
+
+  const entry = figure.locator("[data-entry][role=button]").first();
+  const name = await entry.getAttribute("data-entry");
+  const series = chart.locator(`[data-series=${JSON.stringify(name)}]`).first();
+  await entry.locator("text").click();
+  // A horizontal line has no height and counts as invisible.
+  const isShown = () => series.evaluate((element) => getComputedStyle(element).display !== "none");
+  check((await entry.getAttribute("aria-pressed")) === "false" && !(await isShown()), `${file}: ${name} is not off`);
+  await entry.press("Enter");
+  check((await entry.getAttribute("aria-pressed")) === "true" && (await isShown()), `${file}: ${name} is not on again`);
+
+  const before = await data();
+  const reset = figure.getByRole("button", { name: "Reset zoom" });
+  const drag = async () => {
+    const box = await figure.locator(".drawing svg").boundingBox();
+    await tab.mouse.move(box.x + 0.4 * box.width, box.y + 0.4 * box.height);
     await tab.mouse.down();
     await tab.mouse.move(box.x + 0.7 * box.width, box.y + 0.6 * box.height, { steps: 4 });
     await tab.mouse.up();
-  }, "a zoom");
-  await changed(() => figure.getByRole("button", { name: "Reset zoom" }).click(), "its end");
-  await canvas.focus();
-  await changed(() => tab.keyboard.press("ArrowRight"), "an arrow key");
-  check((await figure.locator("output").textContent()).includes(":"), "a value is shown");
-  const csv = await download(tab, figure.getByRole("button", { name: /^CSV/ }));
-  check(csv.name.endsWith(".csv") && csv.text.split("\n").length > 3, `${file}: ${csv.name} has no rows`);
-  const svg = await download(tab, figure.getByRole("button", { name: /^SVG/ }));
-  check(svg.text.startsWith("<svg xmlns") && svg.text.includes('width="170mm"'), `${file}: ${svg.name} is no figure`);
+    check((await data()) !== before && (await reset.isVisible()), `${file}: no zoom`);
+  };
+  for (const end of [() => reset.click(), () => chart.press("Escape"), () => figure.locator(".drawing svg").dblclick()]) {
+    await drag();
+    await end();
+    check((await data()) === before && !(await reset.isVisible()), `${file}: the zoom stays`);
+  }
+
+  await chart.press("Home");
+  for (let i = 0; i < 3; i++) await chart.press("ArrowRight");
+  const first = await said();
+  const mark = chart.locator(".found circle");
+  const centre = async () => {
+    const { x, y, width, height } = await mark.boundingBox();
+    return { x: x + width / 2, y: y + height / 2 };
+  };
+  const close = (found, what) => {
+    // A name in place of a number is NaN.
+    const near = (axis, tolerance) => Object.is(found[axis], first[axis]) || Math.abs(found[axis] - first[axis]) <= tolerance * Math.abs(first[axis]) + 1e-9;
+    check(near("x", 2e-3) && near("y", 2e-2), `${file}, ${id}: ${what} shows ${JSON.stringify(found)} instead of ${JSON.stringify(first)}`);
+  };
+  for (let i = 0; i < 3; i++) await chart.press("+");
+  check((await data()) !== before, `${file}: the keyboard does not zoom`);
+  check(JSON.stringify(await said()) === JSON.stringify(first), `${file}: a zoom changes a value`);
+  // The numbers of the axes agree with the value of the point between them.
+  for (const axis of ["x", "y"]) {
+    const group = chart.locator(`[data-axis=${axis}]`);
+    const spacing = await group.getAttribute("data-spacing");
+    if (spacing === "names") continue;
+    const ticks = await group.locator("text").evaluateAll((all, axis) => all.map((text) => [text.textContent, Number(text.getAttribute(axis))]), axis);
+    const scale = (value) => (spacing === "log" ? Math.log(value) : value);
+    const [[a, from], [b, to]] = [ticks[0], ticks.at(-1)].map(([text, at]) => [scale(number(text)), at]);
+    const at = Number(await mark.getAttribute(`c${axis}`));
+    const between = a + ((b - a) * (at - from)) / (to - from);
+    check(ticks.length > 1 && Math.abs(between - scale(first[axis])) < 0.01 * Math.abs(b - a), `${file}, ${id}: ${axis} is ${between} between ${JSON.stringify(ticks)} instead of ${first[axis]}`);
+  }
+  const zoomed = await centre();
+  await tab.mouse.move(zoomed.x, zoomed.y);
+  close(await said(), "the pointer in a zoomed chart");
+  await chart.press("Escape");
+
+  const [download] = await Promise.all([tab.waitForEvent("download"), figure.getByRole("button", { name: /^SVG/ }).click()]);
+  const path = join(dirname(resolve(file)), "figures", download.suggestedFilename());
+  const texts = [await download.path(), path].filter(existsSync).map((own) => readFileSync(own, "utf8"));
+  const same = await tab.evaluate((texts) => {
+    const [one, other = one] = texts.map((text) => new DOMParser().parseFromString(text, "image/svg+xml").documentElement);
+    return one.tagName === "svg" && one.isEqualNode(other);
+  }, texts);
+  check(same, `${file}: the saved figure is not ${path}`);
   await tab.emulateMedia({ media: "print" });
-  check(await figure.locator(".static svg").isVisible(), "print shows the static figure");
-  check(!(await canvas.isVisible()), "print hides the interactive figure");
+  check((await chart.isVisible()) && !(await figure.locator(".save").isVisible()), `${file}: print does not show the figure alone`);
   if (pictures) await tab.pdf({ path: `${pictures}/${basename(resolve(file, ".."))}.pdf`, preferCSSPageSize: true }).catch(() => {});
   check(faults.length === 0, `${file}: ${faults.join("; ")}`);
+  await context.close();
+}
+
+/** Units of the axes of known figures. */
+const UNITS = { "": 1, "10⁻³": 1e-3, "rad/m": 1, "rad/mm": 1e3, "rad/µm": 1e6, "µm⁴": 1e-24 };
+
+/** Compares the values of a curve with the table of its data, by arrow keys and under the pointer. */
+async function compare(browser, file, id, curve, table, columns) {
+  const path = join(dirname(resolve(file)), "tables", table);
+  if (!existsSync(path)) return;
+  const lines = readFileSync(path, "utf8").trim().split("\n").map((line) => line.split(","));
+  const places = columns.map((column) => lines[0].indexOf(column));
+  const { context, tab } = await open(browser, pathToFileURL(resolve(file)).href, { viewport: { width: 1280, height: 800 } });
+  const figure = tab.locator(`#figure-${id}`);
+  await figure.scrollIntoViewIfNeeded();
+  const chart = figure.locator(".chart[tabindex]").first();
+  const axes = await chart.evaluate((element) => ["x", "y"].map((name) => ({ ...element.querySelector(`[data-axis=${name}]`).dataset })));
+  const units = axes.map(({ label }) => UNITS[label.match(/\((.*)\)$/)?.[1] ?? ""]);
+  const known = lines.slice(1).map((line) => places.map((place, axis) => Number(line[place]) / units[axis]));
+  // A coordinate is rounded to a tenth of a pixel, and the digits that are shown resolve it.
+  const plot = (await chart.getAttribute("data-plot")).split(" ").map(Number);
+  const part = [0.1 / (plot[2] - plot[0]), 0.1 / (plot[3] - plot[1])];
+  const agree = (value, wanted, axis) => {
+    const { spacing, from, to } = axes[axis];
+    if (spacing === "log") return Math.abs(Math.log(value / wanted)) <= part[axis] * Math.abs(Math.log(to / from)) + 1e-3;
+    return Math.abs(value - wanted) <= part[axis] * Math.abs(to - from);
+  };
+  const verify = (text, what) => {
+    const { name, x, y } = stated(text);
+    check(name === curve, `${id}: ${what} shows ${name}`);
+    check(known.some((row) => agree(x, row[0], 0) && agree(y, row[1], 1)), `${id}: ${what} shows ${x}, ${y}, which is not in ${table}`);
+  };
+  const texts = await chart.evaluate((element, curve) => {
+    const said = element.closest("figure").querySelector("output");
+    const press = (key) => element.dispatchEvent(new KeyboardEvent("keydown", { key }));
+    press("Home");
+    for (let i = 0; i < 9 && !said.textContent.startsWith(`${curve};`); i++) press("ArrowDown");
+    const found = [];
+    while (found.at(-1) !== said.textContent) {
+      found.push(said.textContent);
+      press("ArrowRight");
+    }
+    return found;
+  }, curve);
+  check(texts.length > 8, `${id}: ${curve} has ${texts.length} points`);
+  for (const text of texts) verify(text, "a key");
+  // A curve that is off has no values.
+  for (const other of await figure.locator("[data-entry][role=button]").all()) if ((await other.getAttribute("data-entry")) !== curve) await other.press("Enter");
+  const { x, y, width, height } = await chart.locator(".found circle").boundingBox();
+  await tab.mouse.move(x + width / 2, y + height / 2);
+  verify(await figure.locator("output").textContent(), "the pointer");
   await context.close();
 }
 
@@ -226,6 +317,10 @@ try {
     let count = 0;
     for (const [width, scheme] of [[1280, "light"], [390, "dark"]]) count = await examine(browser, file, width, scheme);
     await use(browser, file);
+    if (basename(dirname(resolve(file))) === "run") {
+      await compare(browser, file, "limit_cycle", "deterministic limit cycle", "limit_cycle.csv", ["displacement", "velocity"]);
+      await compare(browser, file, "height_psd", "measured, radial", "height_psd_radial.csv", ["wavenumber_rad_per_m", "psd_m4"]);
+    }
     await move(browser, file);
     console.log(`${file}: ${count} figures`);
   }

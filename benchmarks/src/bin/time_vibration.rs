@@ -178,7 +178,7 @@ impl Job {
         let half = found.crossings(&self.oscillator, &self.process, &[0.5], &settings, &Silent)?.swap_remove(0);
         Ok(json!({
             "seconds": seconds, "dampings": dampings, "mean_cycles": means,
-            "half": half.damping_ratio, "half_interval": half.interval,
+            "half": half.damping_ratio, "half_interval": half.damping_ratio_interval,
         }))
     }
 }

@@ -15,6 +15,8 @@ mod error;
 mod figures;
 mod fits;
 mod format;
+#[doc(hidden)]
+pub mod live;
 mod markup;
 mod motion;
 mod page;

@@ -32,7 +32,7 @@ use self::section::{Section, unordered};
 use crate::markup::{Html, html};
 use crate::{Figure, ReportError, Run};
 
-const STYLE: &str = include_str!("page/style.css");
+const STYLE: &str = concat!(include_str!("page/style.css"), include_str!("page/figures.css"));
 /// Script of the figures, bundled from `web/src/report.ts`.
 const FIGURES: &str = include_str!("page/figures.js");
 

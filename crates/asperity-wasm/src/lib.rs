@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`dimensionless`] | a machine in the variables of the oscillator |
 //! | [`cycle`], [`limits`], [`ensemble`] | motion of the oscillator |
+//! | [`portrait`], [`reattachment`] | figures of the motion as SVG |
 //! | [`Surface`] | statistics, spectrum, random twin, contact and friction of a scan or a stated surface |
 //!
 //! Without the feature `surface` the module contains the oscillator alone.
@@ -24,7 +25,7 @@ mod oscillator;
 mod surface;
 
 pub use answer::Answer;
-pub use oscillator::{cycle, dimensionless, ensemble, limits};
+pub use oscillator::{cycle, dimensionless, ensemble, limits, portrait, reattachment};
 #[cfg(feature = "surface")]
 pub use surface::Surface;
 

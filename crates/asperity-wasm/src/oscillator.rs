@@ -3,6 +3,7 @@
 use asperity_base::monitor::Monitor;
 use asperity_base::stats::Histogram;
 use asperity_process::{FrictionProcess, ProcessModel};
+use asperity_report::live;
 use asperity_vibration::law::Stribeck;
 use asperity_vibration::{
     Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales,
@@ -55,13 +56,43 @@ pub fn limits(parameters: &str) -> Result<Answer, JsError> {
     Ok(ends_of_vibration(parameters)?)
 }
 
-/// Simulates many trajectories over a random friction fluctuation, with keys of `asperity vibration ensemble --json`.
+/// Simulates many trajectories over a random friction fluctuation, with keys of `asperity vibration ensemble --json` and
+/// the `reattachment_displacement` without fluctuation.
 ///
 /// Arrays: `reattachment` and `reattachment_density` (histogram of the displacements at re-attachment), and
-/// `displacement` and `velocity`, the ends of the first trajectories, 72 points of each.
+/// `displacement` and `velocity`, the ends of the first trajectories, 72 points and an undefined one of each.
 #[wasm_bindgen]
 pub fn ensemble(request: &str) -> Result<Answer, JsError> {
     Ok(simulated(request, &Progress)?)
+}
+
+/// Draws a phase portrait as SVG: the arrays of [`cycle`] and [`ensemble`], the units of both, and the velocity of the belt in SI.
+#[wasm_bindgen]
+#[must_use]
+pub fn portrait(
+    displacement: &[f64],
+    velocity: &[f64],
+    runs_displacement: &[f64],
+    runs_velocity: &[f64],
+    length_m: f64,
+    velocity_m_per_s: f64,
+    belt_velocity_m_per_s: f64,
+) -> String {
+    let [x, runs_x] = [displacement, runs_displacement].map(|values| multiplied(values, length_m));
+    let [v, runs_v] = [velocity, runs_velocity].map(|values| multiplied(values, velocity_m_per_s));
+    live::portrait([&x, &v], [&runs_x, &runs_v], belt_velocity_m_per_s)
+}
+
+/// Draws the histogram of an [`ensemble`] as SVG, with the displacement at re-attachment without fluctuation.
+#[wasm_bindgen]
+#[must_use]
+pub fn reattachment(centres: &[f64], density: &[f64], without: Option<f64>, length_m: f64) -> String {
+    let (centres, density) = (multiplied(centres, length_m), multiplied(density, 1.0 / length_m));
+    live::reattachment(&centres, &density, without.map(|value| value * length_m))
+}
+
+fn multiplied(values: &[f64], factor: f64) -> Vec<f64> {
+    values.iter().map(|value| factor * value).collect()
 }
 
 pub(crate) fn scaled(machine: &str) -> Result<Answer, Failure> {
@@ -166,11 +197,15 @@ fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
     };
     let found = asperity_vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)?;
     let cloud = phase_cloud(&oscillator, &process, &settings, CLOUD, monitor)?;
-    let (displacement, velocity) = columns(cloud.iter().flatten().flatten());
+    // An undefined point separates the trajectories.
+    let gap = PhasePoint { tau: f64::NAN, displacement: f64::NAN, velocity: f64::NAN };
+    let (displacement, velocity) = columns(cloud.iter().flatten().flat_map(|run| run.iter().chain([&gap])));
     let histogram = Histogram::new(&found.reattachments.sample).ok();
     let passages = &found.passages;
+    let regime = limit_cycle(&oscillator)?;
     let answer = Answer::new(&json!({
-        "kind": limit_cycle(&oscillator)?.kind().name(),
+        "kind": regime.kind().name(),
+        "reattachment_displacement": regime.cycle().and_then(|cycle| cycle.reattachment_displacement),
         "trajectories": found.trajectories,
         "failures": found.failures.len(),
         "first_failure": found.failures.first().map(|failure| &failure.reason),
@@ -252,7 +287,7 @@ mod tests {
         let centres = found.take("reattachment");
         let area: f64 = density.iter().sum::<f64>() * (centres[1] - centres[0]);
         assert!((area - 1.0).abs() < 1e-12, "area {area}");
-        assert_eq!(found.take("velocity").len(), CLOUD * 72);
+        assert_eq!(found.take("velocity").len(), CLOUD * 73);
     }
 
     #[test]

@@ -14,6 +14,7 @@ use asperity::surface::preparation::Prepared;
 use asperity::surface::scanned::ScannedSurface;
 use asperity::translation::TranslationKind;
 use asperity_formats::{Format, Scan, read_bytes_with};
+use asperity_report::live;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
@@ -58,7 +59,7 @@ impl Surface {
         Ok(self.description()?)
     }
 
-    /// Returns the radially averaged power spectral density. Arrays: `q_rad_per_m` and `psd_m4`.
+    /// Returns the reliable wavenumbers, and the radially averaged power spectral density drawn as `svg`.
     pub fn spectrum(&self) -> Result<Answer, JsError> {
         Ok(self.radial()?)
     }
@@ -78,8 +79,8 @@ impl Surface {
         Ok(self.pressed(request)?)
     }
 
-    /// Solves a long periodic strip of the surface and slides a window along it. Arrays: `position_m` and `friction`, the
-    /// friction coefficient at the mean load.
+    /// Solves a long periodic strip of the surface and slides a window along it. The friction coefficient at the mean load
+    /// along the first strip is drawn as `svg`.
     pub fn friction(&self, request: &str) -> Result<Answer, JsError> {
         Ok(self.slid(request)?)
     }
@@ -141,11 +142,12 @@ impl Surface {
 
     pub(crate) fn radial(&self) -> Result<Answer, Failure> {
         let found = radial_spectrum(&self.map)?;
-        let numbers = json!({
-            "reliable_low_rad_per_m": found.reliable.low_rad_per_m,
-            "reliable_high_rad_per_m": found.reliable.high_rad_per_m,
-        });
-        Ok(Answer::new(&numbers)?.with("q_rad_per_m", found.q_rad_per_m).with("psd_m4", found.psd_m4))
+        let (low, high) = (found.reliable.low_rad_per_m, found.reliable.high_rad_per_m);
+        Answer::new(&json!({
+            "reliable_low_rad_per_m": low,
+            "reliable_high_rad_per_m": high,
+            "svg": live::spectrum(&found.q_rad_per_m, &found.psd_m4, (low, high)),
+        }))
     }
 
     /// Returns the twin with its warnings; draws it at the first call.

@@ -1,12 +1,9 @@
 // The page: parameters in, calls to the workers, results on the cards.
 
-import { digits, FigureView } from "../chart";
-import type { Figure } from "../figure";
 import { Controls } from "./controls";
 import { compiled, Lane, type Watcher, workers } from "../engine";
-import * as figures from "./figures";
-import * as motion from "../motion";
-import { percent, quantity, row } from "../format";
+import { Figure } from "../figure";
+import { digits, percent, quantity, row } from "../format";
 import { MapView, extremes } from "./map";
 import type { Call, Result } from "../messages";
 import { defaults, fragment, fromFragment, type Key, si, type Values } from "./parameters";
@@ -75,7 +72,7 @@ class Page {
   private limits?: Result;
   private ensemble?: Result;
   private readonly controls = new Controls((key, value) => this.set(key, value));
-  private readonly views = new Map<Card, FigureView>();
+  private readonly figures = new Map<Card, Figure>();
   private readonly map = new MapView(part("map", ".host"));
   private readonly twin = new MapView(part("map", ".twin"));
   private readonly pressure = new MapView(part("pressure", ".host"));
@@ -194,7 +191,7 @@ class Page {
       [this.scan, this.rejected, this.opened, this.described] = [source, undefined, true, result];
       this.problem();
       this.showSurface(result);
-      surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", figures.spectrum(found)), (error) => this.report(error, "spectrum"));
+      surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", found), (error) => this.report(error, "spectrum"));
       strips.call(call, () => undefined, failed);
       strips.call({ what: "twin" }, (found) => this.showTwin(found), (error) => this.report(error, "map"));
       this.press();
@@ -316,23 +313,14 @@ class Page {
     const { values } = this;
     const machine = this.machine();
     if (!machine) return;
-    const settings = JSON.stringify({ machine });
-    const failed = (message: string) => this.report(message, "portrait");
+    this.portray();
     this.motion.call(
-      { what: "cycle", settings },
-      (result) => {
-        this.cycle = result;
-        this.showMotion();
-      },
-      failed,
-    );
-    this.motion.call(
-      { what: "limits", settings },
+      { what: "limits", settings: JSON.stringify({ machine }) },
       (result) => {
         this.limits = result;
         this.showVerdict();
       },
-      failed,
+      (message) => this.report(message, "portrait"),
     );
     this.stale("probability", "reattachment");
     const request = {
@@ -352,6 +340,20 @@ class Page {
         this.report(message, "probability", "reattachment");
         this.showVerdict();
       },
+    );
+  }
+
+  /** Computes the cycle, and draws it with the runs of the last ensemble. */
+  private portray() {
+    const machine = this.machine();
+    if (!machine) return;
+    this.motion.call(
+      { what: "cycle", settings: JSON.stringify({ machine }), runs: this.ensemble?.arrays },
+      (result) => {
+        this.cycle = result;
+        this.showMotion();
+      },
+      (message) => this.report(message, "portrait"),
     );
   }
 
@@ -447,10 +449,10 @@ class Page {
     element("scale").hidden = !message && !this.scan;
   }
 
-  private draw(card: Card, figure: Figure, note = "") {
-    const view = this.views.get(card);
-    if (view) view.update(figure);
-    else this.views.set(card, new FigureView(part(card, ".host"), figure));
+  private draw(card: Card, { numbers }: Result, note = "") {
+    const figure = this.figures.get(card) ?? new Figure(part(card, ".host"));
+    this.figures.set(card, figure);
+    figure.replace(numbers.svg);
     this.settle(card, note);
   }
 
@@ -512,20 +514,20 @@ class Page {
     const { mean, mean_interval: interval, std, window_m, window_width_m } = result.numbers;
     const range = interval ? ` (95 %: ${digits(interval[0], 3)} to ${digits(interval[1], 3)})` : "";
     const size = `${quantity(window_m, "m", 3)} × ${quantity(window_width_m, "m", 3)}`;
-    this.draw("friction", figures.friction(result), `Mean μ = ${digits(mean, 3)}${range}, standard deviation ${digits(std, 2)} over windows of ${size}.`);
+    this.draw("friction", result, `Mean μ = ${digits(mean, 3)}${range}, standard deviation ${digits(std, 2)} over windows of ${size}.`);
     this.showLinked();
   }
 
   private showMotion() {
-    const { cycle, ensemble } = this;
+    const { cycle } = this;
     if (!cycle) return;
     const { numbers } = cycle;
     const kind = String(numbers.kind).replaceAll("_", "-");
     const note = numbers.limit_cycle
       ? `Without fluctuation: ${kind}, period ${quantity(numbers.period * numbers.time_s, "s")}, in slip for ${percent(numbers.slip_duration / numbers.period)} of it.`
       : "Without fluctuation every motion ends in steady sliding.";
-    this.draw("portrait", motion.portrait(cycle, ensemble, si(this.values, "belt_velocity")), note);
-    Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify(numbers) });
+    this.draw("portrait", cycle, note);
+    Object.assign(part("portrait", ".note").dataset, { numbers: JSON.stringify({ ...numbers, svg: undefined }) });
     this.showVerdict();
   }
 
@@ -543,17 +545,16 @@ class Page {
         `On average they vibrate for ${percent(numbers.vibration_share)} of it, with ${digits(numbers.cycles_mean, 3)} cycles of stick-slip ` +
         `(${numbers.cycles_deterministic} without fluctuation).${failures}${clipped}`,
     );
-    Object.assign(part("probability", ".note").dataset, { numbers: JSON.stringify(numbers) });
-    const attached = numbers.reattachment_count > 0;
+    Object.assign(part("probability", ".note").dataset, { numbers: JSON.stringify({ ...numbers, svg: undefined }) });
     this.draw(
       "reattachment",
-      motion.reattachment(result, this.cycle?.numbers.reattachment_displacement ?? null),
-      attached
+      result,
+      numbers.svg
         ? `${numbers.reattachment_count} re-attachments: mean ${quantity(numbers.reattachment_mean * numbers.length_m, "m")}, ` +
             `standard deviation ${quantity(numbers.reattachment_std * numbers.length_m, "m")}, skewness ${digits(numbers.reattachment_skewness, 3)}.`
         : "No run sticks again.",
     );
-    this.showMotion();
+    this.portray();
   }
 
   private showVerdict() {

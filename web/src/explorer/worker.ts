@@ -1,6 +1,6 @@
 // The worker of the explorer.
 
-import { cycle, dimensionless, ensemble, initSync, limits, Surface } from "../../build/asperity_wasm";
+import { cycle, dimensionless, ensemble, initSync, limits, portrait, reattachment, Surface } from "../../build/asperity_wasm";
 import type { Call, Result } from "../messages";
 import { moved, serve, taken } from "../worker";
 
@@ -33,7 +33,7 @@ function run(call: Call): Result {
     default: {
       const { machine, ...rest } = JSON.parse(call.settings) as { machine: object };
       const { parameters, process, ...units } = taken(dimensionless(JSON.stringify(machine))).numbers;
-      return moved({ cycle, limits, ensemble }, call.what, { parameters, process, units, ...rest });
+      return moved({ cycle, limits, ensemble, portrait, reattachment }, call, { parameters, process, units, ...rest });
     }
   }
 }

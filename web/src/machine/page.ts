@@ -1,12 +1,10 @@
 // The machine of a report, which the reader moves with sliders.
 
-import { digits, FigureView } from "../chart";
 import { control, type Control, type Slider } from "../controls";
 import { compiled, Lane, workers } from "../engine";
-import type { Figure } from "../figure";
-import { percent, quantity } from "../format";
+import { Figure } from "../figure";
+import { digits, percent, quantity } from "../format";
 import type { Call, Result } from "../messages";
-import * as motion from "../motion";
 
 /** Largest number of runs of an ensemble on the page. */
 const RUNS = 200;
@@ -65,7 +63,7 @@ class Page {
   private readonly controls = new Map<Key, Control>();
   private readonly own: Partial<Record<Key, number>>;
   private values: Partial<Record<Key, number>>;
-  private readonly views = new Map<string, FigureView>();
+  private readonly figures = new Map<string, Figure>();
   private readonly motion: Lane;
   private readonly runs: Lane;
   private readonly velocity_m_per_s: number;
@@ -133,11 +131,11 @@ class Page {
     this.move();
   }
 
-  /** Computes the motion with the present values; those of the study unless a slider was moved. */
-  private move() {
+  /** Returns the machine with the present values; those of the study unless a slider was moved. */
+  private settings(): string {
     const { parameters, process, length_m, time_s, trajectories, ...rest } = this.machine;
     const { damping = NaN, belt_velocity = NaN, friction = NaN, variability = NaN } = this.values;
-    const settings = JSON.stringify({
+    return JSON.stringify({
       ...rest,
       trajectories: Math.min(trajectories, RUNS),
       parameters: {
@@ -150,9 +148,24 @@ class Page {
       process: process && { ...process, std: variability * friction },
       units: { length_m, time_s, velocity_m_per_s: this.velocity_m_per_s },
     });
-    this.call(this.motion, { what: "cycle", settings }, (found) => (this.cycle = found));
+  }
+
+  /** Computes the motion with the present values. */
+  private move() {
+    const settings = this.settings();
+    this.portray();
     this.call(this.motion, { what: "limits", settings }, (found) => (this.limits = found));
-    if (process) this.call(this.runs, { what: "ensemble", settings }, (found) => (this.ensemble = found));
+    if (!this.machine.process) return;
+    this.call(this.runs, { what: "ensemble", settings }, (found) => {
+      this.ensemble = found;
+      this.portray();
+    });
+  }
+
+  /** Computes the cycle, and draws it with the runs of the last ensemble. */
+  private portray() {
+    const call = { what: "cycle", settings: this.settings(), runs: this.ensemble?.arrays } as const;
+    this.call(this.motion, call, (found) => (this.cycle = found));
   }
 
   private call(lane: Lane, call: Call, keep: (result?: Result) => void) {
@@ -194,15 +207,15 @@ class Page {
     const limit = limits?.numbers.limit_damping_ratio;
     if (typeof limit === "number") sentences.push(`Vibration ends at a damping ratio of ${digits(limit, 3)}.`);
     element(host, "#moved-details").textContent = sentences.join(" ");
-    host.dataset.numbers = JSON.stringify({ ...limits?.numbers, ...ensemble?.numbers, ...numbers });
-    this.draw("portrait", motion.portrait(cycle, ensemble, this.values.belt_velocity ?? NaN));
-    if (ensemble?.numbers.reattachment_count) this.draw("histogram", motion.reattachment(ensemble, numbers.reattachment_displacement));
+    host.dataset.numbers = JSON.stringify({ ...limits?.numbers, ...ensemble?.numbers, ...numbers, svg: undefined });
+    this.draw("portrait", cycle);
+    if (ensemble?.numbers.svg) this.draw("histogram", ensemble);
   }
 
-  private draw(name: string, figure: Figure) {
-    const view = this.views.get(name);
-    if (view) view.update(figure);
-    else this.views.set(name, new FigureView(element(this.host, `.${name}`), figure));
+  private draw(name: string, { numbers }: Result) {
+    const figure = this.figures.get(name) ?? new Figure(element(this.host, `.${name}`));
+    this.figures.set(name, figure);
+    figure.replace(numbers.svg);
   }
 }
 

@@ -1,9 +1,7 @@
 // The worker of the machine in a report.
 
-import { cycle, ensemble, initSync, limits } from "../../build/oscillator/asperity_wasm";
+import { cycle, ensemble, initSync, limits, portrait, reattachment } from "../../build/oscillator/asperity_wasm";
+import type { MotionCall } from "../messages";
 import { moved, serve } from "../worker";
 
-serve(initSync, (call) => {
-  if (call.what !== "cycle" && call.what !== "limits" && call.what !== "ensemble") throw new Error(`no call ${call.what}`);
-  return moved({ cycle, limits, ensemble }, call.what, JSON.parse(call.settings));
-});
+serve(initSync, (call) => moved({ cycle, limits, ensemble, portrait, reattachment }, call as MotionCall, JSON.parse((call as MotionCall).settings)));

@@ -122,13 +122,11 @@ fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
     });
     html!(
         "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
-         <div class=\"static\">{3}</div>\n<script type=\"application/json\">{4}</script>\n<figcaption>{5} Data: {6}.</figcaption>\n</figure>\n",
+         <div class=\"drawing\" tabindex=\"0\">{3}</div>\n<figcaption>{4} Data: {5}.</figcaption>\n</figure>\n",
         figure.name,
         number.to_string(),
         &figure.title,
         Html::from_markup(figure.svg()),
-        // No tag can begin inside of the data.
-        Html::from_markup(figure.layout.json().to_string().replace('<', "\\u003c")),
         &figure.caption,
         sources.collect::<Html>(),
     )

@@ -31,8 +31,9 @@ pub(crate) struct Axis {
     downward: bool,
 }
 
-/// Least span and largest end of a linear axis.
+/// Least span and largest end of a linear axis, and its least span over its largest end.
 const LEAST_SPAN: f64 = 1e-280;
+const NOISE: f64 = 1e-11;
 const LARGEST: f64 = 1e300;
 
 /// Returns the least and the largest finite value.
@@ -44,10 +45,10 @@ pub(crate) fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<(f6
 }
 
 impl Axis {
-    /// Returns a linear axis from `low` to `high`; an empty range is widened, also one without room for ticks among the numbers of `f64`.
+    /// Returns a linear axis from `low` to `high`; a range that is empty, or as narrow as the rounding of its ends, is widened.
     pub(crate) fn linear(quantity: &str, unit: Unit, (low, high): (f64, f64)) -> Self {
         let (low, high) = (low.clamp(-LARGEST, LARGEST), high.clamp(-LARGEST, LARGEST));
-        let (low, high) = if high - low > LEAST_SPAN {
+        let (low, high) = if high - low > LEAST_SPAN.max(NOISE * low.abs().max(high.abs())) {
             (low, high)
         } else {
             let reach = if low.abs() <= 10.0 * LEAST_SPAN { 0.5 * unit.si } else { 0.1 * low.abs() };
@@ -75,24 +76,34 @@ impl Axis {
         Self { downward: true, ..self }
     }
 
+    /// Returns the unit of the labels.
+    pub(crate) fn unit(&self) -> &Unit {
+        &self.unit
+    }
+
     /// Returns the names in place of numbers.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Reports whether values increase downward.
-    pub(crate) fn is_downward(&self) -> bool {
-        self.downward
-    }
-
-    /// Reports whether equal distances are equal ratios.
-    pub(crate) fn is_logarithmic(&self) -> bool {
-        self.spacing == Spacing::Logarithmic
-    }
-
-    /// Returns the number that the labels show for a value in SI units.
-    pub(crate) fn shown(&self, value: f64) -> f64 {
-        (value - self.offset()) / (self.unit.si * 10f64.powi(self.power()))
+    /// Returns the attributes from which the page's script computes the value of a place: label, spacing, and the numbers at the left or
+    /// lower end and at the other end, as the labels show them.
+    pub(crate) fn attributes(&self) -> [(&'static str, String); 4] {
+        let shown = |value: f64| (value - self.offset()) / (self.unit.si * 10f64.powi(self.power()));
+        let text =
+            |value: f64| format!("{:.6e}", shown(value)).parse().map_or_else(|_| String::new(), |v: f64| v.to_string());
+        let (from, to) = if self.downward { (self.high, self.low) } else { (self.low, self.high) };
+        let spacing = match self.spacing {
+            Spacing::Linear if !self.names.is_empty() => "names",
+            Spacing::Linear => "linear",
+            Spacing::Logarithmic => "log",
+        };
+        [
+            ("data-label", self.label()),
+            ("data-spacing", spacing.into()),
+            ("data-from", text(from)),
+            ("data-to", text(to)),
+        ]
     }
 
     /// Returns a linear axis with a margin at either end, as a fraction of the range; an end at zero stays there.
@@ -146,7 +157,7 @@ impl Axis {
     /// are relative to it. Zero on other axes.
     fn offset(&self) -> f64 {
         let (span, largest) = (self.high - self.low, self.low.abs().max(self.high.abs()));
-        if self.spacing == Spacing::Logarithmic || span >= 2e-3 * largest || span <= 1e-11 * largest {
+        if self.spacing == Spacing::Logarithmic || span >= 2e-3 * largest {
             return 0.0;
         }
         let quantum = 10f64.powi((span / self.unit.si).log10().floor() as i32);
@@ -291,6 +302,8 @@ mod tests {
                 "{extreme:?}"
             );
         }
+        let (low, high) = Axis::linear("μ", Unit::none(), (0.2, 0.2 + 1e-16)).ends();
+        assert!(low < 0.19 && high > 0.21);
         assert_eq!(range(&[f64::NAN, 2.0, -1.0, f64::INFINITY]), Some((-1.0, 2.0)));
         assert_eq!(range(&[f64::NAN]), None);
     }

@@ -1,6 +1,7 @@
 //! A drawing surface in pixels that writes SVG.
 
 use std::fmt::{self, Display};
+use std::mem;
 
 use crate::markup::escape;
 
@@ -84,7 +85,7 @@ pub(crate) enum Dash {
 
 impl Dash {
     /// Returns the lengths drawn and left out in turn, in pixels.
-    pub(crate) fn lengths(self) -> &'static [f64] {
+    fn lengths(self) -> &'static [f64] {
         match self {
             Self::Solid => &[],
             Self::Dashed => &[8.0, 4.0],
@@ -138,13 +139,11 @@ pub(crate) enum Align {
 /// A figure under construction.
 #[derive(Default)]
 pub(crate) struct Canvas {
-    /// Images, which lie below everything else.
-    images: String,
     body: String,
 }
 
 /// Rounds a coordinate to a tenth of a pixel.
-fn px(value: f64) -> f64 {
+pub(crate) fn px(value: f64) -> f64 {
     (10.0 * value).round() / 10.0
 }
 
@@ -168,16 +167,32 @@ pub(crate) fn draw(
     content(&mut canvas);
     let (width, height, title, description) = (px(width), px(height), escape(title), escape(description));
     let tall = px(mm * height / width);
-    let Canvas { images, body } = canvas;
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{mm}mm\" height=\"{tall}mm\" viewBox=\"0 0 {width} {height}\" \
          role=\"img\" aria-label=\"{title}\" stroke-linejoin=\"round\" font-family=\"{FONT_FAMILY}\">\n\
          <title>{title}</title>\n<desc>{description}</desc>\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"{WHITE}\"/>\n{images}{body}</svg>\n"
+         <rect width=\"{width}\" height=\"{height}\" fill=\"{WHITE}\"/>\n{}</svg>\n",
+        canvas.body
     )
 }
 
 impl Canvas {
+    /// Draws a group with attributes; an empty one is left out.
+    pub(crate) fn group(&mut self, attributes: &[(&str, &str)], content: impl FnOnce(&mut Self)) {
+        let before = mem::take(&mut self.body);
+        content(self);
+        let inner = mem::replace(&mut self.body, before);
+        if !inner.is_empty() {
+            let attributes = attributes.iter().map(|(name, value)| format!(" {name}=\"{}\"", escape(value)));
+            self.body += &format!("<g{}>\n{inner}</g>\n", attributes.collect::<String>());
+        }
+    }
+
+    /// Draws around a point, which is the origin of the content. The page's script moves the content as a whole when it zooms.
+    pub(crate) fn at(&mut self, (x, y): Point, content: impl FnOnce(&mut Self)) {
+        self.group(&[("transform", &format!("translate({},{})", px(x), px(y)))], content);
+    }
+
     /// Draws a line through points.
     pub(crate) fn line(&mut self, points: &[Point], pen: Pen) {
         self.body += &format!(
@@ -236,10 +251,10 @@ impl Canvas {
         );
     }
 
-    /// Places a PNG image over a rectangle, its pixels kept sharp, below everything else.
+    /// Places a PNG image over a rectangle, its pixels kept sharp.
     pub(crate) fn image(&mut self, rect: Rect, data_uri: &str) {
         let (x, y, width, height) = (px(rect.left), px(rect.top), px(rect.width()), px(rect.height()));
-        self.images += &format!(
+        self.body += &format!(
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
              image-rendering=\"pixelated\" href=\"{data_uri}\"/>\n"
         );

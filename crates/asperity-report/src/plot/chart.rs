@@ -5,10 +5,10 @@ mod layout;
 mod legend;
 pub(super) mod mark;
 
-pub(crate) use self::layout::{Layout, ONE_COLUMN, TWO_COLUMNS, stacked};
+pub(crate) use self::layout::{Layout, ONE_COLUMN, SCREEN, TWO_COLUMNS, stacked};
 use self::mark::{DISC, Mark, SYMBOL, Series};
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, TEXT, THIN, WHITE, text_width};
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, TEXT, THIN, WHITE, px, text_width};
 use crate::plot::polyline::{clipped, simplified};
 
 /// Curves are simplified by at most this distance in pixels.
@@ -105,11 +105,6 @@ impl Chart {
         self.add("", Mark::Note { x, y, text: text.into() });
     }
 
-    /// Returns the title, if there is one.
-    pub(crate) fn title(&self) -> Option<&str> {
-        self.title.as_deref()
-    }
-
     /// Returns the room for labels at the left and at the right in pixels.
     pub(crate) fn horizontal_margins(&self) -> f64 {
         self.left_margin() + 20.0
@@ -154,17 +149,24 @@ impl Chart {
     /// Draws the chart without its legend into `outer`, margins for labels included.
     pub(crate) fn draw(&self, canvas: &mut Canvas, outer: Rect) {
         let plot = self.plot(outer);
-        self.draw_frame(canvas, plot);
-        for series in &self.series {
-            self.draw_mark(canvas, plot, &series.mark);
-        }
-        self.draw_notes(canvas, plot);
-        canvas.frame(plot, THIN);
-        if let Some(title) = &self.title {
-            // Beside names a title needs their room, too.
-            let left = if self.y.names().is_empty() { plot.left } else { outer.left + 12.0 };
-            canvas.text((left, outer.top + 13.0), title, LABEL, Align::Start);
-        }
+        let place = [plot.left, plot.top, plot.right, plot.bottom].map(|end| px(end).to_string()).join(" ");
+        let data = if self.backdrop.is_some() { "data image" } else { "data" };
+        canvas.group(&[("class", "chart"), ("data-plot", &place)], |canvas| {
+            self.draw_axes(canvas, plot);
+            canvas.group(&[("class", data)], |canvas| {
+                self.draw_backdrop(canvas, plot);
+                for Series { name, mark } in &self.series {
+                    canvas.group(&[("data-series", name)], |canvas| self.draw_mark(canvas, plot, mark));
+                }
+                canvas.group(&[], |canvas| self.draw_notes(canvas, plot));
+            });
+            canvas.frame(plot, THIN);
+            if let Some(title) = &self.title {
+                // Beside names a title needs their room, too.
+                let left = if self.y.names().is_empty() { plot.left } else { outer.left + 12.0 };
+                canvas.text((left, outer.top + 13.0), title, LABEL, Align::Start);
+            }
+        });
     }
 
     fn x_at(&self, plot: Rect, x: f64) -> Option<f64> {
@@ -287,7 +289,8 @@ impl Chart {
         let mut taken: Vec<Rect> = Vec::new();
         for series in &self.series {
             let Mark::Note { x, y, text } = &series.mark else { continue };
-            let Some(&(x, y)) = self.visible(plot, &[*x], &[*y]).first() else { continue };
+            let Some(&point) = self.visible(plot, &[*x], &[*y]).first() else { continue };
+            let (x, y) = point;
             let (width, height) = (text_width(text, SMALL) + 4.0, SMALL + 2.0);
             let left = (x - 0.5 * width).clamp(plot.left + 2.0, (plot.right - width - 2.0).max(plot.left + 2.0));
             let shifts = if self.backdrop.is_some() { [0.0, -14.0, 14.0] } else { [-14.0, 14.0, -27.0] };
@@ -296,10 +299,14 @@ impl Chart {
                 place.top > plot.top && place.bottom < plot.bottom && taken.iter().all(|other| !place.overlaps(other))
             };
             if let Some(place) = places.iter().find(free).copied() {
-                if self.backdrop.is_some() {
-                    canvas.fill(place, WHITE, 0.85);
-                }
-                canvas.text(place.centre(), text, SMALL, Align::Middle);
+                let (left, top) = (place.left - x, place.top - y);
+                canvas.at(point, |canvas| {
+                    let place = Rect::new(left, top, width, height);
+                    if self.backdrop.is_some() {
+                        canvas.fill(place, WHITE, 0.85);
+                    }
+                    canvas.text(place.centre(), text, SMALL, Align::Middle);
+                });
                 taken.push(place);
             }
         }
@@ -307,7 +314,7 @@ impl Chart {
 }
 
 /// Returns the edges and the height of every bin from the centres; edges lie midway between them.
-pub(crate) fn bins<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
+fn bins<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
     let last = x.len().saturating_sub(1);
     (0..x.len().min(y.len())).filter(move |_| last > 0).map(move |i| {
         let low = if i == 0 { x[0] - 0.5 * (x[1] - x[0]) } else { 0.5 * (x[i - 1] + x[i]) };
@@ -329,6 +336,36 @@ mod tests {
         let chart = Chart::new(axis(), axis());
         let runs = chart.runs(UNIT, &[0.0, 0.2, 0.4, 0.6, 0.8], &[0.0, 0.0, f64::NAN, 1.0, 1.0]);
         assert_eq!(runs.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
+    }
+
+    #[test]
+    fn the_places_of_a_curve_give_its_values_by_the_attributes_of_the_axes() {
+        let (x, y) = ([1e-5, 5e-5, 2e-4], [2.0, 30.0, 70.0]);
+        let down = Axis::linear("Lag", Unit::new("µm", 1e-6), (0.0, 2e-4)).downward();
+        let mut chart = Chart::new(Axis::logarithmic("k", Unit::none(), (1.0, 100.0)), down);
+        chart.line("a < b", &y, &x, Pen { width: 2.0, ..THIN });
+        let svg = Layout::new(1, &[chart]).svg("", "", TWO_COLUMNS);
+        let attribute = |part: &str, name: &str| {
+            let found = svg.split_once(part).and_then(|(_, rest)| rest.split_once(&format!("{name}=\"")));
+            found.unwrap().1.split('"').next().unwrap().to_owned()
+        };
+        let numbers = |text: &str| text.split([' ', ',']).map(|n| n.parse().unwrap()).collect::<Vec<f64>>();
+        let plot = numbers(&attribute("class=\"chart\"", "data-plot"));
+        let ends = |axis: &str| ["data-from", "data-to"].map(|end| attribute(axis, end).parse::<f64>().unwrap());
+        let ([x0, x1], [y0, y1]) = (ends("data-axis=\"x\""), ends("data-axis=\"y\""));
+        assert_eq!(attribute("data-axis=\"y\"", "data-label"), "Lag (µm)");
+        assert_eq!(
+            ["x", "y"].map(|axis| attribute(&format!("data-axis=\"{axis}\""), "data-spacing")),
+            ["log", "linear"]
+        );
+        let places = numbers(&attribute("data-series=\"a &lt; b\"", "points"));
+        assert_eq!(places.len(), 6);
+        for (place, (lag, k)) in places.chunks(2).zip(x.iter().zip(y)) {
+            let (across, up) = ((place[0] - plot[0]) / (plot[2] - plot[0]), (plot[3] - place[1]) / (plot[3] - plot[1]));
+            // Half a tenth of a pixel, of at least 250 pixels.
+            assert!((x0 * (x1 / x0).powf(across) / k).ln().abs() < 2e-4 * (x1 / x0).ln());
+            assert!((y0 + up * (y1 - y0) - lag * 1e6).abs() < 2e-4 * (y1 - y0).abs());
+        }
     }
 
     #[test]

@@ -57,11 +57,6 @@ impl ColourBar {
         Ok(Self { axis, data_uri: indexed(1, COLOURS, &scale, scale_palette())? })
     }
 
-    /// Returns the scale as an image of one column, from the high end.
-    pub(crate) fn data_uri(&self) -> &str {
-        &self.data_uri
-    }
-
     /// Draws the scale into `bar`, with the ticks and the label of its axis at the right.
     pub(crate) fn draw(&self, canvas: &mut Canvas, bar: Rect) {
         canvas.image(bar, &self.data_uri);

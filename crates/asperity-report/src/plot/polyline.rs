@@ -39,13 +39,8 @@ pub(crate) fn clipped(points: &[Point], rect: Rect) -> Vec<Vec<Point>> {
 
 /// Returns a polyline with fewer corners that stays within `tolerance` of the given one (Douglas & Peucker).
 pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
-    points.iter().zip(corners(points, tolerance)).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
-}
-
-/// Returns which points [`simplified`] keeps.
-pub(crate) fn corners(points: &[Point], tolerance: f64) -> Vec<bool> {
     if points.len() < 3 {
-        return vec![true; points.len()];
+        return points.to_vec();
     }
     let mut keep = vec![false; points.len()];
     keep[0] = true;
@@ -62,7 +57,7 @@ pub(crate) fn corners(points: &[Point], tolerance: f64) -> Vec<bool> {
             spans.extend([(first, index), (index, last)]);
         }
     }
-    keep
+    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
 }
 
 /// Returns the distance of a point from a segment.

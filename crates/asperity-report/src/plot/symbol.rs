@@ -17,30 +17,21 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
-    /// Returns the name of the shape.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Disc => "disc",
-            Self::Ring => "ring",
-            Self::Frame => "frame",
-            Self::Diamond => "diamond",
-            Self::Cross => "cross",
-            Self::Plus => "plus",
-            Self::OpenDiamond => "open_diamond",
-        }
+    /// Draws the symbol around a point. All shapes cover about the area of a disc of this radius.
+    pub(crate) fn draw(self, canvas: &mut Canvas, point: Point, radius: f64, colour: Colour) {
+        canvas.at(point, |canvas| self.draw_centred(canvas, radius, colour));
     }
 
-    /// Draws the symbol around a point. All shapes cover about the area of a disc of this radius.
-    pub(crate) fn draw(self, canvas: &mut Canvas, (x, y): Point, radius: f64, colour: Colour) {
+    fn draw_centred(self, canvas: &mut Canvas, radius: f64, colour: Colour) {
         let pen = Pen::new(colour, 1.8, Dash::Solid);
         let outer = 1.25 * radius;
         // `count` corners from the angle `from`, in turns; the first one again at the end.
         let corners = |count: usize, from: f64, reach: f64| -> Vec<Point> {
             let angle = |i: usize| TAU * (from + i as f64 / count as f64);
-            (0..=count).map(|i| (x + reach * angle(i).cos(), y + reach * angle(i).sin())).collect()
+            (0..=count).map(|i| (reach * angle(i).cos(), reach * angle(i).sin())).collect()
         };
         match self {
-            Self::Disc => canvas.disc((x, y), radius, colour),
+            Self::Disc => canvas.disc((0.0, 0.0), radius, colour),
             Self::Ring => canvas.line(&corners(24, 0.0, radius), pen),
             Self::Frame => canvas.line(&corners(4, 0.125, outer), pen),
             Self::Diamond => canvas.polygon(&corners(4, 0.0, outer), colour, 1.0),

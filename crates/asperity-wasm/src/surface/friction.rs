@@ -13,6 +13,7 @@ use asperity::friction::window::Window;
 use asperity::map::{BoundaryKind, Grid};
 use asperity::stats::{Interval, Layout, ProcessEstimate, ProcessMoments};
 use asperity::surface::model::XiOrder;
+use asperity_report::live;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -59,7 +60,9 @@ impl Surface {
         let friction = WindowProcess::new(&strips, &problem)?;
         let window = &problem.window;
         let nominal_area_m2 = request.normal_force_n / strips.mean_pressure_pa;
-        let answer = Answer::new(&json!({
+        let first = friction.records.first().map(|first| (first.position_m.as_slice(), first.friction.as_slice()));
+        let (position_m, values) = first.unwrap_or_default();
+        Answer::new(&json!({
             "mean": friction.mean,
             "mean_interval": interval(friction.moments.mean),
             "std": friction.moments.moments.std,
@@ -74,10 +77,8 @@ impl Surface {
             "window_m": window.length_m(),
             "window_width_m": window.width_m(),
             "warnings": generated.warnings,
-        }))?;
-        let first = friction.records.into_iter().next();
-        let (position_m, values) = first.map(|first| (first.position_m, first.friction)).unwrap_or_default();
-        Ok(answer.with("position_m", position_m).with("friction", values))
+            "svg": live::friction(position_m, values, friction.mean),
+        }))
     }
 }
 

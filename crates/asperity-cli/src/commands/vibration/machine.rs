@@ -144,7 +144,7 @@ pub(super) struct Damping {
 /// Returns the number that denotes a kind of motion in tables.
 pub(super) fn code(kind: MotionKind) -> f64 {
     match kind {
-        MotionKind::None => 0.0,
+        MotionKind::None | MotionKind::Flutter | MotionKind::Divergence => 0.0,
         MotionKind::SlipCycle => 1.0,
         MotionKind::StickSlip => 2.0,
         MotionKind::Overtaking => 3.0,

@@ -19,6 +19,8 @@ pub(crate) struct Width {
 pub(crate) const TWO_COLUMNS: Width = Width { px: 640.0, mm: 170.0 };
 /// One column of a paper.
 pub(crate) const ONE_COLUMN: Width = Width { px: 400.0, mm: 85.0 };
+/// Part of a page.
+pub(crate) const SCREEN: Width = Width { px: 480.0, mm: 127.0 };
 
 /// Charts of a figure in columns, row by row, with one legend above them and one colour bar for all of their maps.
 #[derive(Debug, Clone)]
@@ -60,11 +62,6 @@ impl Layout {
                 bar.draw(canvas, Rect::new(right + 18.0, top, 16.0, (bottom - top).max(60.0)));
             }
         })
-    }
-
-    /// Returns the width over the height of each chart in a figure of two columns.
-    pub(crate) fn ratios(&self) -> Vec<f64> {
-        self.places(TWO_COLUMNS.px, 0.0).0.iter().map(|place| place.width() / place.height()).collect()
     }
 
     /// Returns the places of the charts, whose plots are equally wide in a row, and the height of the figure.

@@ -41,8 +41,10 @@ impl<'a> Legend<'a> {
         for (row, entries) in self.rows.iter().enumerate() {
             let y = top + ROW * (row as f64 + 0.5) + 4.0;
             for (x, series) in entries {
-                draw_sample(canvas, (*x, y), &series.mark);
-                canvas.text((*x + 38.0, y), &series.name, TEXT, Align::Start);
+                canvas.group(&[("data-entry", &series.name)], |canvas| {
+                    draw_sample(canvas, (*x, y), &series.mark);
+                    canvas.text((*x + 38.0, y), &series.name, TEXT, Align::Start);
+                });
             }
         }
     }
