@@ -73,7 +73,7 @@ impl<'de, T: Choice> Deserialize<'de> for ByName<T> {
     }
 }
 
-/// Returns the JSON Schema of a value by name: each name with its description.
+/// Returns the JSON Schema of a value by name: its noun, and each name with its description.
 #[doc(hidden)]
 pub fn schema<T: Choice>() -> Schema {
     let value = |value: &T| match value.description() {
@@ -81,7 +81,8 @@ pub fn schema<T: Choice>() -> Schema {
         description => json_schema!({ "const": value.name(), "description": description }),
     };
     let values: Vec<Schema> = T::ALL.iter().map(value).collect();
-    json_schema!({ "type": "string", "oneOf": values })
+    let noun = T::NOUN.chars().enumerate().map(|(place, c)| if place == 0 { c.to_ascii_uppercase() } else { c });
+    json_schema!({ "description": format!("{}.", noun.collect::<String>()), "type": "string", "oneOf": values })
 }
 
 impl<T: Choice> JsonSchema for ByName<T> {

@@ -8,7 +8,7 @@ use crate::{MotionKind, Pair};
 crate::choice! {
     /// Model of the machine.
     #[derive(Default)]
-    pub enum MachineModel: "model" {
+    pub enum MachineModel: "model of the machine" {
         /// One degree of freedom, and friction that depends on the velocity. Its margin is one of the damping ratio, ζ − ζ_v.
         #[default]
         StickSlip = "stick_slip",
