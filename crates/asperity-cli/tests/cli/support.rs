@@ -167,7 +167,9 @@ pub(crate) fn number(json: &Value, key: &str) -> f64 {
 
 /// Returns the keys of a JSON object, in alphabetical order.
 pub(crate) fn keys(json: &Value) -> Vec<&str> {
-    json.as_object().unwrap().keys().map(String::as_str).collect()
+    let mut keys: Vec<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys
 }
 
 /// Asserts that two numbers agree to a relative tolerance.

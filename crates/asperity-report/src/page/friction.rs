@@ -107,8 +107,16 @@ pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
     vec![
         fitted(&format!("at the mean load ({place})"), marginal.as_ref(), marginal_parameter_intervals),
         DataTable::listed(&format!("Distributions fitted to μ at the mean load ({place}), best first"), laws, all),
-        DataTable::listed("Curves fitted to the correlation, with the effect of the window", correlation_curves, all),
-        DataTable::listed("Models of the correlation without the effect of the window", correlation_models, all),
+        DataTable::listed(
+            "Families of the correlation with the effect of the window, fitted by least squares",
+            correlation_curves,
+            all,
+        ),
+        DataTable::listed(
+            "Families of the correlation without the effect of the window, fitted by likelihood; brackets are 95 % intervals",
+            correlation_models,
+            all,
+        ),
     ]
 }
 

@@ -38,6 +38,7 @@ fn constant_friction_is_valid_in_every_stage() {
                 "release/mean",
                 "release/std",
                 "/motion",
+                "/correlation_families_told_apart",
                 "/correlation_length_without_window_m",
                 "/correlation_without_window_fit_p",
                 "/correlation_without_window_model",
