@@ -51,7 +51,7 @@ fn assert_known(outcome: &Outcome, [contact, mean_pa, std_pa]: [f64; 3]) {
 #[ignore = "slow"]
 fn case_a_has_its_known_contact_probability_mean_and_std() {
     let outcome = run_all(&reduced("pressure_case_a.toml", 200, 400));
-    let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.clone().unwrap();
+    let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.unwrap();
     assert_eq!(expansion.modes, 101);
     assert!((expansion.captured_variance - 0.9909).abs() < 1e-4, "{}", expansion.captured_variance);
     let pressure = outcome.results.pressure.as_ref().unwrap();
@@ -68,7 +68,7 @@ fn case_a_has_its_known_contact_probability_mean_and_std() {
 #[ignore = "slow"]
 fn case_c_has_its_known_contact_probability_mean_and_std() {
     let outcome = run_all(&reduced("pressure_case_c.toml", 200, 400));
-    let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.clone().unwrap();
+    let expansion = outcome.results.surface.as_ref().unwrap().karhunen_loeve.unwrap();
     assert!(expansion.modes == 8 && expansion.captured_variance < 0.95, "{expansion:?}");
     assert_known(&outcome, [0.3570, 1.351, 2.290]);
 }
