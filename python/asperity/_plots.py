@@ -356,8 +356,9 @@ def _friction_acf(results: StudyResults, ax: Axes) -> Axes:
     ax.plot(lag, column(results, "friction_acf", "acf"), color=BLUE, label="computed")
     for name, label, colour, dashes in (
         ("fit", "exponential", ORANGE, "--"),
+        ("fit_matern", "Matérn", GREY, "--"),
         ("window_only", "window alone", GREEN, ":"),
-        ("windowed_fit", "exponential and window", PURPLE, "-."),
+        ("windowed_fit", "window and process", PURPLE, "-."),
     ):
         if name in results.tables["friction_acf"]:
             ax.plot(lag, column(results, "friction_acf", name), color=colour, ls=dashes, label=label)

@@ -320,6 +320,8 @@ export class Figure {
     Object.assign(this.resetButton, { type: "button", textContent: "Reset zoom", hidden: true });
     this.resetButton.addEventListener("click", () => this.reset());
     host.append(this.output, this.resetButton);
+    // Paper has the whole figure.
+    addEventListener("beforeprint", () => this.reset());
     this.start();
   }
 
@@ -336,6 +338,8 @@ export class Figure {
     if (!svg) return;
     // The children of an image have no roles.
     set(svg, { role: "group" });
+    // Browsers show a title over the values.
+    svg.querySelector(":scope > title")?.remove();
     this.charts = [...svg.querySelectorAll<SVGGElement>(".chart")].map((group) => new Chart(group, this));
     for (const entry of svg.querySelectorAll<SVGGElement>("[data-entry]")) this.toggles(entry, entry.dataset.entry ?? "");
     this.listen(svg);

@@ -49,8 +49,9 @@ choice! {
         /// # References
         /// McKay, Beckman & Conover, *Technometrics* **21** (1979) 239, <https://doi.org/10.1080/00401706.1979.10489755>.
         LatinHypercube = "latin_hypercube",
-        /// Latin hypercube with a large minimum distance between points; see [`maximin`](self#maximin-latin-hypercubes). At
-        /// most 2,000 samples.
+        /// Latin hypercube with a large minimum distance between points, of at most 2,000 samples.
+        ///
+        /// See [`maximin`](self#maximin-latin-hypercubes).
         ///
         /// # References
         /// Morris & Mitchell, *J. Stat. Plan. Inference* **43** (1995) 381, <https://doi.org/10.1016/0378-3758(94)00035-T>.

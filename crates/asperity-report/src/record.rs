@@ -48,7 +48,7 @@ pub fn record_figures(tables: &BTreeMap<String, Table>) -> Vec<Figure> {
         (
             "friction_acf",
             "Autocorrelation of the friction coefficient",
-            "Autocorrelation of the record without its trend, with the models fitted to it, the closest first.",
+            "Autocorrelation of the record without its trend, with the correlation families that the record does not reject, the more likely first.",
             chart("friction_acf", &|table| correlation::autocorrelation(table, DATA)),
         ),
     ];

@@ -13,9 +13,9 @@ pub struct CutoffResult {
     pub mean_pressure_pa: f64,
     /// Strips solved for each entry, with the same random numbers.
     pub strips: usize,
-    /// Length of these strips.
+    /// Length of the strips.
     pub strip_length_m: f64,
-    /// Pitch of these strips, the larger one if the two differ.
+    /// Pitch of the strips, the larger one if the two differ.
     pub pitch_m: f64,
     /// Shortest wavelength on the study's own strips: twice the pitch, or the shortest wave that the scan resolves.
     pub cutoff_m: f64,
@@ -58,7 +58,7 @@ pub struct FinerPitch {
     pub mean: f64,
     /// 95 % interval of `mean`.
     pub mean_interval: Option<Pair>,
-    /// Difference of `mean` from the mean at the pitch of the strips, which is not extrapolated either.
+    /// Difference from the mean at the pitch of the strips; it is not extrapolated either.
     pub change: f64,
     /// Interval of the difference, which the common random numbers make narrow.
     pub change_interval: Pair,
@@ -88,7 +88,7 @@ pub struct ScanCutoff {
     pub mean: f64,
     /// 95 % interval for the surface of which the scan is a sample, from the differences between its sixteen tiles.
     pub mean_interval: Pair,
-    /// Error of `mean` due to the pitch; `null` if one pitch was solved.
+    /// Error of the mean due to the pitch; `null` if one pitch was solved.
     pub grid_error: Option<f64>,
     /// Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown.
     pub order: Option<f64>,

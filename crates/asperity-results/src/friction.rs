@@ -171,13 +171,13 @@ pub struct LevelResult {
     pub correlation_length_without_window_m: Option<f64>,
     /// 95 % interval of `correlation_length_without_window_m`.
     pub correlation_length_without_window_m_interval: Option<Pair>,
-    /// Correlation family with this length: `exponential`, or the smooth `matern` of ν = 5/2.
+    /// Correlation family of the length without the window: `exponential`, or the smooth `matern` of ν = 5/2.
     pub correlation_without_window_model: Option<String>,
     /// Whether the strips tell the two correlation families apart. If not, the exponential is used, and the interval of its length
-    /// covers the lengths of both.
+    /// covers the integral scales ∫ρ ds of both.
     #[serde(default)]
     pub correlation_families_told_apart: Option<bool>,
-    /// p-value of the fit of that family to the spectrum.
+    /// p-value of the fit of the correlation family to the spectrum.
     pub correlation_without_window_fit_p: Option<f64>,
     /// p-value of the agreement between the lengths under each window alone.
     pub correlation_without_window_agreement_p: Option<f64>,
@@ -289,9 +289,9 @@ pub struct GoodnessResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationCurveResult {
-    /// Name of the model.
+    /// Name of the family.
     pub model: String,
-    /// ℓ, which includes the effect of the window.
+    /// Correlation length ℓ, with the effect of the window.
     pub length_m: f64,
     /// Root mean square difference from the estimated correlation.
     pub misfit: f64,
@@ -301,13 +301,13 @@ pub struct CorrelationCurveResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationModelResult {
-    /// Name of the model.
+    /// Name of the family.
     pub model: String,
-    /// ℓ; 0 if the window explains the whole correlation.
+    /// Correlation length ℓ without the effect of the window; 0 if that explains the whole correlation.
     pub length_m: f64,
     /// 95 % interval of `length_m`.
     pub length_interval: Pair,
-    /// Difference of Akaike's criterion from the more likely family, divided by the variance of the scores relative to Gaussian strips.
+    /// Difference of −2 ln L from the more likely family; divided by the variance of the scores relative to Gaussian strips.
     pub aic_difference: f64,
     /// Whether the strips reject this family: the likelihood of the other is at least 20 times as large.
     pub worse_beyond_chance: bool,
@@ -335,7 +335,7 @@ pub struct StationarityResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrossResult {
-    /// Correlation coefficient.
+    /// Correlation of contact area and load.
     pub correlation: f64,
     /// 95 % interval of `correlation`.
     pub interval: Pair,

@@ -95,7 +95,7 @@ impl FieldKind {
 /// Returns the first sentence of a text, up to a colon or semicolon, without code marks.
 fn label(text: &str) -> String {
     let end = ["; ", ": ", ". "].iter().filter_map(|mark| text.find(mark)).min().unwrap_or(text.len());
-    text[..end].trim_end_matches('.').replace(['`', '\n'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+    text[..end].trim_end_matches('.').replace('`', "").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

@@ -42,11 +42,11 @@ pub struct ModeCouplingResult {
     pub belt_velocity: f64,
     /// Mean friction coefficient μ.
     pub friction: f64,
-    /// Stiffness k₁₁, k₁₂, k₂₂ of the mass in contact, without friction.
+    /// Stiffness k₁₁, k₁₂, k₂₂ in mω₀² of the mass in contact, without friction.
     pub stiffness: [f64; 3],
-    /// Stiffness of the contact spring.
+    /// Stiffness of the contact spring in mω₀².
     pub contact_spring: f64,
-    /// Stiffness of the contact spring in N/m.
+    /// Stiffness of the contact spring with its unit.
     pub contact_stiffness_n_per_m: f64,
     /// Friction coefficient at which the undamped modes meet; `null` if friction separates them.
     pub coalescence: Option<f64>,
@@ -64,7 +64,7 @@ pub struct ModeCouplingResult {
     pub onset_frequency_hz: Option<f64>,
     /// Frequencies of the two modes of small motion, the slow one first; 0 without vibration.
     pub mode_frequencies_hz: Pair,
-    /// Growth rates of these modes in 1/s.
+    /// Growth rates of the two modes of small motion.
     pub mode_growth_rates_per_s: Pair,
     /// Long-term motion, started 1 % away from steady sliding; `null` if steady sliding does not exist or is neutral.
     pub motion: Option<CoupledMotion>,
@@ -76,7 +76,7 @@ pub struct ModeCouplingResult {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledCycleResult {
-    /// Frequency.
+    /// Frequency of the limit cycle.
     pub frequency_hz: f64,
     /// Half the difference of the largest and the smallest velocity along the belt.
     pub velocity_amplitude_m_per_s: f64,

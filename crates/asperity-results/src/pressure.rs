@@ -69,8 +69,7 @@ crate::choice! {
         PolynomialChaosLog = "polynomial_chaos_log",
         /// Eq. (8) on the Monte Carlo samples, in variables ξ rotated to the cell.
         PolynomialChaosLocal = "polynomial_chaos_local",
-        /// Multilevel estimator: Monte Carlo samples, coarse grids that predict them, and normal variables rotated to the cell that
-        /// predict the coarse results.
+        /// Multilevel estimator by Monte Carlo samples, coarse grids, and normal variables rotated to the cell.
         #[default]
         Default = "default",
     }
@@ -92,7 +91,7 @@ pub struct MethodEntry {
     pub failed_samples: usize,
     /// P(contact).
     pub contact_probability: Option<f64>,
-    /// Bias of `contact_probability`, estimated from samples that a model is not fitted to; absent without a bias.
+    /// Bias of P(contact); estimated from samples that a model is not fitted to; absent without a bias.
     pub contact_probability_bias: Option<f64>,
     /// The standard error of P(contact) less its bias.
     pub contact_probability_se: Option<f64>,
@@ -100,7 +99,7 @@ pub struct MethodEntry {
     pub contact_probability_interval: Option<Pair>,
     /// Mean pressure, zeros out of contact included.
     pub mean_pa: Option<f64>,
-    /// Bias of `mean_pa`, estimated in the same way.
+    /// Bias of the mean pressure; estimated in the same way.
     pub mean_bias_pa: Option<f64>,
     /// The standard error of the mean less its bias.
     pub mean_se_pa: Option<f64>,
@@ -230,7 +229,7 @@ pub struct GlobalExpansionEntry {
     pub coefficients: Option<usize>,
     /// Relative leave-one-out error, mean over the cells that vary.
     pub leave_one_out_error: Option<f64>,
-    /// Reason why there is none.
+    /// Reason why there is no expansion.
     pub failure: Option<String>,
 }
 

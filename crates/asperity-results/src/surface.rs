@@ -96,7 +96,7 @@ pub struct SurfaceStatistics {
     pub Sal_m: Option<f64>,
     /// Texture aspect ratio, from 0 for a lay to 1 for none.
     pub Str: Option<f64>,
-    /// Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π.
+    /// Direction of the lay, counter-clockwise from x as the map is seen; from 0 to below π, meaningful if Str is small.
     pub Std_rad: Option<f64>,
     /// Dominant wavelength.
     pub Ssw_m: Option<f64>,
@@ -136,9 +136,9 @@ pub struct SurfaceStatistics {
     pub Vvv_m: f64,
     /// Lower end of the wavenumbers at which the radial spectrum is reliable.
     pub psd_reliable_low_rad_per_m: f64,
-    /// Upper end of the wavenumbers at which it is reliable; none is if it is not above the lower end.
+    /// Upper end of the wavenumbers at which the radial spectrum is reliable; none is if it is not above the lower end.
     pub psd_reliable_high_rad_per_m: f64,
-    /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    /// Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
     /// 1/e correlation length along x.
     pub correlation_length_x_m: Option<f64>,
@@ -163,7 +163,8 @@ impl SurfaceStatistics {
     /// Returns the names of all statistics but counts and words.
     pub(crate) fn names() -> Vec<String> {
         let is_number = |value: &Value| value.is_null() || value.is_f64();
-        let Value::Object(fields) = Self::default().json() else { return Vec::new() };
+        let default = Self { form_radius_m: Some(0.0), ..Self::default() };
+        let Value::Object(fields) = default.json() else { return Vec::new() };
         fields.into_iter().filter(|(_, value)| is_number(value)).map(|(name, _)| name).collect()
     }
 
@@ -199,9 +200,9 @@ pub struct PartStatistics {
     pub pooled: Companions<PooledResult>,
     /// Lower end of the wavenumbers at which the spectra of all scans are reliable.
     pub psd_reliable_low_rad_per_m: f64,
-    /// Upper end of the wavenumbers at which they are reliable.
+    /// Upper end of the wavenumbers at which the spectra of all scans are reliable.
     pub psd_reliable_high_rad_per_m: f64,
-    /// Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`.
+    /// Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
     /// Shortest lag from which the Hurst exponent of a scan was fitted.
     pub hurst_range_low_m: Option<f64>,
@@ -265,7 +266,7 @@ pub struct CovarianceCandidateResult {
     pub model: String,
     /// Root mean square of ln(measured/model spectral density) over the reliable band, of a model.
     pub misfit: Option<f64>,
-    /// Sdq of its random surfaces, as expected without sampling, over that of the scan.
+    /// Sdq of random maps over Sdq of the scan; as expected, without sampling.
     pub slope_ratio: Option<f64>,
 }
 
@@ -275,9 +276,9 @@ pub struct CovarianceCandidateResult {
 pub struct KarhunenLoeveResult {
     /// Number of terms.
     pub modes: usize,
-    /// Fraction of the variance in these terms.
+    /// Fraction of the variance in the terms.
     pub captured_variance: f64,
-    /// Fraction of the mean squared slope on the patch's grid in these terms.
+    /// Fraction of the mean squared slope on the patch's grid in the terms.
     pub captured_slope_variance: f64,
 }
 
@@ -289,9 +290,9 @@ pub struct EmpiricalCovariance {
     pub mean_share: f64,
     /// Standard error of a lag near zero in a field without correlation there, √(Σρ²/N).
     pub standard_error: f64,
-    /// Largest lag along x, over all directions, up to which the estimate is used as it stands, in metre.
+    /// Largest lag along x, over all directions, up to which the estimate is used as it stands.
     pub reliable_x_m: f64,
-    /// Largest lag along y up to which the estimate is used as it stands, in metre.
+    /// Largest lag along y up to which the estimate is used as it stands.
     pub reliable_y_m: f64,
     /// Whether the correlation decays along x within the map. Otherwise the taper shortened it.
     pub decayed_x: bool,

@@ -59,7 +59,7 @@ impl Table {
     }
 
     /// Returns a row for each answer and a column for each of its numbers, in the order of their declaration. An interval
-    /// `x_interval` has the columns `x_low` and `x_high`, and the numbers of an answer within it have its name before theirs.
+    /// `x_interval` has the columns `x_low` and `x_high` with the unit of x, and the numbers of an answer within it have its name before theirs.
     pub fn of<T: Answer>(answers: &[T]) -> Self {
         let rows: Vec<Value> = answers.iter().map(T::json).collect();
         let rows: Vec<&Value> = rows.iter().collect();
@@ -151,7 +151,14 @@ fn columns(prefix: &str, fields: &[LabelledField], rows: &[&Value]) -> Vec<(Stri
         FieldKind::Number => vec![(format!("{prefix}{key}"), numbers(key, None))],
         FieldKind::Numbers if key.ends_with("interval") => {
             let name = key.trim_end_matches("interval");
-            let end = |end, place| (format!("{prefix}{name}{end}"), numbers(key, Some(place)));
+            // `mean_interval` has the unit of `mean_pa`.
+            let is_field = |unit: &&str| {
+                fields.iter().any(|field| {
+                    Some(field.key.as_str()) == name.strip_suffix('_').map(|n| format!("{n}{unit}")).as_deref()
+                })
+            };
+            let unit = ["_pa", "_m"].into_iter().find(is_field).unwrap_or_default();
+            let end = |end, place| (format!("{prefix}{name}{end}{unit}"), numbers(key, Some(place)));
             vec![end("low", 0), end("high", 1)]
         }
         FieldKind::Answer(inner) => {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::{DistributionResult, Pair};
 
 crate::choice! {
-    /// Kind of motion that a machine settles into. Every kind except [`MotionKind::None`] is vibration.
+    /// Kind of motion that a machine settles into.
     #[derive(Default)]
     pub enum MotionKind: "kind of motion" {
         /// The mass sticks to the belt in every period.
@@ -28,9 +28,9 @@ crate::choice! {
 }
 
 impl MotionKind {
-    /// Returns whether the motion of one degree of freedom is vibration.
+    /// Returns whether the motion is vibration.
     pub fn is_vibration(self) -> bool {
-        self != Self::None
+        !matches!(self, Self::None | Self::Divergence)
     }
 }
 
@@ -38,7 +38,7 @@ impl MotionKind {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationResult {
-    /// The study's own damping ratio ζ.
+    /// Damping ratio ζ of the study.
     pub damping_ratio: f64,
     /// Dimensionless belt velocity V.
     pub belt_velocity: f64,
@@ -46,11 +46,11 @@ pub struct VibrationResult {
     pub static_friction: f64,
     /// Percentile of the level of the friction stage that is used; `null` if the level is at N/nominal_area or friction is stated.
     pub level_percentile: Option<f64>,
-    /// Mean pressure of that level.
+    /// Mean pressure of the level of the friction stage.
     pub level_mean_pressure_pa: Option<f64>,
     /// Correlation length of μ; `null` for a rough slider, whose friction is constant for each part.
     pub friction_correlation_length_m: Option<f64>,
-    /// Correlation length as sliding distance over N/c.
+    /// Correlation length of μ in X, as sliding distance over N/c.
     pub correlation_length: Option<f64>,
     /// Marginal distribution of μ; `null` if friction is constant.
     pub marginal: Option<DistributionResult>,
@@ -64,7 +64,7 @@ pub struct VibrationResult {
     pub limit_damping_ratio: Option<f64>,
     /// Kind of motion without fluctuation, started in stick, at the study's damping ratio.
     pub kind: MotionKind,
-    /// Whether steady sliding is unstable there; `null` under forcing.
+    /// Whether steady sliding is unstable at the study's damping ratio; `null` under forcing.
     pub steady_sliding_unstable: Option<bool>,
     /// Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if none is
     /// needed, none suffices, or under forcing.
@@ -115,17 +115,17 @@ pub struct CycleResult {
     pub damping_ratio: f64,
     /// Whether there is a cycle.
     pub limit_cycle: bool,
-    /// Period.
+    /// Period τ.
     pub period: Option<f64>,
-    /// Duration of the slip.
+    /// Duration τ of the slip.
     pub slip_duration: Option<f64>,
-    /// Displacement at re-attachment.
+    /// Displacement X at re-attachment.
     pub reattachment_displacement: Option<f64>,
-    /// Least displacement.
+    /// Least displacement X.
     pub displacement_min: Option<f64>,
-    /// Largest displacement.
+    /// Largest displacement X.
     pub displacement_max: Option<f64>,
-    /// Least velocity.
+    /// Least velocity dX/dτ.
     pub velocity_min: Option<f64>,
 }
 
@@ -154,13 +154,13 @@ pub struct EnsembleResult {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrossingResult {
-    /// Fraction of the time in vibration.
+    /// Fraction of the second half of the time in vibration.
     pub share: f64,
     /// Damping ratio; `null` if there is none.
     pub damping_ratio: Option<f64>,
     /// 95 % interval of `damping_ratio`.
     pub damping_ratio_interval: Option<Pair>,
-    /// Reason why there is none.
+    /// Reason why there is no damping ratio.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
@@ -205,7 +205,7 @@ pub struct DampingResult {
     pub kind: MotionKind,
     /// Slips that reach a negative velocity, without noise.
     pub cycles_deterministic: u64,
-    /// Mean number of these slips with noise.
+    /// Mean number of slips that reach a negative velocity, with noise.
     pub cycles_mean: f64,
     /// Standard error of `cycles_mean`.
     pub cycles_se: f64,

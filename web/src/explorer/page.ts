@@ -71,6 +71,8 @@ class Page {
   private cycle?: Result;
   private limits?: Result;
   private ensemble?: Result;
+  /** The ensemble of the machine as it is, whose runs the portrait shows. */
+  private drawn?: Result;
   private readonly controls = new Controls((key, value) => this.set(key, value));
   private readonly figures = new Map<Card, Figure>();
   private readonly map = new MapView(part("map", ".host"));
@@ -313,6 +315,8 @@ class Page {
     const { values } = this;
     const machine = this.machine();
     if (!machine) return;
+    // The last runs are of another machine.
+    this.drawn = undefined;
     this.portray();
     this.motion.call(
       { what: "limits", settings: JSON.stringify({ machine }) },
@@ -333,6 +337,7 @@ class Page {
       { what: "ensemble", settings: JSON.stringify(request) },
       (result) => {
         this.ensemble = result;
+        this.drawn = result;
         this.showEnsemble(result);
       },
       (message) => {
@@ -343,12 +348,12 @@ class Page {
     );
   }
 
-  /** Computes the cycle, and draws it with the runs of the last ensemble. */
+  /** Computes the cycle, and draws it with the runs of its ensemble. */
   private portray() {
     const machine = this.machine();
     if (!machine) return;
     this.motion.call(
-      { what: "cycle", settings: JSON.stringify({ machine }), runs: this.ensemble?.arrays },
+      { what: "cycle", settings: JSON.stringify({ machine }), runs: this.drawn?.arrays },
       (result) => {
         this.cycle = result;
         this.showMotion();

@@ -177,7 +177,7 @@ fn std_ratio(fit: &LengthFit, step_m: f64) -> StdRatio {
 /// Returns moments whose intervals account for the fitted correlation if the record is short.
 fn moments(pieces: &[&[f64]], step_m: f64, history: RecordHistory, fit: &LengthFit) -> ProcessMoments {
     let moments = ProcessMoments::new(pieces, false);
-    let lengths = moments.moments.n as f64 * step_m / fit.length_m;
+    let lengths = moments.moments.n as f64 * step_m / fit.model.integral_scale_m(fit.length_m);
     // A filter that removes slow waves changes the correlation.
     if moments.mean.is_some() && lengths > SHORT || history.band.high_pass_m.is_some() || fit.length_m == 0.0 {
         return moments;
@@ -240,7 +240,7 @@ impl FittedRecord {
         let best = families.chosen;
         task.advance(1);
         // A slow wave has many values but few correlation lengths.
-        let effective = 0.5 * present as f64 * record.step_m / best.length_m;
+        let effective = 0.5 * present as f64 * record.step_m / best.model.integral_scale_m(best.length_m);
         if effective < LEAST_INDEPENDENT {
             return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
         }
@@ -420,11 +420,11 @@ fn notes_on(families: &FamilyFits, observation: Observation, std: f64, ratio: f6
     }
     if let Some(test) = fit.lack_of_fit.filter(|test| test.significant()) {
         notes.push(format!(
-            "no correlation family fits the record (p = {:.1e} for its spectrum): the correlation length and its interval are \
-             valid only for the shape {}; compare friction_acf. If the instrument filters fast waves, remove them with a \
-             low-pass filter",
-            test.p_value,
-            fit.model.name()
+            "the correlation family {} does not fit the record (p = {:.1e} for its spectrum): the correlation length and its \
+             interval hold for this family alone; compare friction_acf. If the instrument filters fast waves, remove them \
+             with a low-pass filter",
+            fit.model.name(),
+            test.p_value
         ));
     }
     notes

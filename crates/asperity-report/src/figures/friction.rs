@@ -52,7 +52,7 @@ pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
             "Autocorrelation of the friction coefficient",
             "Autocorrelation of μ along the track at the operating point, taken at the mean load. A window that slides over \
              uncorrelated friction has the triangle as its autocorrelation: only deviations from it are properties of the surface. \
-             “Window and exponential” is the triangle convolved with the exponential that all windows share.",
+             “Window and process” is the triangle convolved with the correlation that all windows share.",
             chart("friction_acf", &|table| correlation::autocorrelation(table, "windows")),
         ),
         (

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{Answer, DistributionResult, FieldKind, LabelledField, Pair};
+use asperity_results::choice::Choice;
+use asperity_results::{Answer, DistributionResult, FieldKind, LabelledField, MotionKind, Pair};
 use serde_json::Value;
 
 use crate::cells::{self, DASH};
-use crate::format::{Dimension, count};
+use crate::format::{Dimension, count, significant};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
-use crate::words::{distribution_name, in_words, meaning};
+use crate::words::{distribution_name, in_words, kind_in_words, meaning};
 
 impl DataTable {
     /// Returns the table of an answer: its entries, then those of the answers within it. Undefined entries are left
@@ -56,7 +57,7 @@ pub(super) fn distribution(
         let dimension = if has_unit { dimension } else { Dimension::None };
         vec![meaning, cells::shown(dimension, *value, intervals.get(key).copied().flatten())]
     });
-    std::iter::once(vec!["Distribution".into(), distribution_name(fit)]).chain(parameters).collect()
+    std::iter::once(vec!["distribution".into(), distribution_name(fit)]).chain(parameters).collect()
 }
 
 fn fields_of<T: Answer>(keep: impl Fn(&str) -> bool) -> Vec<LabelledField> {
@@ -96,7 +97,11 @@ fn rows(fields: &[LabelledField], answers: &[&Value]) -> Vec<Vec<String>> {
                 names.sort();
                 names.dedup();
                 let cells = |name: &String| own.iter().map(|map| shown(name, &map[name], None, None)).collect();
-                names.into_iter().filter_map(|name| row(&in_words(Dimension::of_key(name).0), cells(name))).collect()
+                let named = |name: &str| match key.as_str() {
+                    "kind_shares" => word("kind", name),
+                    _ => in_words(Dimension::of_key(name).0),
+                };
+                names.into_iter().filter_map(|name| row(&named(name), cells(name))).collect()
             }
             _ => Vec::new(),
         };
@@ -120,9 +125,11 @@ impl<'a> Entry<'a> {
     /// is declared before it if that begins with its name.
     pub(super) fn all(fields: &'a [LabelledField]) -> Vec<Self> {
         let mut entries: Vec<Self> = Vec::new();
-        for field in fields {
+        for (place, field) in fields.iter().enumerate() {
             let key = &field.key;
-            let interval = key.strip_suffix("_interval").or((key == "interval").then_some(""));
+            // `interval` alone is that of the field before it.
+            let before = || place.checked_sub(1).map(|before| fields[before].key.as_str());
+            let interval = key.strip_suffix("_interval").or_else(|| before().filter(|_| key == "interval"));
             let error = Dimension::of_key(key).0.strip_suffix("_se");
             match interval.or(error).and_then(|stem| owner(&mut entries, stem)) {
                 Some(owner) if interval.is_some() => owner.interval.clone_from(key),
@@ -164,7 +171,7 @@ pub(super) fn shown(key: &str, value: &Value, interval: Option<Pair>, standard_e
     let (_, dimension) = Dimension::of_key(key);
     match (value, value.as_f64()) {
         (Value::Bool(holds), _) => if *holds { "yes" } else { "no" }.to_owned(),
-        (Value::String(text), _) => in_words(text),
+        (Value::String(text), _) => word(key, text),
         (Value::Array(values), _) => {
             values.iter().map(|value| shown(key, value, None, None)).collect::<Vec<_>>().join(", ")
         }
@@ -177,8 +184,98 @@ pub(super) fn shown(key: &str, value: &Value, interval: Option<Pair>, standard_e
                 let wavelength = Dimension::Length.show_short(std::f64::consts::TAU / number);
                 format!("{} ({wavelength})", dimension.show_short(number))
             }
+            // The limits of the damping ratio often differ in the last digits only.
+            (None, None) if key.ends_with("damping_ratio") => significant(number, 5),
             (None, None) => dimension.show(number),
         },
         _ => DASH.to_owned(),
+    }
+}
+
+/// Returns the word of a value for readers; texts and names of files stay as they are.
+fn word(key: &str, text: &str) -> String {
+    match (key, text) {
+        ("kind", _) => MotionKind::from_name(text).map_or_else(|_| in_words(text), |kind| kind_in_words(kind).into()),
+        ("motion", "cycle") => "limit cycle".into(),
+        ("motion", "steady") => "steady sliding".into(),
+        ("motion", "locked") => "self-locking".into(),
+        ("motion", "irregular") => "not periodic".into(),
+        ("file", _) => text.into(),
+        _ if text.contains(' ') => text.into(),
+        _ => in_words(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_results::{
+        CovarianceResult, CutoffPoint, DampingResult, FinerPitch, LevelResult, MethodEntry, ModeCouplingResult,
+        ReturnLevelResult, ScanCutoff, ScanOfPart, SurfaceStatistics, UncertainResponse, VibrationResult,
+    };
+
+    /// Returns the keys of the entries of a type with those of their intervals and standard errors.
+    fn entries<T: Answer>() -> Vec<[String; 3]> {
+        let fields = T::fields();
+        Entry::all(&fields)
+            .into_iter()
+            .map(|entry| [entry.field.key.clone(), entry.interval, entry.standard_error])
+            .collect()
+    }
+
+    #[test]
+    fn uncertainties_belong_to_the_number_of_their_name() {
+        let methods = entries::<MethodEntry>();
+        let mean = methods.iter().find(|[key, ..]| key == "mean_pa").unwrap();
+        assert_eq!(mean[1..], ["mean_interval", "mean_se_pa"]);
+        assert!(methods.iter().any(|[key, ..]| key == "mean_bias_pa"));
+        let levels = entries::<ReturnLevelResult>();
+        assert_eq!(levels.iter().map(|[key, ..]| key.as_str()).collect::<Vec<_>>(), ["distance_m", "mu"]);
+        assert_eq!(levels[1][1], "interval");
+        // The interval of the moment is not that of its standard deviation.
+        let responses = entries::<UncertainResponse>();
+        let std = responses.iter().find(|[key, ..]| key == "std").unwrap();
+        assert_ne!(std[1], "interval");
+    }
+
+    #[test]
+    fn names_of_files_and_sentences_stay_as_they_are() {
+        let scan = ScanOfPart { file: "left_scan_01.x3p".into(), ..ScanOfPart::default() };
+        let table = DataTable::listed("", &[scan], |key| ["file", "nx"].contains(&key));
+        assert_eq!(table.rows, [["left_scan_01.x3p", "0"]]);
+        assert_eq!(
+            (word("kind", "none"), word("model", "self_affine")),
+            ("steady sliding".into(), "self-affine".into())
+        );
+    }
+
+    #[test]
+    fn labels_hold_no_code() {
+        fn plain(fields: &[LabelledField]) {
+            for entry in Entry::all(fields) {
+                let label = &entry.field.label;
+                // Symbols such as ζ_c have indices.
+                let is_key = label.as_bytes().windows(2).any(|pair| pair[0].is_ascii_lowercase() && pair[1] == b'_');
+                assert!(!is_key, "{}: {label}", entry.field.key);
+            }
+            for field in fields {
+                if let FieldKind::Answer(inner) = &field.kind {
+                    plain(inner);
+                }
+            }
+        }
+        let tabled = [
+            SurfaceStatistics::fields(),
+            CovarianceResult::fields(),
+            MethodEntry::fields(),
+            LevelResult::fields(),
+            CutoffPoint::fields(),
+            FinerPitch::fields(),
+            ScanCutoff::fields(),
+            VibrationResult::fields(),
+            DampingResult::fields(),
+            ModeCouplingResult::fields(),
+        ];
+        tabled.iter().for_each(|fields| plain(fields));
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn entries(run: &Run) -> Result<[Option<Section>; 3], ReportError> {
         ),
         Section::new(
             "appendix-friction",
-            "Distributions and correlation models of the friction coefficient",
+            "Distributions and correlation families of the friction coefficient",
             "",
             friction.map_or_else(Vec::new, friction::model_tables),
             moved(figures::friction::figures(run), &MODELS),

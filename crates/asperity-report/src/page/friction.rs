@@ -73,13 +73,27 @@ pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     lead
 }
 
-/// Answers of a level about friction at the mean load.
-const AT_MEAN_LOAD: [&str; 4] = ["at_mean_load", "upscaling", "stationarity", "area_and_load"];
+/// Entries of a level about friction at the mean load.
+const AT_MEAN_LOAD: [&str; 13] = [
+    "at_mean_load",
+    "upscaling",
+    "stationarity",
+    "area_and_load",
+    "correlation_length_without_window_m",
+    "correlation_length_without_window_m_interval",
+    "correlation_without_window_model",
+    "correlation_families_told_apart",
+    "correlation_without_window_fit_p",
+    "correlation_without_window_agreement_p",
+    "window_only",
+    "between_parts_std",
+    "between_parts_std_interval",
+];
 
 /// Whether a key of a level is about friction at the mean load, but is not the fitted distribution.
 fn is_at_mean_load(key: &str) -> bool {
     let outer = key.split('.').next().unwrap_or(key);
-    AT_MEAN_LOAD.contains(&outer) && key != "at_mean_load.marginal"
+    AT_MEAN_LOAD.contains(&outer) && key != "at_mean_load.marginal.parameters"
 }
 
 /// Returns the levels with their names.
@@ -133,7 +147,8 @@ pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
         "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
         Dimension::Length.show(friction.window_m)
     );
-    let keep = |key: &str| !AT_MEAN_LOAD.contains(&key) && !["marginal", "beta", "no_variance"].contains(&key);
+    let keep =
+        |key: &str| !AT_MEAN_LOAD.contains(&key) && !["marginal.parameters", "beta", "no_variance"].contains(&key);
     let lead = friction.operating_level();
     let of_lead = lead.into_iter().flat_map(|level| {
         let place = level_name(level);

@@ -29,9 +29,17 @@ pub(crate) fn parameter(key: &str) -> Option<(usize, String, String)> {
     found.map(|(place, field)| (place, symbol(key).to_owned(), field.label))
 }
 
-/// Returns the symbol of an ISO 25178 parameter; empty for other numbers, whose keys are words.
+/// Returns the symbol of a parameter, that of ISO 25178 from its key; empty for numbers without one.
 fn symbol(key: &str) -> &str {
-    key.split('_').next().filter(|name| name.starts_with(char::is_uppercase)).unwrap_or_default()
+    match key {
+        "Sdq_7point" => "Sdq (7 points)",
+        "correlation_length_x_m" => "ℓx",
+        "correlation_length_y_m" => "ℓy",
+        "hurst" => "H",
+        "fractal_dimension" => "D",
+        "form_radius_m" => "R",
+        _ => key.split('_').next().filter(|name| name.starts_with(char::is_uppercase)).unwrap_or_default(),
+    }
 }
 
 /// Returns a parameter with its unit and its interval; `None` where undefined.
@@ -127,7 +135,7 @@ mod tests {
         assert!(places.is_sorted() && places[0] == 0, "{places:?}");
         let sq = parameter("Sq_m").map(|(_, symbol, meaning)| (symbol, meaning));
         assert_eq!(sq, Some(("Sq".to_owned(), "Root mean square height".to_owned())));
-        assert_eq!(parameter("hurst").map(|(_, symbol, _)| symbol), Some(String::new()));
+        assert_eq!(["nx", "hurst", "Sk_secant_m"].map(symbol), ["", "H", "Sk"]);
     }
 
     fn scan(sq_m: f64, ssk: Option<f64>, interval: Option<Pair>) -> SurfaceStatistics {

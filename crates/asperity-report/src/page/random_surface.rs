@@ -8,6 +8,7 @@ use crate::format::Dimension;
 use crate::page::answer_table::{all, distribution};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
+use crate::words::length_in_words;
 
 /// Returns the random surface: distribution of the heights, covariance, covariances that were tried, expansion.
 pub(super) fn tables(surface: &SurfaceResult) -> Vec<DataTable> {
@@ -15,7 +16,11 @@ pub(super) fn tables(surface: &SurfaceResult) -> Vec<DataTable> {
     let mut tables = vec![DataTable::new("Heights of random surfaces", &["Property", "Value"], heights, RESULTS)];
     tables.extend(surface.covariance.iter().flat_map(|found| {
         [
-            DataTable::of("Covariance of random surfaces", found, all),
+            DataTable::of(
+                &format!("Covariance of random surfaces; its length ℓ is that {}", length_in_words(&found.model)),
+                found,
+                all,
+            ),
             DataTable::listed("Covariances that were tried", &found.candidates, all),
         ]
     }));
@@ -42,14 +47,14 @@ mod tests {
             value_of(&SurfaceResult { marginal, ..SurfaceResult::default() }, wanted)
         };
         let beta: [(&str, f64); 4] = [("a", 2.1), ("b", 5.0), ("low", -2e-6), ("high", 5e-6)];
-        assert_eq!(of("beta", &beta, "Distribution"), "Beta");
+        assert_eq!(of("beta", &beta, "distribution"), "Beta");
         assert_eq!(of("beta", &beta, "first shape a"), "2.1");
         assert_eq!(of("beta", &beta, "lower end"), "−2 µm");
         assert_eq!(of("beta", &beta, "upper end"), "5 µm");
         let normal = [("mean", 0.0), ("std", 1e-6)];
         assert_eq!(of("normal", &normal, "standard deviation"), "1 µm");
         let johnson = [("gamma", 0.2), ("lambda", 3e-7)];
-        assert_eq!(of("johnson_su", &johnson, "Distribution"), "Johnson SU");
+        assert_eq!(of("johnson_su", &johnson, "distribution"), "Johnson SU");
         assert_eq!(of("johnson_su", &johnson, "scale λ"), "300 nm");
         let weibull = [("shape", 2.0), ("scale", 1e-6)];
         assert_eq!(of("weibull", &weibull, "shape"), "2");

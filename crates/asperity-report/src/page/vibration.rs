@@ -1,18 +1,21 @@
 //! The tables of the vibration stage.
 
+use std::collections::BTreeMap;
+
 use asperity_results::{DampingResult, EnsembleResult, VibrationResult};
 
 use crate::cells::shown;
 use crate::format::Dimension;
-use crate::page::answer_table::all;
+use crate::page::answer_table::{all, distribution};
 use crate::page::data_table::DataTable;
+use crate::run::RESULTS;
 
 /// Returns limits and cycle, then what roughness changes: the motion, and cycles and thresholds over the damping ratio.
 pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
     let upscalings = upscalings(vibration).map(|(name, part)| (format!("“{name}”"), part));
     let mut tables = vec![
         DataTable::of("Motion without roughness, and the friction of the machine", vibration, |key| {
-            !["paper", "area", "map"].contains(&key)
+            !["paper", "area", "map", "marginal"].contains(&key)
         }),
         DataTable::beside(
             "The motion under fluctuating friction by upscaling, at the damping ratio of the study; brackets are 95 % intervals, ± is \
@@ -21,11 +24,16 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
             all,
         ),
     ];
+    tables.extend(vibration.marginal.iter().map(|marginal| {
+        let rows = distribution(marginal, &BTreeMap::new(), Dimension::None);
+        DataTable::new("Distribution of μ", &["Property", "Value"], rows, RESULTS)
+    }));
     for (name, part) in &upscalings {
         let caption = format!("Vibration over the damping ratio, upscaling {name}; brackets are 95 % intervals");
         tables.push(DataTable::listed(&caption, &part.damping, all));
         let caption = format!(
-            "Damping ratios at which the time in vibration falls below a fraction, upscaling {name}; brackets are 95 % intervals"
+            "Damping ratios at which the time in vibration, from a start in stick and as the mean over the trajectories, falls below a \
+             fraction; upscaling {name}; brackets are 95 % intervals"
         );
         tables.push(DataTable::listed(&caption, &part.crossings, all));
     }

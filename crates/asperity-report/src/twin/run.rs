@@ -33,10 +33,8 @@ pub(super) fn statistics(comparison: &Comparison) -> Vec<(&str, &StatisticCompar
 /// Returns symbol and meaning of a statistic.
 pub(super) fn named(key: &str) -> (String, String) {
     match parameter(key) {
-        // The gradients by seven points and by forward differences have the same symbol.
-        Some((_, symbol, meaning)) if key == "Sdq_7point" => (format!("{symbol} (7 points)"), meaning),
-        Some((_, symbol, meaning)) => (symbol, meaning),
-        None => (Dimension::of_key(key).0.replace('_', " "), String::new()),
+        Some((_, symbol, meaning)) if !symbol.is_empty() => (symbol, meaning),
+        _ => (Dimension::of_key(key).0.replace('_', " "), String::new()),
     }
 }
 

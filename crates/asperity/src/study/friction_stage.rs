@@ -38,6 +38,7 @@ impl Study {
         self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
     }
 }
+
 /// Output of the friction stage.
 pub(super) struct FrictionStage {
     /// Operating level.

@@ -6,8 +6,8 @@ use super::model::RecordModel;
 use crate::correlation::estimate::EstimateError;
 use crate::stats::Interval;
 
-/// Likelihood ratio from which records tell the families apart. Under one family the likelihood of another exceeds its
-/// own by this factor with a probability of at most 5 %.
+/// Likelihood ratio from which records tell the families apart. For two stated processes Markov's inequality bounds the
+/// probability of this ratio against the true one by 5 %; with fitted lengths the tests measure it.
 const TELLING_RATIO: f64 = 20.0;
 
 /// Fits of both families to the same records.
@@ -33,9 +33,9 @@ impl FamilyFits {
     }
 
     /// Returns 2 ln of the likelihood ratio of the families, divided by the variance of the scores of the more likely
-    /// one relative to Gaussian records.
+    /// one relative to Gaussian records, if that is above 1.
     pub fn evidence(&self) -> f64 {
-        2.0 * (self.fits[0].log_likelihood - self.fits[1].log_likelihood) / self.fits[0].dispersion
+        2.0 * (self.fits[0].log_likelihood - self.fits[1].log_likelihood) / self.fits[0].dispersion.max(1.0)
     }
 
     /// Returns whether the records tell the families apart: their likelihoods differ by a factor of 20 or more.

@@ -13,7 +13,7 @@ use crate::study::sentence;
 const UNLIKELY: f64 = 0.01;
 /// Sentence on strips that do not tell the correlation families apart.
 const UNTOLD: &str = " The record cannot tell the rough and the smooth correlation family apart: the exponential is used, and the \
-                      interval covers both.";
+                      interval covers the integral scales of both.";
 
 pub(super) fn sentences(
     study: &FrictionStudy,
@@ -183,8 +183,8 @@ pub(super) fn correlation(lead: &SolvedLevel) -> Vec<String> {
     }
     if let Some(test) = study.lack_of_fit.filter(|test| test.p_value < UNLIKELY) {
         warnings.push(format!(
-            "at {name}, no correlation family fits the spectrum of friction (p = {:.1e}): the length beside the window and its \
-             interval hold for the {model} family alone",
+            "at {name}, the {model} family does not fit the spectrum of friction (p = {:.1e}): the length beside the window and its \
+             interval hold for this family alone",
             test.p_value
         ));
     }

@@ -209,7 +209,6 @@ impl<'a> Ensembles<'a> {
             });
         }
         let crossings = crossings_without_fluctuation(&self.oscillator, &LEVELS, self.study.damping_sweep.1, monitor)?;
-
         let (reattachment, release) = (PointsResult::default(), PointsResult::default());
         Ok(EnsembleResult {
             friction_std,
