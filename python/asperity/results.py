@@ -58,7 +58,9 @@ class ScanOfPart(WithCompanions):
     Str: float | None
     """Texture aspect ratio, from 0 for a lay to 1 for none."""
     Std_rad: float | None
-    """Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π."""
+    """Direction of the lay, counter-clockwise from x as the map is seen; from 0 to below π, meaningful if Str is
+    small.
+    """
     Ssw_m: float | None
     """Dominant wavelength."""
     Sk_m: float
@@ -98,9 +100,11 @@ class ScanOfPart(WithCompanions):
     psd_reliable_low_rad_per_m: float
     """Lower end of the wavenumbers at which the radial spectrum is reliable."""
     psd_reliable_high_rad_per_m: float
-    """Upper end of the wavenumbers at which it is reliable; none is if it is not above the lower end."""
+    """Upper end of the wavenumbers at which the radial spectrum is reliable; none is if it is not above the lower
+    end.
+    """
     psd_upper_limit: str
-    """Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`."""
+    """Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`."""
     correlation_length_x_m: float | None
     """1/e correlation length along x."""
     correlation_length_y_m: float | None
@@ -144,9 +148,9 @@ class PartStatistics(WithCompanions):
     psd_reliable_low_rad_per_m: float
     """Lower end of the wavenumbers at which the spectra of all scans are reliable."""
     psd_reliable_high_rad_per_m: float
-    """Upper end of the wavenumbers at which they are reliable."""
+    """Upper end of the wavenumbers at which the spectra of all scans are reliable."""
     psd_upper_limit: str
-    """Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`."""
+    """Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`."""
     hurst_range_low_m: float | None
     """Shortest lag from which the Hurst exponent of a scan was fitted."""
     hurst_range_high_m: float | None
@@ -202,7 +206,9 @@ class SurfaceStatistics(WithCompanions):
     Str: float | None
     """Texture aspect ratio, from 0 for a lay to 1 for none."""
     Std_rad: float | None
-    """Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π."""
+    """Direction of the lay, counter-clockwise from x as the map is seen; from 0 to below π, meaningful if Str is
+    small.
+    """
     Ssw_m: float | None
     """Dominant wavelength."""
     Sk_m: float
@@ -242,9 +248,11 @@ class SurfaceStatistics(WithCompanions):
     psd_reliable_low_rad_per_m: float
     """Lower end of the wavenumbers at which the radial spectrum is reliable."""
     psd_reliable_high_rad_per_m: float
-    """Upper end of the wavenumbers at which it is reliable; none is if it is not above the lower end."""
+    """Upper end of the wavenumbers at which the radial spectrum is reliable; none is if it is not above the lower
+    end.
+    """
     psd_upper_limit: str
-    """Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`."""
+    """Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`."""
     correlation_length_x_m: float | None
     """1/e correlation length along x."""
     correlation_length_y_m: float | None
@@ -272,7 +280,7 @@ class CovarianceCandidateResult(Record):
     misfit: float | None
     """Root mean square of ln(measured/model spectral density) over the reliable band, of a model."""
     slope_ratio: float | None
-    """Sdq of its random surfaces, as expected without sampling, over that of the scan."""
+    """Sdq of random maps over Sdq of the scan; as expected, without sampling."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,9 +292,9 @@ class EmpiricalCovariance(Record):
     standard_error: float
     """Standard error of a lag near zero in a field without correlation there, √(Σρ²/N)."""
     reliable_x_m: float
-    """Largest lag along x, over all directions, up to which the estimate is used as it stands, in metre."""
+    """Largest lag along x, over all directions, up to which the estimate is used as it stands."""
     reliable_y_m: float
-    """Largest lag along y up to which the estimate is used as it stands, in metre."""
+    """Largest lag along y up to which the estimate is used as it stands."""
     decayed_x: bool
     """Whether the correlation decays along x within the map. Otherwise the taper shortened it."""
     decayed_y: bool
@@ -359,9 +367,9 @@ class KarhunenLoeveResult(Record):
     modes: int
     """Number of terms."""
     captured_variance: float
-    """Fraction of the variance in these terms."""
+    """Fraction of the variance in the terms."""
     captured_slope_variance: float
-    """Fraction of the mean squared slope on the patch's grid in these terms."""
+    """Fraction of the mean squared slope on the patch's grid in the terms."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -391,9 +399,9 @@ class SurfaceResult(WithCompanions):
     psd_reliable_low_rad_per_m: float | None = None
     """Lower end of the wavenumbers at which the spectra of all scans are reliable."""
     psd_reliable_high_rad_per_m: float | None = None
-    """Upper end of the wavenumbers at which they are reliable."""
+    """Upper end of the wavenumbers at which the spectra of all scans are reliable."""
     psd_upper_limit: str | None = None
-    """Limit that sets the upper end: `pixel`, `roll_off` or `noise_floor`."""
+    """Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`."""
     hurst_range_low_m: float | None = None
     """Shortest lag from which the Hurst exponent of a scan was fitted."""
     hurst_range_high_m: float | None = None
@@ -427,7 +435,9 @@ class SurfaceResult(WithCompanions):
     Str: float | None = None
     """Texture aspect ratio, from 0 for a lay to 1 for none."""
     Std_rad: float | None = None
-    """Direction of the lay, counter-clockwise from x as the map is seen, from 0 to below π."""
+    """Direction of the lay, counter-clockwise from x as the map is seen; from 0 to below π, meaningful if Str is
+    small.
+    """
     Ssw_m: float | None = None
     """Dominant wavelength."""
     Sk_m: float | None = None
@@ -540,7 +550,7 @@ class MethodEntry(Record):
     contact_probability: float | None
     """P(contact)."""
     contact_probability_bias: float | None
-    """Bias of `contact_probability`, estimated from samples that a model is not fitted to; absent without a bias."""
+    """Bias of P(contact); estimated from samples that a model is not fitted to; absent without a bias."""
     contact_probability_se: float | None
     """The standard error of P(contact) less its bias."""
     contact_probability_interval: list[float] | None
@@ -548,7 +558,7 @@ class MethodEntry(Record):
     mean_pa: float | None
     """Mean pressure, zeros out of contact included."""
     mean_bias_pa: float | None
-    """Bias of `mean_pa`, estimated in the same way."""
+    """Bias of the mean pressure; estimated in the same way."""
     mean_se_pa: float | None
     """The standard error of the mean less its bias."""
     mean_interval: list[float] | None
@@ -658,7 +668,7 @@ class GlobalExpansionEntry(Record):
     leave_one_out_error: float | None
     """Relative leave-one-out error, mean over the cells that vary."""
     failure: str | None
-    """Reason why there is none."""
+    """Reason why there is no expansion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -877,9 +887,9 @@ class CorrelationCurveResult(Record):
     """A curve fitted to the estimated correlation by least squares."""
 
     model: str
-    """Name of the model."""
+    """Name of the family."""
     length_m: float
-    """ℓ, which includes the effect of the window."""
+    """Correlation length ℓ, with the effect of the window."""
     misfit: float
     """Root mean square difference from the estimated correlation."""
 
@@ -889,14 +899,14 @@ class CorrelationModelResult(Record):
     """A correlation family fitted by likelihood, without the window."""
 
     model: str
-    """Name of the model."""
+    """Name of the family."""
     length_m: float
-    """ℓ; 0 if the window explains the whole correlation."""
+    """Correlation length ℓ without the effect of the window; 0 if that explains the whole correlation."""
     length_interval: list[float]
     """95 % interval of `length_m`."""
     aic_difference: float
-    """Difference of Akaike's criterion from the more likely family, divided by the variance of the scores relative
-    to Gaussian strips.
+    """Difference of −2 ln L from the more likely family; divided by the variance of the scores relative to Gaussian
+    strips.
     """
     worse_beyond_chance: bool
     """Whether the strips reject this family: the likelihood of the other is at least 20 times as large."""
@@ -989,7 +999,7 @@ class CrossResult(Record):
     """A correlation coefficient of two quantities of the same windows."""
 
     correlation: float
-    """Correlation coefficient."""
+    """Correlation of contact area and load."""
     interval: list[float]
     """95 % interval of `correlation`."""
 
@@ -1081,13 +1091,13 @@ class LevelResult(Record):
     correlation_length_without_window_m_interval: list[float] | None
     """95 % interval of `correlation_length_without_window_m`."""
     correlation_without_window_model: str | None
-    """Correlation family with this length: `exponential`, or the smooth `matern` of ν = 5/2."""
+    """Correlation family of the length without the window: `exponential`, or the smooth `matern` of ν = 5/2."""
     correlation_families_told_apart: bool | None
     """Whether the strips tell the two correlation families apart. If not, the exponential is used, and the interval
-    of its length covers the lengths of both.
+    of its length covers the integral scales ∫ρ ds of both.
     """
     correlation_without_window_fit_p: float | None
-    """p-value of the fit of that family to the spectrum."""
+    """p-value of the fit of the correlation family to the spectrum."""
     correlation_without_window_agreement_p: float | None
     """p-value of the agreement between the lengths under each window alone."""
     window_only: bool | None
@@ -1179,7 +1189,7 @@ class FinerPitch(Record):
     mean_interval: list[float] | None
     """95 % interval of `mean`."""
     change: float
-    """Difference of `mean` from the mean at the pitch of the strips, which is not extrapolated either."""
+    """Difference from the mean at the pitch of the strips; it is not extrapolated either."""
     change_interval: list[float]
     """Interval of the difference, which the common random numbers make narrow."""
 
@@ -1193,9 +1203,9 @@ class CutoffResult(Record):
     strips: int
     """Strips solved for each entry, with the same random numbers."""
     strip_length_m: float
-    """Length of these strips."""
+    """Length of the strips."""
     pitch_m: float
-    """Pitch of these strips, the larger one if the two differ."""
+    """Pitch of the strips, the larger one if the two differ."""
     cutoff_m: float
     """Shortest wavelength on the study's own strips: twice the pitch, or the shortest wave that the scan resolves."""
     band_end_m: float | None
@@ -1225,7 +1235,7 @@ class ScanCutoff(Record):
     mean_interval: list[float]
     """95 % interval for the surface of which the scan is a sample, from the differences between its sixteen tiles."""
     grid_error: float | None
-    """Error of `mean` due to the pitch; `null` if one pitch was solved."""
+    """Error of the mean due to the pitch; `null` if one pitch was solved."""
     order: float | None
     """Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown."""
     rms_slope: float
@@ -1420,17 +1430,17 @@ class CycleResult(Record):
     limit_cycle: bool
     """Whether there is a cycle."""
     period: float | None
-    """Period."""
+    """Period τ."""
     slip_duration: float | None
-    """Duration of the slip."""
+    """Duration τ of the slip."""
     reattachment_displacement: float | None
-    """Displacement at re-attachment."""
+    """Displacement X at re-attachment."""
     displacement_min: float | None
-    """Least displacement."""
+    """Least displacement X."""
     displacement_max: float | None
-    """Largest displacement."""
+    """Largest displacement X."""
     velocity_min: float | None
-    """Least velocity."""
+    """Least velocity dX/dτ."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1472,7 +1482,7 @@ class DampingResult(Record):
     cycles_deterministic: int
     """Slips that reach a negative velocity, without noise."""
     cycles_mean: float
-    """Mean number of these slips with noise."""
+    """Mean number of slips that reach a negative velocity, with noise."""
     cycles_se: float
     """Standard error of `cycles_mean`."""
     difference_mean: float
@@ -1500,13 +1510,13 @@ class CrossingResult(Record):
     """
 
     share: float
-    """Fraction of the time in vibration."""
+    """Fraction of the second half of the time in vibration."""
     damping_ratio: float | None
     """Damping ratio; `null` if there is none."""
     damping_ratio_interval: list[float] | None
     """95 % interval of `damping_ratio`."""
     reason: str | None = None
-    """Reason why there is none."""
+    """Reason why there is no damping ratio."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1590,7 +1600,7 @@ class VibrationResult(Record):
     """The vibration stage."""
 
     damping_ratio: float
-    """The study's own damping ratio ζ."""
+    """Damping ratio ζ of the study."""
     belt_velocity: float
     """Dimensionless belt velocity V."""
     static_friction: float
@@ -1600,11 +1610,11 @@ class VibrationResult(Record):
     friction is stated.
     """
     level_mean_pressure_pa: float | None
-    """Mean pressure of that level."""
+    """Mean pressure of the level of the friction stage."""
     friction_correlation_length_m: float | None
     """Correlation length of μ; `null` for a rough slider, whose friction is constant for each part."""
     correlation_length: float | None
-    """Correlation length as sliding distance over N/c."""
+    """Correlation length of μ in X, as sliding distance over N/c."""
     marginal: DistributionResult | None
     """Marginal distribution of μ; `null` if friction is constant."""
     variance_reduction: float
@@ -1618,7 +1628,7 @@ class VibrationResult(Record):
     kind: MotionKind
     """Kind of motion without fluctuation, started in stick, at the study's damping ratio."""
     steady_sliding_unstable: bool | None
-    """Whether steady sliding is unstable there; `null` under forcing."""
+    """Whether steady sliding is unstable at the study's damping ratio; `null` under forcing."""
     kick_m_per_s: float | None
     """Smallest change of velocity, of either sign, after which a machine that slides steadily vibrates; `null` if
     none is needed, none suffices, or under forcing.
@@ -1652,7 +1662,7 @@ class CoupledCycleResult(Record):
     """Limit cycle of two coupled modes."""
 
     frequency_hz: float
-    """Frequency."""
+    """Frequency of the limit cycle."""
     velocity_amplitude_m_per_s: float
     """Half the difference of the largest and the smallest velocity along the belt."""
     displacement_amplitude_m: float
@@ -1676,11 +1686,11 @@ class ModeCouplingResult(Record):
     friction: float
     """Mean friction coefficient μ."""
     stiffness: list[float]
-    """Stiffness k₁₁, k₁₂, k₂₂ of the mass in contact, without friction."""
+    """Stiffness k₁₁, k₁₂, k₂₂ in mω₀² of the mass in contact, without friction."""
     contact_spring: float
-    """Stiffness of the contact spring."""
+    """Stiffness of the contact spring in mω₀²."""
     contact_stiffness_n_per_m: float
-    """Stiffness of the contact spring in N/m."""
+    """Stiffness of the contact spring with its unit."""
     coalescence: float | None
     """Friction coefficient at which the undamped modes meet; `null` if friction separates them."""
     critical_friction: float | None
@@ -1698,7 +1708,7 @@ class ModeCouplingResult(Record):
     mode_frequencies_hz: list[float]
     """Frequencies of the two modes of small motion, the slow one first; 0 without vibration."""
     mode_growth_rates_per_s: list[float]
-    """Growth rates of these modes in 1/s."""
+    """Growth rates of the two modes of small motion."""
     motion: CoupledMotion | None
     """Long-term motion, started 1 % away from steady sliding; `null` if steady sliding does not exist or is neutral."""
     cycle: CoupledCycleResult | None
