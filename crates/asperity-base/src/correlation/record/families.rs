@@ -33,9 +33,9 @@ impl FamilyFits {
     }
 
     /// Returns 2 ln of the likelihood ratio of the families, divided by the variance of the scores of the more likely
-    /// one relative to Gaussian records, if that is above 1.
+    /// one relative to Gaussian records.
     pub fn evidence(&self) -> f64 {
-        2.0 * (self.fits[0].log_likelihood - self.fits[1].log_likelihood) / self.fits[0].dispersion.max(1.0)
+        2.0 * (self.fits[0].log_likelihood - self.fits[1].log_likelihood) / self.fits[0].dispersion
     }
 
     /// Returns whether the records tell the families apart: their likelihoods differ by a factor of 20 or more.
