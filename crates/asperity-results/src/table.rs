@@ -59,7 +59,8 @@ impl Table {
     }
 
     /// Returns a row for each answer and a column for each of its numbers, in the order of their declaration. An interval
-    /// `x_interval` has the columns `x_low` and `x_high` with the unit of x, and the numbers of an answer within it have its name before theirs.
+    /// `x_interval` has the columns `x_low` and `x_high` with the unit of x, and the numbers of an
+    /// answer within it have its name before theirs.
     pub fn of<T: Answer>(answers: &[T]) -> Self {
         let rows: Vec<Value> = answers.iter().map(T::json).collect();
         let rows: Vec<&Value> = rows.iter().collect();
@@ -153,9 +154,8 @@ fn columns(prefix: &str, fields: &[LabelledField], rows: &[&Value]) -> Vec<(Stri
             let name = key.trim_end_matches("interval");
             // `mean_interval` has the unit of `mean_pa`.
             let is_field = |unit: &&str| {
-                fields.iter().any(|field| {
-                    Some(field.key.as_str()) == name.strip_suffix('_').map(|n| format!("{n}{unit}")).as_deref()
-                })
+                let number = format!("{}{unit}", name.trim_end_matches('_'));
+                fields.iter().any(|field| field.key == number)
             };
             let unit = ["_pa", "_m"].into_iter().find(is_field).unwrap_or_default();
             let end = |end, place| (format!("{prefix}{name}{end}{unit}"), numbers(key, Some(place)));

@@ -17,7 +17,7 @@ pub(super) fn tables(surface: &SurfaceResult) -> Vec<DataTable> {
     tables.extend(surface.covariance.iter().flat_map(|found| {
         [
             DataTable::of(
-                &format!("Covariance of random surfaces; its length ℓ is that {}", length_in_words(&found.model)),
+                &format!("Covariance of random surfaces; length ℓ: {}", length_in_words(&found.model)),
                 found,
                 all,
             ),
