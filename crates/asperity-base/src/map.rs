@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use asperity_formats::Scan;
 use ndarray::Array2;
+use serde::Serialize;
 use thiserror::Error;
 
 /// Range of pitches in metre, from below an atomic nucleus to beyond any part, so that squares and sums over a map do
@@ -93,7 +94,7 @@ crate::choice! {
 }
 
 /// Regular grid of `nx` × `ny` points; each point represents a cell of `dx_m` × `dy_m`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Grid {
     nx: usize,
     ny: usize,

@@ -30,9 +30,10 @@ pub use input::UncertainInput;
 
 use asperity_base::distribution::standard_normal_quantile;
 use copula::Copula;
+use serde::Serialize;
 
 /// Uncertain inputs with a joint distribution.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UncertainInputs {
     inputs: Vec<UncertainInput>,
     copula: Copula,

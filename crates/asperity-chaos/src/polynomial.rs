@@ -3,8 +3,10 @@
 //! # References
 //! Xiu & Karniadakis, *SIAM J. Sci. Comput.* **24** (2002) 619, <https://doi.org/10.1137/S1064827501387826>.
 
+use serde::Serialize;
+
 /// Distribution of a standard variable and its orthonormal polynomials ψ₀ = 1, ψ₁, ψ₂, …: E ψ_m ψ_n = δ_mn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum PolynomialFamily {
     /// Standard normal variable; ψ_n = He_n/√n! with the probabilists' Hermite polynomials He_n.
     Hermite,

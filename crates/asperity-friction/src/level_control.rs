@@ -2,9 +2,10 @@
 
 use asperity_base::sentence;
 use asperity_contact::Control;
+use serde::Serialize;
 
 /// Prescribed quantity of a level.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum LevelControl {
     /// One plane in space, with this percentage of the ensemble's heights above it.
     Percentile(f64),
@@ -17,7 +18,7 @@ pub enum LevelControl {
 }
 
 /// Level at which the friction is reported in full and passed on to the vibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum OperatingLevel {
     /// Level of the largest mean pressure.
     Deepest,

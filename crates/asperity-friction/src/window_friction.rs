@@ -14,7 +14,7 @@ use crate::upscaling::{Upscaling, exponential, variance_reduction};
 const MANY_WINDOWS: f64 = 30.0;
 
 /// Nominal area and the normal force on it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NominalContact {
     /// Nominal area in m².
     pub area_m2: f64,
@@ -23,7 +23,7 @@ pub struct NominalContact {
 }
 
 /// Stated friction of a window.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StatedFriction {
     /// Mean friction coefficient.
     pub mean: f64,

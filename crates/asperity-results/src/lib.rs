@@ -19,6 +19,7 @@ mod pressure;
 mod provenance;
 mod run;
 mod schema;
+mod stage;
 mod surface;
 mod table;
 mod uncertainty;
@@ -52,6 +53,7 @@ pub use run::Results;
 pub use schema::results_schema;
 #[doc(hidden)]
 pub use schema::tidy;
+pub use stage::Stage;
 pub use surface::{
     CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface,
     PartStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,

@@ -176,7 +176,7 @@ impl Oscillator {
 }
 
 /// Scales of a machine in SI, which convert between metres and seconds and the variables of the oscillator.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scales {
     mass_kg: f64,
     natural_frequency_rad_per_s: f64,

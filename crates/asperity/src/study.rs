@@ -3,7 +3,6 @@
 //! [`Study::parse`] reads a study file, [`Study::run`] computes its [`Outcome`] without writing anything, and [`write_run`]
 //! writes the run folder through a [`Staging`], so that it appears complete or not at all.
 
-mod blocks;
 mod campaign;
 mod check;
 mod computation;
@@ -32,14 +31,12 @@ mod schema;
 mod series;
 mod specimen;
 mod spectra;
-mod stage;
 pub mod standard_deviation;
-mod store;
+mod stored_run;
 mod surface_model;
 mod surface_result;
 mod surface_scans;
 mod surface_stage;
-mod system;
 mod twin;
 mod uncertain;
 mod verdict;
@@ -47,18 +44,20 @@ mod vibration_stage;
 mod write_run;
 
 use asperity_base::sentence;
+pub use asperity_results::Stage;
+pub use asperity_runs::{
+    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, Staging, StoreError,
+    file_hash, forget_peak_memory, free_memory_bytes, is_finished, json_bytes, machine, peak_memory_bytes, program,
+    program_difference, replace_files, require_unchanged, sha256,
+};
 
 /// Calls for fuzz targets.
 #[cfg(fuzzing)]
 pub mod fuzzing {
-    pub use super::blocks::read_blocks;
     pub use super::uncertain::read_samples;
+    pub use asperity_runs::read_blocks;
 }
 
-pub use blocks::{
-    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, program, program_difference,
-    sha256,
-};
 pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
 pub use check::{InvalidValue, Study};
 pub use computation::{Computation, Computed, Work, folder_of};
@@ -79,10 +78,8 @@ pub use run_machine::RunMachine;
 pub use scan_sizes::ScanSizes;
 pub use schema::study_schema;
 pub use specimen::{Sampler, Specimen, draw_map};
-pub use stage::Stage;
-pub use store::{Staging, StoreError, StoredRun, file_hash, json_bytes, require_unchanged};
+pub use stored_run::StoredRun;
 pub use surface_result::{covariance_result, part_statistics, surface_statistics};
-pub use system::{forget_peak_memory, free_memory_bytes, machine, peak_memory_bytes};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
 pub use verdict::VERDICT_SAMPLES;

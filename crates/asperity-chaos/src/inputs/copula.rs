@@ -1,12 +1,13 @@
 //! Gaussian copula: dependent standard normal variables from independent ones.
 
 use super::InputError;
+use serde::Serialize;
 
 /// Smallest pivot of a correlation matrix that counts as positive definite.
 const LEAST_PIVOT: f64 = 1e-9;
 
 /// Correlation of standard normal variables, with its Cholesky factor in the order of the inputs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Copula {
     correlation: Vec<Vec<f64>>,
     factor: Factor,
@@ -15,7 +16,7 @@ pub(super) struct Copula {
 /// Cholesky factor of a correlation matrix whose rows and columns are put in an order.
 ///
 /// Variable `order[k]` depends on the independent standard normal variables 0 … k.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 struct Factor {
     order: Vec<usize>,
     rows: Vec<Vec<f64>>,

@@ -3,6 +3,7 @@
 use super::InputError;
 use crate::Parameter;
 use asperity_base::distribution::{DistributionError, Marginal, standard_normal_cdf, standard_normal_quantile};
+use serde::Serialize;
 
 /// Largest probability beyond the bounds of a stated distribution.
 const LARGEST_MASS: f64 = 1e-3;
@@ -12,7 +13,7 @@ const LARGEST_MOVED_MASS: f64 = 0.5;
 const NEGLIGIBLE_MASS: f64 = 1e-16;
 
 /// Input whose value varies from part to part, or is one value that is not known.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UncertainInput {
     parameter: Parameter,
     unknown: bool,
@@ -20,7 +21,7 @@ pub struct UncertainInput {
 }
 
 /// Physical bounds of an input, and the probabilities of the distribution beyond them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct Bounds {
     low: f64,
     high: f64,

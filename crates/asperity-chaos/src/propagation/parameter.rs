@@ -3,9 +3,10 @@
 use crate::PolynomialFamily;
 use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::stats::{Interval, NORMAL_95};
+use serde::Serialize;
 
 /// Uncertain parameter that is independent of all others.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     name: String,
     marginal: Marginal,

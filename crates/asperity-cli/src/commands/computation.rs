@@ -9,7 +9,7 @@ use std::time::Duration;
 use asperity::quantity::Time;
 use asperity::study::{
     Campaign, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging,
-    StoredCampaign, StoredRun, StudyError, Work, folder_of, require_unchanged, resolved_study,
+    StoredCampaign, StoredRun, StudyError, Work, folder_of, is_finished, require_unchanged, resolved_study,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -210,7 +210,7 @@ impl Computation {
         };
         let printed = match self.own.work() {
             Work::Study { .. } if StoredCampaign::is_campaign(folder) => None,
-            Work::Campaign(_) if StoredRun::is_run(folder) && !StoredCampaign::is_campaign(folder) => None,
+            Work::Campaign(_) if is_finished(folder) && !StoredCampaign::is_campaign(folder) => None,
             Work::Study { study, only } => {
                 let run = StoredRun::load(folder).map_err(|e| load_failure(&e))?;
                 let resolved = resolved_study(study, self.own.folder()).map_err(|e| store_failure(&e))?;
@@ -371,7 +371,7 @@ impl Options {
             let name = format!("{}-part-{number}-of-{of}", computation.name());
             computation.destination().with_file_name(name)
         });
-        if StoredRun::is_run(&folder) {
+        if is_finished(&folder) {
             return Err(Failure::usage(format_args!(
                 "--out {} is a run; give another folder for the blocks",
                 folder.display()

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity::study::{StoredCampaign, StoredRun};
+use asperity::study::{StoredCampaign, StoredRun, replace_files};
 use clap::Args;
 
 use crate::failure::{Failure, Kind};
@@ -26,7 +26,7 @@ impl Report {
         let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
         let files = run.report().map_err(|e| store_failure(&e.into()))?;
         monitor.check()?;
-        StoredRun::replace(&self.dir, &files).map_err(|e| store_failure(&e))?;
+        replace_files(&self.dir, &files).map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", self.dir.join("report.html").display()));
         Ok(())
     }

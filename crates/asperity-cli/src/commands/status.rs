@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity::study::{RunStatus, StoredRun};
+use asperity::study::{RunStatus, is_finished};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ pub(crate) struct Status {
 
 impl Status {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let complete = StoredRun::is_run(&self.dir);
+        let complete = is_finished(&self.dir);
         let Some(status) = RunStatus::read(&self.dir) else {
             if complete {
                 monitor.note("the blocks of this run are not stored any more");

@@ -310,9 +310,13 @@ impl Campaign {
             None => Vec::new(),
         };
         let hashes: Vec<&String> = inputs.iter().map(|(hash, _)| hash).collect();
-        let scans: Vec<&Factor> = self.factors.iter().filter(|factor| matches!(factor, Factor::Scans(_))).collect();
+        let scans = |factor: &Factor| match factor {
+            Factor::Scans(scans) => Some(scans.clone()),
+            Factor::Listed(_) | Factor::Sampled(..) => None,
+        };
+        let scans: Vec<Vec<String>> = self.factors.iter().filter_map(scans).collect();
         let stages = Stages { blocks, monitor };
-        let members = stages.run(STAGE, &[&self.text, &self.study, &self.seed, &scans, &hashes], |monitor| {
+        let members = stages.run(STAGE, &(&self.text, &self.study, self.seed, &scans, &hashes), |monitor| {
             self.compute(&inputs, monitor)
         })?;
         let members = members.ok_or(StudyError::Incomplete)?;

@@ -1,40 +1,35 @@
-//! Rough cost of a study before it is run.
+//! Rough cost of a study before it is run. Factors on the sizes of arrays are from runs of the program.
 
-mod memory;
-mod verdict;
-
-use crate::friction::DISTANCES;
-use crate::map::BoundaryKind;
-use crate::study::check::{FrictionSource, FrictionStudy, VibrationStudy};
-use crate::study::friction_stage::scan;
-use crate::study::{Stage, Study};
-use crate::vibration::EnsembleSettings;
+use crate::map::Grid;
+use crate::study::{Stage, Study, friction_stage, pressure_stage, verdict, vibration_stage};
+use crate::surface::model::SurfaceModel;
 
 /// Iterations of a typical contact solution at the tolerance of a study.
 const ITERATIONS: f64 = 30.0;
-/// Seconds per cell and iteration on one core of a desktop computer; the free boundary pads its transforms.
-const PERIODIC_SECONDS: f64 = 20e-9;
-const FREE_SECONDS: f64 = 20e-9;
-/// Upper bound of the work of the pressure stage on coarser models, relative to the fine solves of one method: the same
-/// maps at a loose tolerance, with half and a quarter of the points along either side, and further samples if they pay.
-const COARSE_WORK: f64 = 4.0 + 0.5 + 0.25 + 0.0625;
+/// Seconds per cell and iteration on one core of a desktop computer.
+const CELL_SECONDS: f64 = 20e-9;
 /// Work of computing the stiffness of a contact, relative to solving it.
-const STIFFNESS_WORK: f64 = 0.5;
-/// Seconds per unit of dimensionless time of a trajectory, and per value of its fluctuation.
-const TRAJECTORY_SECONDS: f64 = 0.2e-6;
-const FLUCTUATION_SECONDS: f64 = 60e-9;
-/// Additional ensembles, beside those of the sweep, that locate the crossings of one upscaling.
-const CROSSING_ENSEMBLES: usize = 20;
-/// Number of values of a fluctuation per correlation length.
-const FLUCTUATION_VALUES: f64 = 20.0;
+pub(super) const STIFFNESS_WORK: f64 = 0.5;
 /// Bytes per point of a stability map, including cells and contours.
-const MAP_POINT_BYTES: f64 = 400.0;
+pub(super) const MAP_POINT_BYTES: f64 = 400.0;
 /// Bytes of a value of a field in a run folder: a double in the NPY file, and in base64 in the VTK image.
 const FIELD_BYTES: f64 = 8.0 + 32.0 / 3.0;
 /// Bytes of the tables, the figures and the page of one stage in a run folder, and of its blocks beside it.
 const STAGE_BYTES: f64 = 2e6;
 /// Number of maps of a patch in a run folder: one sample with its pressures, and the distribution of the pressure.
 const PATCH_FIELDS: f64 = 8.0;
+/// Bytes of the program itself, its libraries and its threads: from 29 to 31 MB of unoptimised code, 20 MB of optimised code.
+const PROGRAM_BYTES: f64 = 36e6;
+/// Fraction of the memory of a member of a campaign that stays between members.
+const KEPT_OF_A_MEMBER: f64 = 0.1;
+/// Bytes per point of all scans in the surface stage, and those of their statistics per point of at most [`TRIAL_POINTS`].
+const SCAN_BYTES: f64 = 110.0;
+const TRIAL_BYTES: f64 = 400.0;
+const TRIAL_POINTS: usize = 512 * 512;
+/// Bytes per point of the scans in later stages.
+const KEPT_SCAN_BYTES: f64 = 70.0;
+/// Most points of a grid of which the modes are counted, in seconds. A larger one counts with all its modes.
+const COUNTED_POINTS: usize = 1 << 23;
 
 /// Rough cost of one stage. Times are accurate to a factor of a few.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +53,7 @@ pub struct StageEstimate {
 
 impl StageEstimate {
     /// Returns the cost of a stage without solutions.
-    fn new(stage: Stage, memory_bytes: f64) -> Self {
+    pub(super) fn new(stage: Stage, memory_bytes: f64) -> Self {
         Self {
             stage,
             contact_solutions: 0,
@@ -72,8 +67,8 @@ impl StageEstimate {
 
     /// Returns the memory of the program in byte while it runs the stage of several members of a campaign.
     pub(super) fn memory_together_bytes(&self, members: usize) -> f64 {
-        let member_bytes = self.memory_bytes - memory::PROGRAM_BYTES;
-        memory::PROGRAM_BYTES + (members as f64 + memory::KEPT_OF_A_MEMBER) * member_bytes
+        let member_bytes = self.memory_bytes - PROGRAM_BYTES;
+        PROGRAM_BYTES + (members as f64 + KEPT_OF_A_MEMBER) * member_bytes
     }
 }
 
@@ -81,107 +76,25 @@ impl Study {
     /// Returns the rough cost of every stage of the study with `threads` threads; `scan_points` is the number of heights of its scans
     /// ([`Study::scan_points`]). Reads no file.
     pub fn estimate(&self, scan_points: usize, threads: usize) -> Vec<StageEstimate> {
-        let mut stages = self.stage_estimates(threads);
-        if self.presses_scan(scan_points)
-            && let Some(stage) = stages.iter_mut().find(|stage| stage.stage == Stage::Friction)
-        {
-            let [finest, all] = scan::cells(scan_points);
-            stage.core_seconds += all as f64 * ITERATIONS * PERIODIC_SECONDS;
-            stage.memory_bytes = stage.memory_bytes.max(memory::pressed_bytes(finest));
-        }
+        let verdict = || verdict::cost(self, threads);
+        let stages = [
+            pressure_stage::cost(self, threads),
+            friction_stage::cost(self, scan_points, threads),
+            vibration_stage::cost(self, threads),
+            self.states_verdict().then(verdict).flatten(),
+        ];
+        let mut stages: Vec<StageEstimate> = stages.into_iter().flatten().collect();
         if self.surface.is_some() {
-            let bytes = memory::surface_bytes(scan_points);
+            let bytes = SCAN_BYTES * scan_points as f64 + TRIAL_BYTES * scan_points.min(TRIAL_POINTS) as f64;
+            let kept_bytes = KEPT_SCAN_BYTES * scan_points as f64;
             stages.iter_mut().for_each(|stage| {
                 // Memory that the surface stage has freed serves the stages after it.
-                stage.memory_bytes = (memory::kept_bytes(scan_points) + stage.memory_bytes).max(bytes);
+                stage.memory_bytes = (kept_bytes + stage.memory_bytes).max(bytes);
             });
             stages.insert(0, StageEstimate::new(Stage::Surface, bytes));
         }
-        stages.iter_mut().for_each(|stage| stage.memory_bytes += memory::PROGRAM_BYTES);
+        stages.iter_mut().for_each(|stage| stage.memory_bytes += PROGRAM_BYTES);
         stages
-    }
-
-    /// Returns whether the friction stage presses the scan itself.
-    fn presses_scan(&self, scan_points: usize) -> bool {
-        let depends = self.friction.as_ref().is_some_and(FrictionStudy::depends_on_contact);
-        scan_points > 0 && depends && self.counterface.is_none()
-    }
-
-    /// Returns the rough cost of every stage after the surface, with its own memory.
-    fn stage_estimates(&self, threads: usize) -> Vec<StageEstimate> {
-        let contact = |stage, (solutions, coarse): (usize, f64), points: [usize; 2], boundary, memory_bytes: f64| {
-            let cells = points[0] as f64 * points[1] as f64;
-            let per_cell = if boundary == BoundaryKind::Free { FREE_SECONDS } else { PERIODIC_SECONDS };
-            StageEstimate {
-                contact_solutions: solutions,
-                coarse_solutions: coarse,
-                core_seconds: (solutions as f64 + coarse) * cells * ITERATIONS * per_cell,
-                ..StageEstimate::new(stage, memory_bytes)
-            }
-        };
-        let mut stages = Vec::new();
-        if let Some(p) = &self.pressure {
-            // The reference, and three samplers that the other methods share.
-            let solutions = p.reference_samples + 3 * p.fine_solves;
-            let coarse = COARSE_WORK * p.fine_solves as f64;
-            let points = [p.grid.nx(), p.grid.ny()];
-            let bytes = self.pressure_bytes(p, threads);
-            let mut stage = contact(Stage::Pressure, (solutions, coarse), points, p.boundary, bytes);
-            if p.stiffness {
-                // The stiffness of the Monte Carlo samples and of those on coarser grids.
-                let more = STIFFNESS_WORK * (p.fine_solves as f64 + coarse);
-                stage.core_seconds *= 1.0 + more / (solutions as f64 + coarse);
-            }
-            stages.push(stage);
-        }
-        if let Some(f) = &self.friction {
-            let nominal = self.vibration.as_ref().is_some_and(|v| v.friction == FrictionSource::Computed(None));
-            let uncertain = f.uncertainty.as_ref().map_or(0, |u| u.points * u.realisations);
-            let levels = f.levels.len() + usize::from(nominal);
-            // Two rough bodies are solved again after several sliding distances, at one level.
-            let slides = self.counterface.is_some() && f.boundary == BoundaryKind::Periodic;
-            let slid = if slides { DISTANCES * f.realisations } else { 0 };
-            let solutions = levels * (f.realisations + uncertain) + slid;
-            let plan = f.cutoff_plan(levels, 0.0);
-            let others = plan.map_or(0.0, |plan| plan.work(f.points[0]));
-            let bytes = self.friction_bytes(f, levels, plan, threads);
-            let mut stage = contact(Stage::Friction, (solutions, others), f.points, f.boundary, bytes);
-            // The strips of the operating level have a stiffness.
-            stage.core_seconds *= 1.0 + STIFFNESS_WORK * f.realisations as f64 / (solutions as f64 + others);
-            stages.push(stage);
-        }
-        if let Some(v) = self.vibration.as_ref().filter(|v| v.coupled.is_none()) {
-            // Both upscalings, and a map whose front is refined: a line of cells at each depth.
-            let points = v.map.as_ref().map_or(0, |map| {
-                let (nx, ny) = (map.x.2, map.y.2);
-                (nx + 1) * (ny + 1) + 4 * nx.max(ny) * ((1 << (map.depth + 1)) - 2)
-            });
-            let map = v.map.as_ref().map_or(0, |map| points.saturating_mul(map.trajectories));
-            let ensembles = v.damping_sweep.2 + CROSSING_ENSEMBLES;
-            let trajectories = (2 * ensembles * v.trajectories).saturating_add(map);
-            let bytes = EnsembleSettings::new(v.trajectories, v.duration, self.seed()).memory_bytes(threads)
-                + points as f64 * MAP_POINT_BYTES;
-            stages.push(StageEstimate {
-                trajectories,
-                core_seconds: trajectories as f64 * self.trajectory_seconds(v),
-                ..StageEstimate::new(Stage::Vibration, bytes)
-            });
-        }
-        if self.states_verdict() {
-            stages.extend(self.verdict_estimate(threads));
-        }
-        stages
-    }
-
-    /// Returns the seconds of one trajectory of the vibration stage.
-    fn trajectory_seconds(&self, v: &VibrationStudy) -> f64 {
-        // Friction that a study computes is correlated over at least one window.
-        let length_m = match &v.friction {
-            FrictionSource::Stated(friction) => Some(friction.length_m),
-            FrictionSource::Computed(_) | FrictionSource::File(_) => self.friction.as_ref().map(|f| f.window_m[0]),
-        };
-        let values = length_m.map_or(0.0, |length_m| FLUCTUATION_VALUES * v.sliding_distance_m() / length_m);
-        TRAJECTORY_SECONDS * v.duration + FLUCTUATION_SECONDS * values
     }
 
     /// Returns the rough disk space of the run folder in byte, without the heights of scans. Reads and computes
@@ -200,9 +113,28 @@ impl Study {
     }
 }
 
+/// Returns the seconds of contact solutions on one core; `cells` counts those of all solutions.
+pub(super) fn contact_seconds(cells: f64) -> f64 {
+    cells * ITERATIONS * CELL_SECONDS
+}
+
+/// Returns the number of the Fourier modes of a patch or strip of a surface that scans measure.
+pub(super) fn fourier_modes(grid: Grid, periodic: bool) -> usize {
+    if periodic { grid.points() } else { 8 * grid.points() }
+}
+
+/// Returns the model of a surface that no scan measures, whose modes on a grid are counted.
+pub(super) fn countable_surface(whole: &Study, grid: Grid) -> Option<SurfaceModel> {
+    if grid.points() > COUNTED_POINTS {
+        return None;
+    }
+    Some(SurfaceModel::new(whole.surface.as_ref()?.request.clone(), None).ok()?.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::vibration_stage::cost::{CROSSING_ENSEMBLES, FLUCTUATION_SECONDS};
 
     #[test]
     fn the_estimate_counts_every_contact_problem_and_trajectory() {

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use crate::stats::VALID_FRACTION;
+use crate::study::StoreError;
 use crate::study::uncertain::UncertainValue;
 
 pub use counterface::CounterfaceSection;
@@ -79,6 +80,11 @@ impl StudyFile {
         let mut table = Table::try_from(self)?;
         self.uncertain.iter().for_each(|value| value.restore(&mut table));
         Ok(table)
+    }
+
+    /// Returns the text of the file with the uncertain values as stated.
+    pub(super) fn to_text(&self) -> Result<String, StoreError> {
+        self.to_table().and_then(|table| toml::to_string(&table)).map_err(StoreError::content)
     }
 }
 

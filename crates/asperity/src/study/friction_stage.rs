@@ -1,15 +1,17 @@
 //! Friction stage: solved strips at several levels of contact.
 
+mod cost;
 mod cutoff;
 mod entries;
 mod pitch;
-pub(super) mod scan;
+mod scan;
 mod tables;
 mod uncertain_surface;
 mod uncertainty;
 mod whole_error;
 mod words;
 
+pub(super) use self::cost::cost;
 use self::cutoff::SolvedCutoffs;
 use self::pitch::Pitch;
 use self::whole_error::WholeError;

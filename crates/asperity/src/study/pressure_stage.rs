@@ -1,11 +1,13 @@
 //! Pressure stage: distribution of the random pressure on a patch.
 
+mod cost;
 mod entries;
 mod indices;
 mod maps;
 mod scalars;
 mod tables;
 
+pub(super) use self::cost::cost;
 use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use crate::friction::LevelControl;
 use crate::map::HeightMap;

@@ -1,9 +1,9 @@
 //! Run of a study, stage by stage.
 
-use std::fmt::Debug;
 use std::mem;
 use std::path::{Path, PathBuf};
 
+use asperity_runs::key_of;
 use serde::{Deserialize, Serialize};
 
 use crate::friction::{OperatingLevel, RoughBody, SolvedLevel, WindowFriction};
@@ -13,12 +13,12 @@ use crate::study::check::{FrictionSource, SurfaceStudy, VibrationStudy};
 use crate::study::output::Gathered;
 use crate::study::result::KarhunenLoeveResult;
 use crate::study::result::{Outcome, Results};
-use crate::study::store::file_hash;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::write_run::with_paths;
 use crate::study::{
-    FailureKind, RunBlocks, Stage, Study, StudyError, blocks, counterface, coupled_stage, friction_process,
-    friction_stage, implausible_friction, pressure_stage, sentence, surface_stage, verdict, vibration_stage,
+    FailureKind, RunBlocks, Stage, StoreError, Study, StudyError, StudyFile, counterface, coupled_stage, file_hash,
+    friction_process, friction_stage, implausible_friction, pressure_stage, sentence, surface_stage, verdict,
+    vibration_stage,
 };
 
 impl Study {
@@ -196,17 +196,8 @@ impl Study {
         let vibration = self.vibration.as_ref()?;
         let FrictionSource::Computed(_) = vibration.friction else { return None };
         let (_, friction) = (self.surface.as_ref()?, self.friction.as_ref()?);
-        let file = self.file();
-        let surface = (&file.surface, &file.counterface, self.scan_paths(folder));
-        let depends_on = (
-            surface,
-            friction,
-            self.operating_level(),
-            self.stated_nominal_area(),
-            vibration.nominal_contact(),
-            self.seed(),
-        );
-        Some(blocks::hash([format!("{depends_on:?}").as_bytes()]))
+        let of_machine = (self.operating_level(), self.stated_nominal_area(), vibration.nominal_contact(), self.seed());
+        key_of(&(bodies_text(self.file()).ok()?, self.scan_paths(folder), friction, of_machine)).ok()
     }
 
     /// Computes the friction of the machine for all studies with this [`Study::friction_key`].
@@ -218,7 +209,7 @@ impl Study {
         };
         gathered.results.warnings.extend(surface.output.warnings.iter().cloned());
         let stages = Stages { blocks: None, monitor };
-        let stage = self.run_friction(&stages, &(), &surface, &mut gathered)?;
+        let stage = self.run_friction(&stages, "", &surface, &mut gathered)?;
         let (level, body) = stage.ok_or(StudyError::NoStage(Stage::Friction.name()))?;
         // The Stribeck coefficient is that of each machine.
         let window = WindowFriction::from_level(&level, body, vibration.nominal_contact(), None);
@@ -245,14 +236,14 @@ impl Study {
     fn run_friction(
         &self,
         stages: &Stages<'_>,
-        of_surface: &dyn Debug,
+        of_surface: &str,
         surface: &SurfaceStage,
         gathered: &mut Gathered,
     ) -> Result<Option<(SolvedLevel, RoughBody)>, StudyError> {
         let Some(study) = &self.friction else { return Ok(None) };
         let (level, stated_area) = (self.operating_level(), self.stated_nominal_area());
-        let depends_on: [&dyn Debug; 5] = [of_surface, study, &level, &stated_area, &self.seed()];
-        let stage = stages.run(Stage::Friction.name(), &depends_on, |monitor| {
+        let input = (of_surface, study, level, stated_area, self.seed());
+        let stage = stages.run(Stage::Friction.name(), &input, |monitor| {
             friction_stage::run(study, surface, level, stated_area, self.seed(), monitor)
         })?;
         // Nothing that follows is possible without friction.
@@ -276,13 +267,13 @@ impl Study {
     fn run_pressure(
         &self,
         stages: &Stages<'_>,
-        of_surface: &dyn Debug,
+        of_surface: &str,
         surface: &SurfaceStage,
         gathered: &mut Gathered,
     ) -> Result<Option<KarhunenLoeveResult>, StudyError> {
         let Some(study) = &self.pressure else { return Ok(None) };
         let generated = surface.model.patch(study.grid, study.boundary == BoundaryKind::Periodic)?;
-        let stage = stages.run(Stage::Pressure.name(), &[of_surface, study, &self.seed()], |monitor| {
+        let stage = stages.run(Stage::Pressure.name(), &(of_surface, study, self.seed()), |monitor| {
             pressure_stage::run(study, &surface.model, &generated, self.seed(), monitor)
         })?;
         if let Some(stage) = stage {
@@ -313,8 +304,7 @@ impl Study {
         }
         // The friction of a part of a rough slider on a smooth track has no course along the path.
         let has_path = self.friction.as_ref().is_none_or(|friction| friction.body != RoughBody::Slider);
-        let depends_on: [&dyn Debug; 4] = [&own, window, &has_path, &self.seed()];
-        let stage = stages.run(Stage::Vibration.name(), &depends_on, |monitor| {
+        let stage = stages.run(Stage::Vibration.name(), &(&own, window, has_path, self.seed()), |monitor| {
             vibration_stage::run(study, window, has_path, self.seed(), monitor)
         })?;
         let stage = stage.ok_or(StudyError::Incomplete)?;
@@ -350,15 +340,12 @@ impl Study {
         gathered.results.warnings = self.known_warnings(known.as_mut())?;
         let (mut surface, mut karhunen_loeve) = (None, None);
         let without_paths = with_paths(self.file(), |_| PathBuf::new());
-        let of_surface = match blocks {
-            Some(_) => (without_paths.surface.clone(), without_paths.counterface.clone(), self.scan_hashes(folder)?),
-            None => (None, None, Vec::new()),
-        };
+        let hashes = if blocks.is_some() { self.scan_hashes(folder)? } else { Vec::new() };
+        let of_surface = key_of(&(bodies_text(&without_paths)?, &hashes))?;
         if self.surface.is_some() && (given.is_none() || wants_verdict) {
             monitor.begin(Stage::Surface.name());
             surface = self.run_surface(with_tables, folder, &mut gathered)?;
-            let hashes = of_surface.2.iter().cloned();
-            self.refuse_changed(folder, &hashes.zip(self.scan_paths(folder)).collect::<Vec<_>>())?;
+            self.refuse_changed(folder, &hashes.into_iter().zip(self.scan_paths(folder)).collect::<Vec<_>>())?;
         }
         if let Some(stage) = surface.as_mut().filter(|_| given.is_none()) {
             stage.output.assumptions.extend(counterface::contact_sentence(self.file()));
@@ -384,9 +371,11 @@ impl Study {
             }
         }
         if let Some(window) = window.as_ref().filter(|_| wants_verdict) {
-            let verdict = stages.run(Stage::Verdict.name(), &[&of_surface, &without_paths, window], |monitor| {
-                verdict::run(self, surface.as_ref(), window, monitor)
-            })?;
+            let text = without_paths.to_text()?;
+            let verdict =
+                stages.run(Stage::Verdict.name(), &(&of_surface, text, &self.verdict, window), |monitor| {
+                    verdict::run(self, surface.as_ref(), window, monitor)
+                })?;
             let verdict = verdict.ok_or(StudyError::Incomplete)?;
             gathered.add(verdict.output);
             gathered.results.verdict = Some(verdict.result);
@@ -416,6 +405,11 @@ impl Study {
     }
 }
 
+/// Returns the sections of both bodies as text, without fields that they leave out.
+fn bodies_text(file: &StudyFile) -> Result<String, StoreError> {
+    Ok(serde_json::to_string(&(&file.surface, &file.counterface))?)
+}
+
 /// What the stages are run for.
 enum Purpose<'a> {
     /// All results of a study.
@@ -439,16 +433,16 @@ pub(super) struct Stages<'a> {
 }
 
 impl Stages<'_> {
-    /// Runs a stage, a function of `depends_on` alone; `None` if blocks of other parts are missing.
+    /// Runs a stage, a function of `input` alone; `None` if blocks of other parts are missing.
     pub(super) fn run<T>(
         &self,
         stage: &str,
-        depends_on: &[&dyn Debug],
+        input: &impl Serialize,
         run: impl FnOnce(&dyn Monitor) -> Result<T, StudyError>,
     ) -> Result<Option<T>, StudyError> {
         self.monitor.begin(stage);
         let Some(blocks) = self.blocks else { return run(self.monitor).map(Some) };
-        match run(&blocks.stage(stage, depends_on, self.monitor)) {
+        match run(&blocks.stage(stage, input, self.monitor)?) {
             Err(_) if blocks.failed() => Err(blocks.flush().err().map_or(StudyError::Cancelled(Cancelled), Into::into)),
             Err(error)
                 if error.kind() == FailureKind::Cancelled && blocks.is_incomplete() && !self.monitor.cancelled() =>

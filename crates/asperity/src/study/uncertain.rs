@@ -6,6 +6,7 @@
 mod keys;
 mod stated;
 
+use serde::{Serialize, Serializer};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -82,6 +83,12 @@ pub(super) struct Place {
     pub(super) element: Option<usize>,
 }
 
+impl Serialize for Place {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.name())
+    }
+}
+
 impl PartialEq for Place {
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self.key, other.key) && self.element == other.element
@@ -141,7 +148,7 @@ impl Place {
 }
 
 /// Point in parameter space: a study with exact values, and values that no study file states.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct Point {
     pub(super) file: StudyFile,
     latent: Vec<(Place, f64)>,

@@ -1,34 +1,36 @@
 //! The verdict: how probable vibration is over the uncertain values of a study, what decides it, and what changes it.
 
 mod answers;
-pub(super) mod area;
-pub(super) mod assumed;
-pub(super) mod axis;
+mod area;
+mod assumed;
+mod axis;
 mod changed;
 #[cfg(test)]
 mod closed_forms;
-pub(super) mod decided;
+mod cost;
+mod decided;
 mod drivers;
 mod dynamics;
-pub(super) mod expansion;
+mod expansion;
 mod fluctuating;
-pub(super) mod judge;
+mod judge;
 mod machines;
-pub(super) mod map;
-pub(super) mod margins;
+mod map;
+mod margins;
 mod plastic;
-pub(super) mod points;
+mod points;
 mod probability;
-pub(super) mod remedies;
-pub(super) mod replicates;
+mod remedies;
+mod replicates;
 mod responses;
-pub(super) mod rests_on;
-pub(super) mod sampled;
-pub(super) mod scan;
+mod rests_on;
+mod sampled;
+mod scan;
 mod sharing;
-pub(super) mod vibrating;
+mod vibrating;
 
 use self::assumed::Ends;
+pub(super) use self::cost::cost;
 use self::drivers::MarginModel;
 use self::dynamics::Dynamics;
 use self::fluctuating::HALF;

@@ -1,12 +1,14 @@
 //! Stick-slip of a mass on a belt under the friction process.
 
 mod clipping;
+pub(super) mod cost;
 mod ensembles;
 mod entries;
 mod map;
 mod tables;
 
 pub use self::clipping::clipping_warning;
+pub(super) use self::cost::{cost, trajectory_seconds};
 use self::ensembles::Ensembles;
 pub(super) use self::ensembles::refuse_clipping;
 use self::entries::cycle_result;

@@ -5,10 +5,10 @@ use std::path::{self, Path, PathBuf};
 
 use asperity_results::Provenance;
 
-use crate::study::store::{
-    FIELD_INDEX, FRICTION_PROCESS, FieldEntry, MACHINE, PROVENANCE, RESULTS, STUDY, array_name, file_hash,
+use crate::study::stored_run::{
+    FIELD_INDEX, FRICTION_PROCESS, FieldEntry, MACHINE, PROVENANCE, RESULTS, STUDY, array_name,
 };
-use crate::study::{Field, Outcome, Staging, StoreError, Study, StudyFile, json_bytes};
+use crate::study::{Field, Outcome, Staging, StoreError, Study, StudyFile, file_hash, json_bytes};
 
 /// Returns the provenance of a computation from the files `inputs`: version, name, seed and the hash of every file.
 ///
@@ -83,7 +83,7 @@ pub fn resolved_study(study: &Study, folder: &Path) -> Result<String, StoreError
     // TOML stores only Unicode; any other path is kept unchanged.
     let absolute = |name: &Path| path::absolute(folder.join(name)).ok().filter(|path| path.to_str().is_some());
     let file = with_paths(study.file(), |name| absolute(name).unwrap_or_else(|| name.to_path_buf()));
-    Ok(toml::to_string(&file.to_table()?)?)
+    file.to_text()
 }
 
 /// Passes the files of a run folder that equal studies give equal bytes to `write`, each with its relative name: results, tables,
@@ -97,10 +97,10 @@ pub fn result_files(
 ) -> Result<(), StoreError> {
     write(RESULTS, &json_bytes(&outcome.results)?)?;
     for (name, table) in &outcome.tables {
-        write(&format!("tables/{name}.csv"), &table.to_csv()?)?;
+        write(&format!("tables/{name}.csv"), &table.to_csv().map_err(StoreError::content)?)?;
     }
     if let Some(process) = &outcome.friction_process {
-        write(FRICTION_PROCESS, process.to_json()?.as_bytes())?;
+        write(FRICTION_PROCESS, process.to_json().map_err(StoreError::content)?.as_bytes())?;
     }
     if let Some(machine) = &outcome.machine {
         write(MACHINE, &json_bytes(machine)?)?;
@@ -109,7 +109,8 @@ pub fn result_files(
     for (name, field) in &outcome.fields {
         let (dx_m, dy_m) = (field.dx_m(), field.dy_m());
         index.insert(name.clone(), FieldEntry { dx_m, dy_m, unit: field.unit().into() });
-        let vtk = asperity_formats::write_vtk_fields((dx_m, dy_m), &[(name, field.values())])?;
+        let vtk =
+            asperity_formats::write_vtk_fields((dx_m, dy_m), &[(name, field.values())]).map_err(StoreError::content)?;
         write(&format!("fields/{name}.vti"), &vtk)?;
         let archive =
             npz(name, field).map_err(|source| StoreError::Io { path: format!("fields/{name}.npz").into(), source })?;

@@ -7,8 +7,9 @@ use asperity_results::Provenance;
 
 use super::Campaign;
 use crate::study::result::{CampaignResults, InputValue, MemberResult, VariedKey};
-use crate::study::store::{CAMPAIGN, PROVENANCE, RESULTS, read_results, require_finished};
-use crate::study::{Staging, StoreError, StoredRun, TableError, json_bytes};
+use crate::study::stored_run::{CAMPAIGN, PROVENANCE, RESULTS, read_results};
+use crate::study::{Staging, StoreError, TableError, is_finished, json_bytes};
+use asperity_runs::require_finished;
 
 /// Finished campaign, read from its folder.
 #[derive(Debug, Clone)]
@@ -24,7 +25,7 @@ pub struct StoredCampaign {
 impl StoredCampaign {
     /// Returns whether `dir` is the folder of a finished campaign.
     pub fn is_campaign(dir: &Path) -> bool {
-        StoredRun::is_run(dir) && dir.join(CAMPAIGN).is_file()
+        is_finished(dir) && dir.join(CAMPAIGN).is_file()
     }
 
     /// Reads the folder of a campaign.
@@ -88,7 +89,7 @@ pub fn campaign_files(
     mut write: impl FnMut(&str, &[u8]) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
     write(RESULTS, &json_bytes(results)?)?;
-    write("members.csv", &members_csv(results)?)
+    write("members.csv", &members_csv(results).map_err(StoreError::content)?)
 }
 
 /// Returns the rows of the members as CSV. Undefined cells are empty; a key with a unit has it at the end of its name.

@@ -1,5 +1,7 @@
 //! Checks of `[friction]`.
 
+use serde::Serialize;
+
 use std::sync::Arc;
 
 use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, once, positive, within};
@@ -19,7 +21,7 @@ const SECTION: &str = "friction";
 const UNCERTAINTY: &str = "friction.uncertainty";
 
 /// Settings of the friction stage: friction of windows on solved strips.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(in crate::study) struct FrictionStudy {
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,
@@ -89,7 +91,7 @@ impl FrictionStudy {
 }
 
 /// Standard deviations of the uncertain parameters of the surface; `None` for parameters that are certain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(in crate::study) struct UncertaintyStudy {
     pub(in crate::study) rms_height: Option<LengthStd>,
     pub(in crate::study) correlation_length: Option<LengthStd>,

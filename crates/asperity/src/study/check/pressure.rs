@@ -1,5 +1,7 @@
 //! Checks of `[material]` and `[pressure]`.
 
+use serde::Serialize;
+
 use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::contact::{Elastic, ElasticPair, contact_modulus_pa};
@@ -11,7 +13,7 @@ use crate::study::file::{CounterfaceSection, StudyFile};
 const PRESSURE: &str = "pressure";
 
 /// Elastic and plastic properties.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(in crate::study) struct Material {
     /// Contact modulus E/(1 − ν²) in pascal.
     pub(in crate::study) contact_modulus_pa: f64,
@@ -36,7 +38,7 @@ impl Material {
 }
 
 /// Settings of the pressure stage: the pressure at one cell of random patches.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(in crate::study) struct PressureStudy {
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,

@@ -1,5 +1,7 @@
 //! Checks of `[uncertainty]` and `[verdict]`.
 
+use serde::Serialize;
+
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
@@ -13,7 +15,7 @@ const TARGETS: std::ops::RangeInclusive<f64> = 0.001..=0.999;
 const MOST_EVALUATIONS: f64 = 1e8;
 
 /// Uncertain values of a study and its verdict.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(in crate::study) struct VerdictStudy {
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,
@@ -39,7 +41,7 @@ pub(in crate::study) struct VerdictStudy {
 }
 
 /// Value to change.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(in crate::study) struct RemedyStudy {
     pub(in crate::study) place: Place,
     /// Range of its central value in SI.

@@ -1,5 +1,7 @@
 //! Checked machine of `[vibration]`: a mass on a belt.
 
+use serde::Serialize;
+
 use std::path::PathBuf;
 
 use crate::friction::process::Generator;
@@ -16,7 +18,7 @@ use crate::vibration::{Drive, Forcing, MapOver, Oscillator, Parameters, Scales, 
 pub(super) const SECTION: &str = "vibration";
 
 /// Settings of the vibration stage: a mass on a belt.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(in crate::study) struct VibrationStudy {
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,
@@ -56,7 +58,7 @@ pub(in crate::study) struct VibrationStudy {
 }
 
 /// Springs of two coupled modes, in units of mω₀².
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(in crate::study) struct CoupledStudy {
     pub(in crate::study) angles_deg: [f64; 2],
     pub(in crate::study) springs: [f64; 2],
@@ -64,7 +66,7 @@ pub(in crate::study) struct CoupledStudy {
 }
 
 /// Source of the friction process.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(in crate::study) enum FrictionSource {
     /// Result of the friction stage, at this percentile, or at the nominal pressure.
     Computed(Option<f64>),

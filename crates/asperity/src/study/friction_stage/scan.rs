@@ -147,7 +147,7 @@ fn halvings(points: usize) -> std::ops::RangeInclusive<u32> {
 }
 
 /// Returns the number of cells of the finest solution of a scan of a number of points, and of all solutions.
-pub(in crate::study) fn cells(points: usize) -> [usize; 2] {
+pub(super) fn cells(points: usize) -> [usize; 2] {
     let cells = |k: u32| points.min(MOST_POINTS) << (2 * k);
     let halvings = halvings(points.min(MOST_POINTS));
     [cells(*halvings.end()), MOST_CUT_OFFS * halvings.map(cells).sum::<usize>()]

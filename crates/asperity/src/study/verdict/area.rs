@@ -20,13 +20,13 @@ use crate::study::Table;
 use crate::study::result::AreaAsOne;
 
 /// Numbers of windows.
-pub(in crate::study) const ROWS: usize = 8;
+pub(super) const ROWS: usize = 8;
 /// Machines of each number of windows if friction fluctuates, and the number of them after which sampling ends if all have the same
 /// answer.
-pub(in crate::study) const FLUCTUATING: usize = 256;
+pub(super) const FLUCTUATING: usize = 256;
 const FIRST: usize = 64;
 /// Machines of each number of windows if friction does not fluctuate.
-pub(in crate::study) const CONSTANT: usize = 1024;
+pub(super) const CONSTANT: usize = 1024;
 
 /// Name of the table.
 const TABLE: &str = "verdict_area";

@@ -13,7 +13,7 @@ use crate::study::result::{Assumed, InputValue, Pair, RestsOn};
 use crate::study::uncertain::Place;
 
 /// Machines of each end of a range.
-pub(in crate::study) const MACHINES: usize = 256;
+pub(super) const MACHINES: usize = 256;
 
 /// The verdict of the study, from which its values are changed.
 pub(super) struct Ends<'a> {

@@ -11,7 +11,7 @@ use crate::study::uncertain::{Place, Point};
 const TAIL: f64 = 1e-3;
 
 /// Returns the values that change the contact, uncertain ones and those of remedies.
-pub(in crate::study) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
+pub(super) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
     let changes_contact = |place: &Place| matches!(place.key().link, Link::Surface | Link::Contact);
     let mut places: Vec<Place> = Vec::new();
     for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {

@@ -93,7 +93,7 @@ fn chance(whole: usize, rank: usize, below: usize) -> f64 {
 }
 
 /// Returns the expected number of decisions for a number of machines, at most.
-pub(in crate::study) fn decisions(machines: usize) -> usize {
+pub(super) fn decisions(machines: usize) -> usize {
     let whole = machines.div_ceil(WHOLE);
     let halvings = (machines / whole).ilog2() as usize;
     halvings + (0..machines).map(|rank| chance(whole, rank, machines / 2)).sum::<f64>().ceil() as usize

@@ -87,7 +87,7 @@ pub(super) fn expand_friction(
 }
 
 /// Returns the number of points at which friction is usually solved for a number of values.
-pub(in crate::study) fn solved_points(values: usize) -> usize {
+pub(super) fn solved_points(values: usize) -> usize {
     (POINTS_PER_VALUE + 1) * (values + 1)
 }
 

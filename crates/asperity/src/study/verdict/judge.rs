@@ -11,7 +11,7 @@ use crate::study::result::MachineModel;
 use crate::study::sentence;
 
 /// Factor of the duration after which the probability is computed again.
-pub(in crate::study) const LATER: usize = 4;
+pub(super) const LATER: usize = 4;
 
 /// Returns whether a standard deviation of friction is negligible.
 pub(super) fn is_negligible(window: &WindowFriction, std: f64) -> bool {

@@ -16,9 +16,9 @@ use crate::study::{StudyError, Table};
 use crate::vibration::grid_contour;
 
 /// Central values of one input.
-pub(in crate::study) const VALUES: usize = 17;
+pub(super) const VALUES: usize = 17;
 /// Machines of each pair of central values: points of each randomisation of the Sobol' sequence.
-pub(in crate::study) const POINTS: usize = 64;
+pub(super) const POINTS: usize = 64;
 /// Probability of a contour besides the targets.
 const EVEN: f64 = 0.5;
 

@@ -10,7 +10,7 @@ use crate::study::result::MachineModel;
 use crate::study::uncertain::Place;
 
 /// Name of the damping ratio.
-pub(in crate::study) const DAMPING: &str = "vibration.damping_ratio";
+pub(super) const DAMPING: &str = "vibration.damping_ratio";
 
 /// Names of the values that change mω₀.
 const INERTIA: [&str; 2] = ["vibration.mass", "vibration.natural_frequency"];
@@ -61,7 +61,7 @@ pub(super) fn margins(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monit
 }
 
 /// Returns whether a change of a value changes the margins by as much as the damping ratios. The margin of coupled modes is one of friction.
-pub(in crate::study) fn is_damping(place: Place, model: MachineModel) -> bool {
+pub(super) fn is_damping(place: Place, model: MachineModel) -> bool {
     place.name() == DAMPING && model == MachineModel::StickSlip
 }
 

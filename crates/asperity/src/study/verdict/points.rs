@@ -77,7 +77,7 @@ impl ContactPoints<'_> {
 }
 
 /// Returns the number of strips at each point.
-pub(in crate::study) fn strips_per_point(realisations: usize) -> usize {
+pub(super) fn strips_per_point(realisations: usize) -> usize {
     LEAST_STRIPS.max(realisations.div_ceil(2))
 }
 

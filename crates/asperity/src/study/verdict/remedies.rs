@@ -19,10 +19,10 @@ use crate::study::check::{RemedyStudy, VerdictStudy};
 use crate::study::result::{Reach, Remedy};
 
 /// Points of each randomisation; more where friction fluctuates, because few machines are decided by ensembles.
-pub(in crate::study) const POINTS: usize = 512;
-pub(in crate::study) const FLUCTUATING_POINTS: usize = 1024;
+pub(super) const POINTS: usize = 512;
+pub(super) const FLUCTUATING_POINTS: usize = 1024;
 /// Steps from the present value to each end of the range in the search for the nearest value.
-pub(in crate::study) const STEPS: usize = 8;
+pub(super) const STEPS: usize = 8;
 /// Tolerance of a value, and the distance within which the values of one replicate and of all differ, relative to the range or, if it is
 /// wider, to the value.
 const TOLERANCE: f64 = 1e-5;

@@ -10,7 +10,7 @@ use crate::chaos::{Design, SamplingError, SamplingMethod};
 use crate::stats::{Interval, Moments, student_quantile};
 
 /// Randomisations of the Sobol' points.
-pub(in crate::study) const REPLICATES: usize = 8;
+pub(super) const REPLICATES: usize = 8;
 /// Standard deviation of a count that lies between two whole numbers, at most.
 const ROUNDING: f64 = 0.5;
 /// Stream of the points of remedies and maps.

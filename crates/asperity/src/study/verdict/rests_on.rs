@@ -30,7 +30,7 @@ pub(super) fn assumed_range(input: &RestsOn) -> Option<Pair> {
 }
 
 /// Returns the number of ends of ranges, other than the default itself, of the values that a study file leaves out.
-pub(in crate::study) fn assumed_ends(unstated: &[String]) -> usize {
+pub(super) fn assumed_ends(unstated: &[String]) -> usize {
     let of = |(_, default): (&Key, KeyDefault)| {
         let ends = default.range.into_iter().flatten();
         ends.filter(|end| default.value != DefaultValue::Number(*end)).count()

@@ -14,7 +14,7 @@ use crate::vibration::Count;
 const FIRST_ROUND: usize = 2048;
 
 /// Largest number of machines that are followed for a longer time.
-pub(in crate::study) const LATER: usize = 256;
+pub(super) const LATER: usize = 256;
 /// Largest number of machines that are evaluated with another friction.
 const SHIFTED: usize = 4096;
 
@@ -54,7 +54,7 @@ fn end_of_round(from: usize, most: usize) -> usize {
 }
 
 /// Returns the largest number of machines that the interval of a probability may need.
-pub(in crate::study) fn largest_number(half_width: f64, most: usize) -> usize {
+pub(super) fn largest_number(half_width: f64, most: usize) -> usize {
     let widest = (0.5 * NORMAL_95 / half_width).powi(2);
     let mut number = end_of_round(0, most);
     while number < most && (number as f64) < widest {

@@ -26,7 +26,7 @@ const SCAN: &str = "scan";
 /// Key of the differences between the scans of a body.
 const BETWEEN_SCANS: &str = "between_scans";
 /// Solved points of the gradient of friction, for each body with a scan.
-pub(in crate::study) const POINTS: usize = 6;
+pub(super) const POINTS: usize = 6;
 /// Change of ln μ below which an uncertain value has no effect.
 const NEGLIGIBLE: f64 = 1e-9;
 /// Confidence level of the pooled change, of which only the standard errors are used.

@@ -13,9 +13,9 @@ use crate::study::Table;
 use crate::study::result::{MachineModel, Quantiles, VibratingMachines};
 
 /// Largest number of rows of the table of machines.
-pub(in crate::study) const MOST_ROWS: usize = 4096;
+pub(super) const MOST_ROWS: usize = 4096;
 /// Largest number of machines whose cycles are computed; cycles of two coupled modes take longer.
-pub(in crate::study) const MOST: usize = 1024;
+pub(super) const MOST: usize = 1024;
 const MOST_COUPLED: usize = 64;
 
 /// Returns the kinds, frequencies and amplitudes of the machines that vibrate; `None` if there are none. Cycles are those without

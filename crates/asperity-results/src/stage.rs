@@ -1,6 +1,6 @@
 //! Stages of a study.
 
-use asperity_base::choice;
+use crate::choice;
 
 choice! {
     /// Stage of a study.

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use asperity_formats::replace_file;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::study::result::Program;
-use crate::study::{Stage, StoreError, file_hash, json_bytes};
+use asperity_results::{Program, Stage};
+
+use crate::{StoreError, file_hash, json_bytes};
 
 /// Extension of records.
 const EXTENSION: &str = "json";

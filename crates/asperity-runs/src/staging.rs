@@ -14,8 +14,8 @@ use asperity_formats::{
     check_writable, create_locked, is_temporary_suffix, lock_abandoned, remove_abandoned_files, temporary_suffix,
 };
 
-use super::manifest::{MANIFEST, Manifest, UNFINISHED, folders};
-use super::{COMPLETE, StoreError, at};
+use crate::manifest::{MANIFEST, Manifest, UNFINISHED, folders};
+use crate::store::{COMPLETE, StoreError, at};
 
 /// Prefixes of hidden names: of a folder that is being written, and of one that is being replaced.
 const PARTIAL: &str = ".partial-";

@@ -8,7 +8,7 @@ mod record;
 mod writer;
 
 use std::collections::{BTreeMap, HashMap};
-use std::fmt::{self, Debug};
+use std::fmt;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,6 +18,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use asperity_base::monitor::{BlockStore, Monitor, RoundId};
 use asperity_formats::{check_writable, remove_abandoned_files, replace_file};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 #[cfg(fuzzing)]
@@ -26,20 +27,17 @@ pub use self::file::sha256;
 use self::file::{Block, Entry, Round};
 pub use self::record::{RunRecord, program, program_difference};
 use self::writer::Writer;
-use crate::study::StoreError;
+use crate::StoreError;
 
 /// Name of the folder of blocks beside a run.
 const FOLDER: &str = ".asperity-blocks";
 
-/// Returns the SHA-256 of parts as hexadecimal digits.
-pub(super) fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
-    let mut sha256 = Sha256::new();
-    for part in parts {
-        // The length separates a part from the next.
-        sha256.update((part.len() as u64).to_le_bytes());
-        sha256.update(part);
-    }
-    file::hex(&sha256.finalize())
+/// Returns the SHA-256 of a value in its serialised form. Types of the value must serialise all their fields.
+///
+/// # Errors
+/// The value cannot be serialised.
+pub fn key_of(value: &impl Serialize) -> Result<String, StoreError> {
+    postcard::to_allocvec(value).map(|bytes| sha256(&bytes)).map_err(StoreError::content)
 }
 
 /// Blocks that a process computes.
@@ -183,23 +181,24 @@ impl RunBlocks {
         })
     }
 
-    /// Begins a stage, a function of `depends_on` alone.
-    pub(super) fn stage<'a>(
+    /// Begins a stage, a function of `input` alone: its blocks are found again by the [`key_of`] the input.
+    ///
+    /// # Errors
+    /// The input cannot be serialised.
+    pub fn stage<'a>(
         &'a self,
         stage: &str,
-        depends_on: &[&dyn Debug],
+        input: &impl Serialize,
         monitor: &'a dyn Monitor,
-    ) -> StageBlocks<'a> {
+    ) -> Result<StageBlocks<'a>, StoreError> {
         let mut record = lock(&self.record);
-        let mut parts = vec![format!("{:?}", record.program), stage.to_owned()];
-        parts.extend(depends_on.iter().map(|part| format!("{part:?}")));
-        let name = hash(parts.iter().map(String::as_bytes))[..32].to_owned();
+        let name = key_of(&(&record.program, stage, input))?[..32].to_owned();
         let folder = self.folder.join(&name);
         remove_abandoned_files(&folder);
         let known = Known::read(self.beside.iter().map(|other| other.join(&name)).chain([folder.clone()]));
         record.stages.push((stage.to_owned(), name));
         self.writer.set_record(record.clone());
-        StageBlocks { run: self, stage: stage.to_owned(), folder, monitor, known, begun: Mutex::default() }
+        Ok(StageBlocks { run: self, stage: stage.to_owned(), folder, monitor, known, begun: Mutex::default() })
     }
 
     /// Returns the rounds that were begun, in their order.
@@ -208,7 +207,7 @@ impl RunBlocks {
     }
 
     /// Returns whether blocks could not be written.
-    pub(super) fn failed(&self) -> bool {
+    pub fn failed(&self) -> bool {
         self.writer.failed()
     }
 
@@ -378,7 +377,7 @@ impl Known {
 }
 
 /// Blocks of one stage, and the monitor of its computation.
-pub(super) struct StageBlocks<'a> {
+pub struct StageBlocks<'a> {
     run: &'a RunBlocks,
     stage: String,
     folder: PathBuf,

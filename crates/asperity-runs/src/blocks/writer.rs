@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use super::file::{self, Block, Round};
 use super::record::RunRecord;
-use crate::study::StoreError;
+use crate::StoreError;
 
 /// Bytes of waiting blocks at which they are written, and at which the computation waits.
 const WRITTEN_BYTES: usize = 1 << 24;
