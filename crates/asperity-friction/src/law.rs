@@ -80,6 +80,11 @@ pub trait WindowLaw: Debug + Send + Sync + erased_serde::Serialize {
         false
     }
 
+    /// Returns the input, `section.key`, to which the force of every window is proportional, if there is one.
+    fn proportional_to(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Returns the friction coefficient F/N of a window; `None` if it carries no load.
     fn coefficient(&self, window: &WindowContact) -> Option<f64> {
         window.loaded().then(|| self.force_n(window) / window.load_n)

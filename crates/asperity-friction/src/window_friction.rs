@@ -79,6 +79,13 @@ pub struct WindowFriction {
 }
 
 impl WindowFriction {
+    /// Returns this friction with all its values multiplied.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let Self { mean, std, between_parts_std, .. } = self;
+        Self { mean: factor * mean, std: factor * std, between_parts_std: factor * between_parts_std, ..self }
+    }
+
     /// Returns the friction of the window of a level at the mean load; `stribeck` is per unit of dimensionless velocity.
     ///
     /// It fluctuates along the path if the track is rough; between two rough bodies as [`SolvedLevel::two_bodies`] states. A rough

@@ -40,4 +40,8 @@ impl WindowLaw for BowdenTabor {
     fn plastic_floor(&self, hardness_pa: f64) -> Option<f64> {
         Some(self.shear_strength_pa / hardness_pa)
     }
+
+    fn proportional_to(&self) -> Option<&'static str> {
+        Some(SHEAR_STRENGTH)
+    }
 }

@@ -80,7 +80,7 @@ impl StudyFile {
         let body = self.check_body(friction.as_ref(), vibration.as_ref())?;
         let friction = friction.map(|friction| FrictionStudy { body, ..friction });
         let file = self.with_defaults(friction.as_ref(), vibration.as_ref());
-        let verdict = file.check_verdict()?;
+        let verdict = file.check_verdict(friction.as_ref())?;
         Ok(Study { file, surface, counterface, pressure, friction, vibration, verdict })
     }
 

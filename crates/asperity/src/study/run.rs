@@ -64,7 +64,7 @@ impl Study {
     }
 
     /// Returns whether a value is uncertain or the input of a remedy.
-    fn varies(&self, name: &str) -> bool {
+    pub(super) fn varies(&self, name: &str) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| {
             let of_remedies = verdict.remedies.iter().map(|remedy| &remedy.place);
             verdict.places.iter().chain(of_remedies).any(|place| place.name() == name)

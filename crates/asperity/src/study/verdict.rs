@@ -176,6 +176,13 @@ impl Contact {
             latent.extend(other.map_err(|error| StudyError::Verdict(error.to_string()))?);
         }
         let study = study.with_latent(latent);
+        if let Some(place) = study.proportional.filter(|place| whole.varies(&place.name())) {
+            output.assumptions.push(format!(
+                "The friction coefficient is proportional to the {} (`{}`), whose effect needs no further solution.",
+                place.key().label,
+                place.name()
+            ));
+        }
         let responses = expansion::expand_friction(&points, &study, window, monitor, output)?;
         Ok(Self { study, responses, scan_error })
     }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::FrictionStudy;
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
@@ -25,6 +26,8 @@ pub(in crate::study) struct VerdictStudy {
     pub(in crate::study) inputs: UncertainInputs,
     /// Place of each uncertain value.
     pub(in crate::study) places: Vec<Place>,
+    /// Value of the contact to which the friction of all windows is proportional.
+    pub(in crate::study) proportional: Option<Place>,
     /// Whether the verdict counts what the scans leave uncertain of both bodies.
     pub(in crate::study) scan_errors: bool,
     /// Duration T; `None` for the duration of the vibration stage.
@@ -64,7 +67,7 @@ impl VerdictStudy {
 
 impl StudyFile {
     /// Checks the verdict; `None` for a study without vibration.
-    pub(super) fn check_verdict(&self) -> Result<Option<VerdictStudy>, InvalidValue> {
+    pub(super) fn check_verdict(&self, friction: Option<&FrictionStudy>) -> Result<Option<VerdictStudy>, InvalidValue> {
         if self.vibration.is_none() {
             return match &self.verdict {
                 Some(_) => Err(invalid(SECTION, "remedies", "a verdict requires [vibration]")),
@@ -90,10 +93,13 @@ impl StudyFile {
         within(SECTION, "evaluations", evaluations as f64, |n| n <= MOST_EVALUATIONS, "at most 1e8")?;
         let remedies = remedies
             .iter()
-            .map(|remedy| check_remedy(remedy, &central, self.friction.is_some()))
+            .map(|remedy| check_remedy(remedy, &central, friction.is_some()))
             .collect::<Result<_, _>>()?;
         Ok(Some(VerdictStudy {
             valid_fraction: self.valid_share,
+            proportional: friction
+                .and_then(|friction| friction.law.proportional_to())
+                .and_then(|input| Place::named(input, &central)),
             central,
             inputs,
             places: self.uncertain.iter().map(UncertainValue::place).collect(),

@@ -10,9 +10,11 @@ use crate::study::uncertain::{Place, Point};
 /// Probability of values below and above the range on which friction is expanded.
 const TAIL: f64 = 1e-3;
 
-/// Returns the values that change the contact, uncertain ones and those of remedies.
+/// Returns the values, uncertain ones and those of remedies, whose effect on friction takes solutions of the contact.
 pub(super) fn contact_places(verdict: &VerdictStudy) -> Vec<Place> {
-    let changes_contact = |place: &Place| matches!(place.key().link, Link::Surface | Link::Contact);
+    let changes_contact = |place: &Place| {
+        matches!(place.key().link, Link::Surface | Link::Contact) && Some(*place) != verdict.proportional
+    };
     let mut places: Vec<Place> = Vec::new();
     for place in verdict.places.iter().copied().chain(verdict.remedies.iter().map(|remedy| remedy.place)) {
         if changes_contact(&place) && !places.contains(&place) {

@@ -54,6 +54,8 @@ pub(super) struct Machines<'a> {
     window: &'a WindowFriction,
     /// Friction as a function of the values that change the contact.
     responses: Option<&'a FrictionResponses>,
+    /// Value to which this friction is proportional, and its central value.
+    proportional: Option<(Place, f64)>,
     /// Whether the Stribeck coefficient is that of a friction process from a file, not that of the study.
     process_has_stribeck: bool,
     /// Place of the differences between the parts of a rough slider.
@@ -82,6 +84,10 @@ impl<'a> Machines<'a> {
         central.file.pressure = None;
         let stated = central.machine().ok().and_then(|study| study.dimensionless_stribeck());
         Self {
+            proportional: study
+                .proportional
+                .filter(|_| window.computed)
+                .and_then(|place| Some((place, place.value_in(&central)?))),
             process_has_stribeck: window.stribeck != stated,
             central,
             inputs: study.inputs.clone(),
@@ -230,6 +236,9 @@ impl<'a> Machines<'a> {
             Some(responses) => responses.at(&point, self.window),
             None => self.window.clone(),
         };
+        if let Some((place, central)) = self.proportional {
+            window = window.scaled(place.value_in(&point).map_or(1.0, |value| value / central));
+        }
         let part = self.between_parts.and_then(|place| place.value_in(&point));
         let shortest_m = self.cut_off.and_then(|place| place.value_in(&point));
         let mut study = point.machine()?;
@@ -327,6 +336,8 @@ pub(super) mod tests {
         let area_m2 = vibration.nominal_contact().area_m2;
         WindowFriction::from_statement(stated.clone(), area_m2, vibration.dimensionless_stribeck())
     }
+    use super::super::axis::contact_places;
+    use super::super::rests_on::tests::{STUDY, computed_window};
     use crate::study::Study;
 
     #[test]
@@ -423,6 +434,26 @@ pub(super) mod tests {
             let found = machine.window.stribeck;
             assert_eq!(found.is_some(), wanted.is_some());
             assert!(found.zip(wanted).is_none_or(|(found, wanted)| (found / wanted - 1.0).abs() < 1e-12), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn friction_follows_the_shear_strength_of_its_law_without_a_solution() {
+        for (law, is_proportional) in
+            [("", true), ("law = \"pressure_dependent\"\npressure_coefficient = 0.05\n", false)]
+        {
+            let text =
+                STUDY.replace("\"385 MPa\"", "\"385 ± 30 MPa\"").replace("[friction]\n", &format!("[friction]\n{law}"));
+            let study = Study::parse(&text, "study.toml").unwrap();
+            let verdict = study.verdict.as_ref().unwrap();
+            assert_eq!(contact_places(verdict).is_empty(), is_proportional);
+            let window = WindowFriction { std: 0.01, ..computed_window(None) };
+            let machines = Machines::new(verdict, &window, None, 1);
+            let found = machines.at(&[2.0]).unwrap().window;
+            let factor = if is_proportional { 445.0 / 385.0 } else { 1.0 };
+            assert!(
+                (found.mean / (0.3 * factor) - 1.0).abs() < 1e-12 && (found.std / (0.01 * factor) - 1.0).abs() < 1e-12
+            );
         }
     }
 }

@@ -52,7 +52,13 @@ impl ContactPoints<'_> {
         if self.monitor.cancelled() {
             return Err(Cancelled.into());
         }
-        let own = point.file.clone().check()?;
+        let mut point = point.clone();
+        // Friction is proportional to it.
+        let proportional = self.study.verdict.as_ref().and_then(|verdict| verdict.proportional);
+        if let Some((place, value)) = proportional.and_then(|place| Some((place, place.value_in(self.central)?))) {
+            place.set(&mut point, value);
+        }
+        let own = point.file.check()?;
         let (Some(friction), Some(vibration), Some(surface)) = (&own.friction, &own.vibration, &own.surface) else {
             return Ok(None);
         };
@@ -139,15 +145,21 @@ mod tests {
         }
     }
 
-    #[test]
-    #[ignore = "slow"]
-    fn friction_follows_the_errors_of_a_scan() {
+    /// Returns a folder with the scan of the study.
+    fn scanned() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
         let noise = filtered_noise(grid, &mut stream(3, "scan", 0), |x, y| (-(x * x + y * y) / 200.0).exp());
         let heights_m = Array2::from_shape_vec(grid.shape(), noise).unwrap() * 1e-7;
         let bytes = asperity_formats::write_npy(&asperity_formats::Scan::new(heights_m, None));
         std::fs::write(folder.path().join("scan.npy"), bytes).unwrap();
+        folder
+    }
+
+    #[test]
+    #[ignore = "slow"]
+    fn friction_follows_the_errors_of_a_scan() {
+        let folder = scanned();
         let study = Study::parse(TEXT, "study.toml").unwrap();
         let surface = surface_stage::without_tables(study.surface.as_ref().unwrap(), folder.path()).unwrap();
         let place = Place::latent("surface.scan").unwrap();
@@ -171,5 +183,29 @@ mod tests {
         assert_eq!(high, points.ln_friction(unit).unwrap());
         assert_eq!(low, points.ln_friction(unit.map(|body| body.map(|error| -error))).unwrap());
         assert!(low > usual && usual > high, "{low} {usual} {high}");
+    }
+
+    #[test]
+    fn friction_has_the_power_one_of_an_input_to_which_its_law_says_it_is_proportional() {
+        let folder = scanned();
+        let solve = |strength: f64| {
+            let text = TEXT.replace("\"100 MPa\"", &format!("\"{strength} MPa\""));
+            let study = Study::parse(&text, "study.toml").unwrap();
+            let surface = surface_stage::without_tables(study.surface.as_ref().unwrap(), folder.path()).unwrap();
+            let friction = study.friction.as_ref().unwrap();
+            let level = LevelControl::Nominal(20e6);
+            let solved = solve_level(friction, &surface.model, level, (4, 1.0), 1, &Silent).unwrap().unwrap().all;
+            (solved, friction.law.proportional_to())
+        };
+        let ((one, input), (other, _)) = (solve(100.0), solve(130.0));
+        assert_eq!(input, Some("material.shear_strength"));
+        for (one, other, factor) in [
+            (one.mean, other.mean, 1.3),
+            (one.std, other.std, 1.3),
+            (one.correlation_length_m, other.correlation_length_m, 1.0),
+            (one.stiffness_pa_per_m, other.stiffness_pa_per_m, 1.0),
+        ] {
+            assert!(one > 0.0 && (other / one / factor - 1.0).abs() < 1e-9, "{one} and {other}");
+        }
     }
 }

@@ -368,15 +368,15 @@ mod tests {
     #[test]
     #[ignore = "slow"]
     fn errors_of_friction_count_with_the_change_of_the_probability() {
-        // A machine vibrates if μ > 0.2, the friction at which ζ is its limit. μ = 0.2 τ/(385 MPa) with a normal strength τ; an error of
+        // A machine vibrates if μ > 0.2, the friction at which ζ is its limit. μ = 0.2 E/(385 GPa) with a normal modulus E; an error of
         // 1.96·2 % multiplies it, which moves the limit of τ.
         let factor = (0.02 * NORMAL_95).exp();
         for (central, std) in [(385.0, 30.0), (300.0, 20.0), (470.0, 20.0)] {
             let text = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
-                        marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"TAU MPa\"\n[friction]\n\
+                        marginal = \"normal\"\n[material]\nyoungs_modulus = \"MODULUS GPa\"\nshear_strength = \"385 MPa\"\n[friction]\n\
                         [vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.2229535019025\n\
                         normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2\n";
-            let text = text.replace("TAU", &format!("{central} ± {std}"));
+            let text = text.replace("MODULUS", &format!("{central} ± {std}"));
             let study = Study::parse(&text, "study.toml").unwrap();
             let mut responses = of_powers(&study);
             (responses.strips_error, responses.expansion_error) = (0.02, 0.0);

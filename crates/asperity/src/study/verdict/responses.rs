@@ -158,12 +158,12 @@ pub(super) mod tests {
     use crate::study::Study;
 
     const STUDY: &str = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\ncovariance = \"exponential\"\n\
-                         marginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\nshear_strength = \"385 ± 30 MPa\"\n\
+                         marginal = \"normal\"\n[material]\nyoungs_modulus = \"385 ± 30 GPa\"\nshear_strength = \"385 MPa\"\n\
                          [friction]\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.2\n\
                          normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\n\
                          stribeck = 4.2\n";
 
-    /// Friction whose moments are powers of τ/(385 MPa).
+    /// Friction whose moments are powers of E/(385 GPa).
     fn moments(ratio: f64) -> LevelMoments {
         LevelMoments {
             mean: 0.2 * ratio,
@@ -178,10 +178,10 @@ pub(super) mod tests {
     pub(in crate::study::verdict) fn of_powers(study: &Study) -> FrictionResponses {
         let verdict = study.verdict.as_ref().unwrap();
         let axes: Vec<Axis> = contact_places(verdict).into_iter().filter_map(|p| Axis::new(p, verdict)).collect();
-        assert_eq!((axes.len(), axes[0].place.name().as_str()), (1, "material.shear_strength"));
+        assert_eq!((axes.len(), axes[0].place.name().as_str()), (1, "material.youngs_modulus"));
         let propagation = Propagation::new(vec![axes[0].parameter().unwrap()], 8, 1).unwrap();
         let point = |index: usize| {
-            let all = moments(axes[0].value(propagation.point(index)[0]) / 385e6);
+            let all = moments(axes[0].value(propagation.point(index)[0]) / 385e9);
             Some(MomentReplicates { all, without: vec![all; 4] })
         };
         let found: Vec<_> = (0..8).map(point).collect();
@@ -244,7 +244,7 @@ pub(super) mod tests {
         let responses = of_powers(&study);
         let place = responses.axes[0].place;
         assert!(responses.strips_error < 1e-9 && responses.expansion_error < 1e-9);
-        assert_eq!((responses.result.inputs[0].as_str(), responses.result.points), ("material.shear_strength", 8));
+        assert_eq!((responses.result.inputs[0].as_str(), responses.result.points), ("material.youngs_modulus", 8));
         let stated = StatedFriction {
             mean: 0.2,
             std: 0.04,
@@ -263,7 +263,7 @@ pub(super) mod tests {
             };
             for ratio in [0.5, 0.9, 1.0, 1.2, 1.6] {
                 let mut point = verdict.central.clone();
-                place.set(&mut point, 385e6 * ratio);
+                place.set(&mut point, 385e9 * ratio);
                 let (at, wanted) = (responses.at(&point, &window), moments(ratio));
                 let parts = wanted.std / 0.05;
                 let length = if between_parts_std > 0.0 { 2e-4 } else { wanted.correlation_length_m };
