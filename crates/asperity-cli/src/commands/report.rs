@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity::study::{StoredCampaign, StoredRun, replace_files};
+use asperity::study::{StoreError, StoredCampaign, StoredRun, replace_files};
 use clap::Args;
 
 use crate::failure::{Failure, Kind};
@@ -24,7 +24,7 @@ impl Report {
             return Err(Failure::new(Kind::Data, message));
         }
         let run = StoredRun::load(&self.dir).map_err(|e| load_failure(&e))?;
-        let files = run.report().map_err(|e| store_failure(&e.into()))?;
+        let files = run.report().map_err(|e| store_failure(&StoreError::content(e)))?;
         monitor.check()?;
         replace_files(&self.dir, &files).map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", self.dir.join("report.html").display()));

@@ -69,7 +69,7 @@ pub fn write_run(
     staging.write(PROVENANCE, &json_bytes(provenance)?)?;
     result_files(outcome, |relative, bytes| staging.write(relative, bytes))?;
     #[cfg(feature = "report")]
-    for (relative, bytes) in super::report::new_report(&study, outcome, provenance)? {
+    for (relative, bytes) in super::report::new_report(&study, outcome, provenance).map_err(StoreError::content)? {
         staging.write(&relative, &bytes)?;
     }
     Ok(())

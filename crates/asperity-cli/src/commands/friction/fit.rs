@@ -12,7 +12,7 @@ use asperity::friction::measured::{
 };
 use asperity::quantity::{Force, Frequency, Length, Time, Velocity};
 use asperity::stats::ProcessEstimate;
-use asperity::study::{Table, json_bytes};
+use asperity::study::{StoreError, Table, json_bytes};
 use asperity_formats::read_limited;
 use asperity_report::{Figure, record_figures};
 use clap::Args;
@@ -234,7 +234,7 @@ impl FitRecord {
         let mut drawn = BTreeMap::new();
         for (name, columns) in fitted.tables(prepared) {
             let table = Table::new(columns);
-            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
+            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&StoreError::content(e)))?)?;
             drawn.insert(name.to_owned(), table);
         }
         for (path, svg) in record_figures(&drawn).iter().flat_map(Figure::files) {

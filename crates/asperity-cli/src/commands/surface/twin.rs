@@ -8,12 +8,12 @@ use asperity::map::BoundaryKind;
 use asperity::map::{HeightMap, MapError};
 use asperity::monitor::Cancelled;
 use asperity::quantity::Length;
-use asperity::study::Field;
 use asperity::study::Provenance;
 use asperity::study::file::SurfaceSection;
 use asperity::study::{
     Comparison, Staging, StatisticComparison, StudyError, TwinError, TwinOptions, TwinTables, Twins, json_bytes,
 };
+use asperity::study::{Field, StoreError};
 use asperity::surface::model::SurfaceModelError;
 use asperity::surface::{CovarianceSource, SurfaceGenerator};
 use asperity::translation::TranslationKind;
@@ -250,7 +250,7 @@ impl Twin {
         write("comparison.json", &json_bytes(comparison).map_err(|e| store_failure(&e))?)?;
         write("provenance.json", &json_bytes(provenance).map_err(|e| store_failure(&e))?)?;
         for (name, table) in tables {
-            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
+            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&StoreError::content(e)))?)?;
         }
         for (path, svg) in report.figures.iter().flat_map(Figure::files) {
             write(&path, svg.as_bytes())?;

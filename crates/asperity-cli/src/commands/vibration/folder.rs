@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::study::{Table, json_bytes};
+use asperity::study::{StoreError, Table, json_bytes};
 use asperity_report::{Figure, Report, VibrationFigures, render_vibration};
 use clap::Args;
 
@@ -51,7 +51,7 @@ impl Folder {
         let write = |relative: &str, bytes: &[u8]| staging.write(relative, bytes).map_err(|e| store_failure(&e));
         write("answer.json", &json_bytes(&answer.as_object()).map_err(|e| store_failure(&e))?)?;
         for (name, table) in &tables {
-            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&e.into()))?)?;
+            write(&format!("tables/{name}.csv"), &table.to_csv().map_err(|e| store_failure(&StoreError::content(e)))?)?;
         }
         let report = rendered(command, figures, answer, tables)?;
         for (path, svg) in report.figures.iter().flat_map(Figure::files) {
