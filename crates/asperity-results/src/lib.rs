@@ -22,6 +22,7 @@ mod schema;
 mod surface;
 mod table;
 mod uncertainty;
+mod unit;
 mod verdict;
 mod verdict_tables;
 mod vibration;
@@ -38,8 +39,8 @@ pub use cutoff::{CutoffPoint, CutoffResult, FinerPitch, ScanCutoff, ScanFriction
 pub use field::Field;
 pub use friction::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult, ReturnLevelResult,
-    RoughBody, StationarityResult, TailResult, UpscalingResult,
+    GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult,
+    ReturnLevelResult, RoughBody, StationarityResult, TailResult, UpscalingResult,
 };
 pub use labelled::{Answer, FieldKind, LabelledField};
 pub use mode_coupling::{CoupledCycleResult, CoupledMotion, MachineModel, ModeCouplingResult};
@@ -60,6 +61,7 @@ pub use table::{Table, TableError};
 pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
+pub use unit::split_unit;
 pub use verdict::{
     Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile, NominalMachine,
     Quantiles, Reach, Remedy, RestsOn, VerdictResult, VibratingMachines,
