@@ -39,7 +39,7 @@ pub use cutoff::{CutoffPoint, CutoffResult, FinerPitch, ScanCutoff, ScanFriction
 pub use field::Field;
 pub use friction::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult,
+    GoodnessResult, LevelProcess, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult,
     ReturnLevelResult, RoughBody, StationarityResult, TailResult, UpscalingResult,
 };
 pub use labelled::{Answer, FieldKind, LabelledField};

@@ -32,7 +32,7 @@ fn lengths(table: &Table, window: &[f64], x_axis: Axis, level: Option<&LevelResu
     let fitted = table.defined_column("correlation_length_m");
     let own = table.defined_column("own_length_m");
     let band = columns(table, ["own_length_low_m", "own_length_high_m"]);
-    let joint = level.and_then(|level| level.correlation_length_without_window_m).unwrap_or(f64::NAN);
+    let joint = level.and_then(|level| level.process.correlation_length_without_window_m).unwrap_or(f64::NAN);
     let lowest = SHORTEST * first;
     let drawn = [fitted, own].into_iter().chain(band.into_iter().flatten().map(Some)).flatten();
     let (low, high) = range(drawn.flatten().chain([&joint]).filter(|length| length.is_finite()))?;
