@@ -82,6 +82,7 @@ fn level(row: usize) -> LevelResult {
             at_mean_load: AtMeanLoad {
                 mean: 0.996 * mean,
                 std: 0.7 * std,
+                std_interval: Some([0.65 * std, 0.8 * std]),
                 correlation_length_m: Some(2.5e-4),
                 correlation_length_m_interval: Some([2e-4, 3.2e-4]),
                 correlation_curves: vec![CorrelationCurveResult {
@@ -235,7 +236,7 @@ pub(crate) fn uncertainty(levels: usize) -> UncertaintyResult {
         ..UncertainResponse::default()
     };
     let level = UncertainLevel {
-        responses: vec![constant.clone()],
+        responses: vec![constant.clone(), UncertainResponse { interval: Some([0.19, 0.23]), ..response("mean") }],
         at_mean_load: vec![response("mean"), constant, response("correlation_length_m")],
         failures: vec![FailedPoint { point: 3, reason: "a strip carries no load".into() }],
         ..UncertainLevel::default()

@@ -125,7 +125,7 @@ fn percentile_pressure_and_penetration_levels_work_with_both_upscalings() {
     let leading = friction.levels.iter().find(|level| level.leading).unwrap();
     assert!(friction.levels.iter().all(|level| level.mean_pressure_pa <= leading.mean_pressure_pa));
     for level in &friction.levels {
-        let upscaling = &level.upscaling;
+        let upscaling = &level.process.upscaling;
         assert_eq!(upscaling.paper.std, level.process.at_mean_load.std);
         assert!((upscaling.area.windows - 833e-6 / (60e-6 * 32e-6)).abs() < 1.0);
         let least = upscaling.paper.std / upscaling.area.windows.sqrt();
@@ -134,7 +134,7 @@ fn percentile_pressure_and_penetration_levels_work_with_both_upscalings() {
     assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("highest point of each strip")));
     // If no area is stated, the study uses a pad's area and reports it.
     let silent = run("").results;
-    assert_eq!(silent.friction.unwrap().levels[0].upscaling.area.nominal_area_m2, 833e-6);
+    assert_eq!(silent.friction.unwrap().levels[0].process.upscaling.area.nominal_area_m2, 833e-6);
     assert!(silent.assumptions.iter().any(|sentence| sentence.contains("No nominal area is stated")));
 }
 
