@@ -9,6 +9,7 @@ mod campaign;
 pub mod choice;
 mod companions;
 mod comparison;
+mod curves;
 mod cutoff;
 mod field;
 mod friction;
@@ -35,6 +36,10 @@ use serde::{Deserialize, Serialize};
 pub use campaign::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, VariedKey};
 pub use companions::{Companions, PooledResult, SpreadResult};
 pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticComparison, TwinModel};
+pub use curves::{
+    AreaAndLoad, AttractorMap, CoupledPortrait, DisplacementHistogram, FrictionSpectrum, FrictionWindows,
+    HeightCorrelation, LoadCurve, ModesOverFriction, PhaseCloud, Portrait, SoundSpectrum, StructureFunctions, Survival,
+};
 pub use cutoff::{CutoffPoint, CutoffResult, FinerPitch, ScanCutoff, ScanFriction};
 pub use field::Field;
 pub use friction::{

@@ -29,13 +29,22 @@ impl DataTable {
 
     /// Returns the table of a list of answers, with a row for each and a column for each of their entries.
     pub(super) fn listed<T: Answer>(caption: &str, answers: &[T], keep: impl Fn(&str) -> bool) -> Self {
+        Self::grouped(caption, &[("", answers)], keep)
+    }
+
+    /// Returns the table of lists of answers, each below its name.
+    pub(super) fn grouped<T: Answer>(caption: &str, groups: &[(&str, &[T])], keep: impl Fn(&str) -> bool) -> Self {
         let fields = fields_of::<T>(keep);
         let headers: Vec<&str> = entries(&fields).map(|entry| entry.label.as_str()).collect();
         let cells = |answer: &T| {
             let object = answer.json();
             entries(&fields).map(|entry| cell(entry, &object)).collect()
         };
-        Self::new(caption, &headers, answers.iter().map(cells).collect(), RESULTS).without_empty_columns()
+        let rows = groups.iter().flat_map(|(name, answers)| {
+            let title = (!name.is_empty() && !answers.is_empty()).then(|| vec![(*name).to_owned()]);
+            title.into_iter().chain(answers.iter().map(cells))
+        });
+        Self::new(caption, &headers, rows.collect(), RESULTS).without_empty_columns()
     }
 }
 

@@ -1,9 +1,9 @@
 //! Moments and load over penetration (Fig. 3 of the paper).
 
-use asperity_results::{FrictionResult, LevelResult, Pair, UncertaintyResult};
+use asperity_results::{FrictionResult, LevelResult, LoadCurve, Pair, UncertainLevel, UncertaintyResult};
 
 use crate::Run;
-use crate::figures::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, defined, positive};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 use crate::words::conditions;
@@ -142,7 +142,7 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
 /// Returns penetrations and limits of a moment over the uncertain parameters of the surface.
 fn parameter_band(friction: &FrictionResult, uncertain: &UncertaintyResult, name: &str) -> Option<(Vec<f64>, Limits)> {
     let levels = friction.levels.iter().zip(&uncertain.levels);
-    let place = |(own, level): (&LevelResult, &asperity_results::UncertainLevel)| {
+    let place = |(own, level): (&LevelResult, &UncertainLevel)| {
         let response = level.responses.iter().find(|response| response.name == name)?;
         Some((own.penetration_m, response.interval?))
     };
@@ -218,24 +218,23 @@ pub(super) fn load_curve(run: &Run) -> Option<CaptionedFigure> {
     const NAME: &str = "friction_load_curve";
     let table = run.tables.get(NAME)?;
     // Rows are in the order of the depth.
-    let [x] = columns(table, ["penetration_m"])?;
-    let x_range = range(x)?;
-    let panel = |label: &str, column: &str, band: Option<[&str; 2]>, dimension: Dimension, colour: Colour| {
-        let [y] = columns(table, [column])?;
-        let limits = band.and_then(|names| columns(table, names));
+    let LoadCurve { penetration_m: x, mean_pressure_pa, low, high, contact_fraction } = LoadCurve::of(table);
+    let x_range = range(&*x)?;
+    let panel = |label: &str, y: &[f64], limits: Option<[&[f64]; 2]>, dimension: Dimension, colour: Colour| {
         let ends = range(positive(y).chain(limits.iter().flatten().flat_map(|end| positive(end))))?;
         let y_axis = Axis::logarithmic(label, dimension.unit(ends.1), (ends.0 / 1.3, ends.1 * 1.3));
         let x_axis = Axis::padded("Penetration", Dimension::Length.unit(x_range.1), x_range, 0.05);
         let mut chart = Chart::new(x_axis, y_axis);
         if let Some(limits) = limits {
-            chart.band("95 % interval", x, limits, colour);
+            chart.band("95 % interval", &x, limits, colour);
         }
-        chart.points("", x, y, Pen::new(colour, 1.8, Dash::Solid));
+        defined([y])?;
+        chart.points("", &x, y, Pen::new(colour, 1.8, Dash::Solid));
         Some(chart)
     };
     let panels = [
-        panel("Mean pressure", "mean_pressure_pa", Some(["low", "high"]), Dimension::Pressure, BLUE),
-        panel("Contact fraction", "contact_fraction", None, Dimension::None, VERMILION),
+        panel("Mean pressure", &mean_pressure_pa, defined([&low, &high]), Dimension::Pressure, BLUE),
+        panel("Contact fraction", &contact_fraction, None, Dimension::None, VERMILION),
     ];
     let caption = "Mean pressure over the nominal area, and contact area over nominal area, against the mean depth of the plane \
                    below the highest point of each strip; shaded: 95 % interval over the strips.";
