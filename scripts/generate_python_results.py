@@ -83,7 +83,7 @@ def references(schema: Any) -> list[str]:
 
 def text(description: str, indent: str) -> str:
     """Return a docstring."""
-    lines = textwrap.wrap(description.replace("\\", "\\\\"), 110) or ["…"]
+    lines = textwrap.wrap(" ".join(description.replace("\\", "\\\\").split()), 110) or ["…"]
     if len(lines) == 1:
         return f'{indent}"""{lines[0]}"""\n'
     return f'{indent}"""' + f"\n{indent}".join(lines) + f'\n{indent}"""\n'
@@ -119,7 +119,7 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
     return source + (f"\n    _nested: ClassVar[Mapping[str, type[Record]]] = {{{nested}}}\n" if nested else "")
 
 
-def module(head: str, schema: Schema) -> str:
+def module(head: str, schema: Schema, tail: str = "") -> str:
     """Return the source of a module; each class follows those that it uses."""
     definitions: dict[str, Schema] = schema["$defs"]
     source, done = head + IMPORTS, set(DICTIONARIES)
@@ -139,8 +139,9 @@ def module(head: str, schema: Schema) -> str:
 
     for name in definitions:
         add(name)
+    source += tail
     # Without the imports that the module does not need.
-    for command in (["check", "--fix", "--quiet", "--select", "F401"], ["format"]):
+    for command in (["check", "--fix", "--quiet", "--select", "F401,I"], ["format"]):
         ruff = [sys.executable, "-m", "ruff", *command, "--stdin-filename", str(FOLDER / "results.py"), "-"]
         source = subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
     return source
@@ -149,7 +150,7 @@ def module(head: str, schema: Schema) -> str:
 if __name__ == "__main__":
     modules = {
         "results.py": module(STUDY, json.loads(_core.results_schema())),
-        "vibration_results.py": module(VIBRATION, json.loads(_core.vibration_schema())) + "\nKind = MotionKind\n",
+        "vibration_results.py": module(VIBRATION, json.loads(_core.vibration_schema()), "\nKind = MotionKind\n"),
     }
     for name, made in modules.items():
         if "--check" not in sys.argv:

@@ -20,7 +20,7 @@ crate::choice! {
 crate::choice! {
     /// Long-term motion of the machine.
     #[derive(Default)]
-    pub enum CoupledMotion: "motion" {
+    pub enum CoupledMotion: "long-term motion" {
         /// The motion is periodic.
         Cycle = "cycle": "limit cycle",
         /// Steady sliding.
