@@ -1,4 +1,4 @@
-"""Write python/asperity/results.py from the JSON Schema of results; with --check, compare it instead."""
+"""Write the modules of results of python/asperity from their JSON Schemas; with --check, compare them instead."""
 
 from __future__ import annotations
 
@@ -11,21 +11,35 @@ from typing import Any
 
 from asperity import _core
 
-TARGET = pathlib.Path(__file__).parents[1] / "python" / "asperity" / "results.py"
-HEAD = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
-
-The attributes are the keys of ``results.json``: SI units, with the unit in the name. An undefined number is None, and
-an interval is [low, high] at 95 %.
-"""
-
+FOLDER = pathlib.Path(__file__).parents[1] / "python" / "asperity"
+IMPORTS = """
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from asperity._record import Record, WithCompanions
+from asperity._vibration_methods import EnsembleMethods, StabilityMapMethods
+"""
+STUDY = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
+
+The attributes are the keys of ``results.json``: SI units, with the unit in the name. An undefined number is None, and
+an interval is [low, high] at 95 %.
+"""
 '''
+VIBRATION = '''"""Results of stick-slip. Made by scripts/generate_python_results.py; do not edit.
+
+They are dimensionless: X = x·c/N, τ = ω₀t. An undefined number is None, and an interval is [low, high] at 95 %.
+"""
+'''
+# Classes with methods, by the base that has them.
+METHODS = {"Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
+# Objects that are dictionaries.
+DICTIONARIES = {"FailedTrajectory": "Any", "MapCell": "Any", "MapResolution": "float"}
 SCALARS = {"number": "float", "integer": "int", "string": "str", "boolean": "bool", "null": "None"}
 Schema = dict[str, Any]
 
@@ -42,8 +56,11 @@ def is_choice(schema: Schema) -> bool:
 
 def annotation(schema: Schema) -> str:
     """Return the type of a value."""
+    if "x-array" in schema:
+        return "NDArray[np.float64]"
     if "$ref" in schema:
-        return name_of(schema["$ref"])
+        name = name_of(schema["$ref"])
+        return f"dict[str, {DICTIONARIES[name]}]" if name in DICTIONARIES else name
     if "oneOf" in schema:
         return f"Literal[{', '.join(json.dumps(option['const']) for option in schema['oneOf'])}]"
     if "anyOf" in schema:
@@ -66,7 +83,7 @@ def references(schema: Any) -> list[str]:
 
 def text(description: str, indent: str) -> str:
     """Return a docstring."""
-    lines = textwrap.wrap(description.replace("\\", "\\\\"), 110) or ["…"]
+    lines = textwrap.wrap(" ".join(description.replace("\\", "\\\\").split()), 110) or ["…"]
     if len(lines) == 1:
         return f'{indent}"""{lines[0]}"""\n'
     return f'{indent}"""' + f"\n{indent}".join(lines) + f'\n{indent}"""\n'
@@ -80,7 +97,7 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
         for key, value in part["properties"].items():
             properties.setdefault(key, value)
     has_companions = any("patternProperties" in part for part in [schema, *parts])
-    base = "WithCompanions" if has_companions else "Record"
+    base = "WithCompanions" if has_companions else METHODS.get(name, "Record")
     source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}({base}):\n"
     source += text(schema["description"], "    ") + "\n"
     for key, value in properties.items():
@@ -95,18 +112,17 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
         source += "    companions: Mapping[str, Any] = field(default_factory=dict)\n"
         source += text("Further keys: intervals ``x_interval``, standard errors ``x_se`` and the like.", "    ")
     used = {
-        key: [part for part in references(value) if not is_choice(definitions[part])]
+        key: [part for part in references(value) if part not in DICTIONARIES and not is_choice(definitions[part])]
         for key, value in properties.items()
     }
     nested = ", ".join(f'"{key}": {parts[0]}' for key, parts in used.items() if parts)
     return source + (f"\n    _nested: ClassVar[Mapping[str, type[Record]]] = {{{nested}}}\n" if nested else "")
 
 
-def module() -> str:
-    """Return the source of the module; each class follows those that it uses."""
-    schema = json.loads(_core.results_schema())
+def module(head: str, schema: Schema, tail: str = "") -> str:
+    """Return the source of a module; each class follows those that it uses."""
     definitions: dict[str, Schema] = schema["$defs"]
-    source, done = HEAD, set[str]()
+    source, done = head + IMPORTS, set(DICTIONARIES)
 
     def add(name: str) -> None:
         nonlocal source
@@ -123,13 +139,21 @@ def module() -> str:
 
     for name in definitions:
         add(name)
-    ruff = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(TARGET), "-"]
-    return subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
+    source += tail
+    # Without the imports that the module does not need.
+    for command in (["check", "--fix", "--quiet", "--select", "F401,I"], ["format"]):
+        ruff = [sys.executable, "-m", "ruff", *command, "--stdin-filename", str(FOLDER / "results.py"), "-"]
+        source = subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
+    return source
 
 
 if __name__ == "__main__":
-    made = module()
-    if "--check" not in sys.argv:
-        TARGET.write_text(made, encoding="utf-8")
-    elif TARGET.read_text(encoding="utf-8") != made:
-        sys.exit(f"{TARGET} is not current; run python {__file__}")
+    modules = {
+        "results.py": module(STUDY, json.loads(_core.results_schema())),
+        "vibration_results.py": module(VIBRATION, json.loads(_core.vibration_schema()), "\nKind = MotionKind\n"),
+    }
+    for name, made in modules.items():
+        if "--check" not in sys.argv:
+            (FOLDER / name).write_text(made, encoding="utf-8")
+        elif (FOLDER / name).read_text(encoding="utf-8") != made:
+            sys.exit(f"{FOLDER / name} is not current; run python {__file__}")

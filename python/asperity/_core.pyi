@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "vibration_schema"]
 
 @final
 class Expansion:
@@ -197,4 +197,9 @@ def study_part(request: Incomplete, part: tuple[SupportsIndex, SupportsIndex], f
     """
     Computes a part, number and count, of the blocks that can be computed now, into a folder. Blocks in the folder above
     it are used. Returns whether all are known.
+    """
+
+def vibration_schema() -> str:
+    """
+    Returns the JSON Schema of the answers of this module, from which the dataclasses are generated.
     """

@@ -125,7 +125,7 @@ class ScanOfPart(WithCompanions):
 
 @dataclass(frozen=True, kw_only=True)
 class PartStatistics(WithCompanions):
-    """Pooled statistics of several scans of a part, and those of the scans.  Each pooled statistic `x` is the
+    """Pooled statistics of several scans of a part, and those of the scans. Each pooled statistic `x` is the
     weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the standard error of
     one scan) and `x_between_std` (the standard deviation between places). All are `null` if `x` is undefined on a
     scan.
@@ -1040,7 +1040,7 @@ class UpscalingResult(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class LevelResult(Record):
-    """One level of the friction stage: the quotient F/N of each window, and under `at_mean_load` the process."""
+    """One level of the friction stage: the quotient F/N of each window, and the process at the mean load."""
 
     leading: bool
     """Whether this level is the operating point."""
@@ -1084,6 +1084,26 @@ class LevelResult(Record):
     """Correlation length ℓ of the exponential fit, with the effect of the window."""
     correlation_length_m_interval: list[float] | None
     """95 % interval of `correlation_length_m`."""
+    marginal: DistributionResult | None
+    """Marginal distribution ranked first by Akaike's criterion."""
+    marginal_parameter_intervals: dict[str, list[float] | None]
+    """Intervals of its fitted parameters."""
+    gof: GoodnessResult | None
+    """Goodness of fit."""
+    return_levels: list[ReturnLevelResult]
+    """Values that μ of a window exceeds once in a sliding distance; empty if the strips contain too few separate
+    peaks.
+    """
+    tail: TailResult | None
+    """Upper tail of μ of a window; `null` if the strips contain too few separate peaks."""
+    beta: DistributionResult | None
+    """The beta distribution with bounds fitted by likelihood."""
+    no_variance: str | None
+    """Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null`
+    if it has one.
+    """
+    empty_windows: int
+    """Windows without contact, left out."""
     correlation_length_without_window_m: float | None
     """Correlation length without the window, fitted jointly over windows of W to W/8; 0 if the windows explain the
     whole correlation.
@@ -1104,24 +1124,6 @@ class LevelResult(Record):
     """Whether the correlation is due to the window alone, as the interval of the length without it includes lengths
     below one step.
     """
-    marginal: DistributionResult | None
-    """Marginal distribution ranked first by Akaike's criterion."""
-    marginal_parameter_intervals: dict[str, list[float] | None]
-    """Intervals of its fitted parameters."""
-    gof: GoodnessResult | None
-    """Goodness of fit."""
-    return_levels: list[ReturnLevelResult]
-    """Values that μ of a window exceeds once in a sliding distance; empty if the strips contain too few separate
-    peaks.
-    """
-    tail: TailResult | None
-    """Upper tail of μ of a window; `null` if the strips contain too few separate peaks."""
-    beta: DistributionResult | None
-    """The beta distribution with bounds fitted by likelihood."""
-    no_variance: str | None
-    """Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null`
-    if it has one.
-    """
     between_parts_std: float | None
     """Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs
     from the mean by a constant. `null` for a smooth slider and, if both bodies are rough, at other levels than
@@ -1130,8 +1132,6 @@ class LevelResult(Record):
     """
     between_parts_std_interval: list[float] | None
     """95 % interval of `between_parts_std`; `null` with fewer than four strips."""
-    empty_windows: int
-    """Windows without contact, left out."""
     at_mean_load: AtMeanLoad
     """Friction of a body that rests on many windows."""
     stationarity: StationarityResult | None
@@ -1654,7 +1654,7 @@ class VibrationResult(Record):
 
 
 CoupledMotion = Literal["cycle", "steady", "locked", "irregular"]
-"""Long-term motion of the machine."""
+"""Long-term motion."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,13 +6,16 @@ use asperity::choice::{ByName, Choice};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::clipping_warning;
 use asperity::vibration::{
-    self, Drive, Ensemble, EnsembleSettings, LARGEST_CLIPPED_FRACTION, MapAxis, MapOver, MapSettings, Parameters,
-    Regime, VibrationError, clipped_to_positive, limit_damping, smallest_kick,
+    self, Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, MapAxis, MapOver, MapSettings, MotionKind, Parameters,
+    VibrationError, clipped_to_positive, limit_damping, smallest_kick,
 };
+use asperity_results::tidy;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Deserialize;
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde::{Deserialize, Serialize};
 
 use crate::convert::{from_python, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
@@ -32,6 +35,67 @@ impl Oscillator {
     }
 }
 
+/// Motion that develops from a start in stick. Numbers of the cycle are absent if there is none.
+#[derive(Serialize, JsonSchema)]
+struct LimitCycle {
+    /// Kind of motion.
+    kind: MotionKind,
+    /// Whether the motion is periodic vibration.
+    limit_cycle: bool,
+    /// Whether steady sliding is unstable; `null` under a harmonic force.
+    steady_sliding_unstable: Option<bool>,
+    /// Smallest velocity that starts vibration from stable steady sliding; `null` if none is needed or none suffices.
+    kick: Option<f64>,
+    #[serde(flatten)]
+    cycle: Option<vibration::LimitCycle>,
+}
+
+/// Damping ratios at which vibration ends.
+#[derive(Serialize, JsonSchema)]
+struct CriticalDamping {
+    #[serde(flatten)]
+    found: vibration::CriticalDamping,
+    /// ζ_v, above which no vibration persists; `null` if the search failed.
+    limit_damping_ratio: Option<f64>,
+}
+
+/// Statistics of many trajectories over a random friction fluctuation.
+#[derive(Serialize, JsonSchema)]
+struct Ensemble {
+    #[serde(flatten)]
+    found: vibration::Ensemble,
+    /// Fraction of the friction values that were raised so that friction stays positive.
+    clipped_fraction: f64,
+}
+
+/// Probability of sustained vibration over two parameters.
+#[derive(Serialize, JsonSchema)]
+struct StabilityMap {
+    /// Names of the parameters x and y.
+    axes: [&'static str; 2],
+    #[serde(flatten)]
+    found: vibration::StabilityMap,
+    /// Largest fraction of friction values that were raised so that friction stays positive.
+    clipped_fraction: f64,
+}
+
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Answer {
+    LimitCycle(LimitCycle),
+    CriticalDamping(CriticalDamping),
+    Ensemble(Ensemble),
+    StabilityMap(StabilityMap),
+}
+
+/// Returns the JSON Schema of the answers of this module, from which the dataclasses are generated.
+#[pyfunction]
+pub(crate) fn vibration_schema() -> String {
+    let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(tidy);
+    settings.into_generator().into_root_schema_for::<Answer>().to_value().to_string()
+}
+
 /// Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
 #[pyfunction]
 pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
@@ -48,31 +112,23 @@ pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyRe
         // An irregular motion takes many cycles.
         long::run(py, None, move |_| find().raise())?
     };
-    let answer = match regime {
-        Regime::Cycle(cycle) => to_python(py, &cycle)?,
-        Regime::Sliding | Regime::Irregular(_) => PyDict::new(py).into_any(),
-    };
-    answer.set_item("limit_cycle", regime.cycle().is_some())?;
-    answer.set_item("kind", regime.kind().name())?;
-    answer.set_item("steady_sliding_unstable", steady_sliding_unstable)?;
-    answer.set_item("kick", kick)?;
-    Ok(answer)
+    let cycle = regime.cycle().copied();
+    let limit_cycle = cycle.is_some();
+    to_python(py, &LimitCycle { kind: regime.kind(), limit_cycle, steady_sliding_unstable, kick, cycle })
 }
 
 /// Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
 #[pyfunction]
 pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
     let own = oscillator.0.clone();
-    let (found, limit) = long::run(py, None, move |_| {
-        let limit = match limit_damping(&own) {
+    let found = long::run(py, None, move |_| {
+        let limit_damping_ratio = match limit_damping(&own) {
             Err(VibrationError::NotFound { .. }) => None,
             limit => Some(limit.raise()?),
         };
-        Ok((vibration::critical_damping(&own).raise()?, limit))
+        Ok(CriticalDamping { found: vibration::critical_damping(&own).raise()?, limit_damping_ratio })
     })?;
-    let answer = to_python(py, &found)?;
-    answer.set_item("limit_damping_ratio", limit)?;
-    Ok(answer)
+    to_python(py, &found)
 }
 
 /// Fluctuation of the friction coefficient.
@@ -128,15 +184,14 @@ pub(crate) fn ensemble<'py>(
     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(trajectories, duration, seed) };
     require_memory(settings.memory_bytes(rayon::current_num_threads()), "the ensemble")?;
     let mut found = long::run(py, progress.as_ref(), move |monitor| {
-        Ensemble::simulate(&own, &process, &settings, monitor).raise()
+        vibration::Ensemble::simulate(&own, &process, &settings, monitor).raise()
     })?;
     let samples =
         [&mut found.reattachments, &mut found.releases, &mut found.periods].map(|of| mem::take(&mut of.sample));
-    let answer = to_python(py, &found)?;
+    let answer = to_python(py, &Ensemble { found, clipped_fraction })?;
     for (name, sample) in ["reattachments", "releases", "periods"].into_iter().zip(samples) {
         answer.get_item(name)?.set_item("sample", PyArray1::from_vec(py, sample))?;
     }
-    answer.set_item("clipped_fraction", clipped_fraction)?;
     Ok(answer)
 }
 
@@ -181,8 +236,5 @@ pub(crate) fn stability_map<'py>(
         };
         vibration::stability_map(&machine, &settings, monitor).raise()
     })?;
-    let answer = to_python(py, &found)?;
-    answer.set_item("axes", over.axes())?;
-    answer.set_item("clipped_fraction", clipped_fraction)?;
-    Ok(answer)
+    to_python(py, &StabilityMap { axes: over.axes(), found, clipped_fraction })
 }

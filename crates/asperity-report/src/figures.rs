@@ -95,6 +95,11 @@ pub(crate) fn columns<'a, const N: usize>(table: &'a Table, names: [&str; N]) ->
     found.try_into().ok()
 }
 
+/// Returns columns of a table of curves if all of them hold values.
+pub(crate) fn defined<const N: usize>(columns: [&[f64]; N]) -> Option<[&[f64]; N]> {
+    columns.iter().all(|column| !column.is_empty()).then_some(columns)
+}
+
 /// Returns the names that are keys of the tables.
 fn present<'a>(run: &Run, names: &[&'a str]) -> Vec<&'a str> {
     names.iter().copied().filter(|name| run.tables.contains_key(*name)).collect()

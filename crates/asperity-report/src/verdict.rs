@@ -1,6 +1,6 @@
 //! The verdict in words.
 
-use asperity_results::{Assumed, MachineModel, VerdictResult};
+use asperity_results::{Assumed, MachineModel, MotionKind, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::named;
@@ -253,13 +253,13 @@ pub(crate) fn noun(verdict: &VerdictResult) -> &'static str {
     let kind = verdict
         .if_vibrating
         .as_ref()
-        .and_then(|machines| machines.kinds.iter().max_by(|a, b| a.1.total_cmp(b.1)))
-        .map_or(verdict.nominal.kind.name(), |(name, _)| name.as_str());
+        .and_then(|machines| machines.kinds.iter().rev().max_by(|a, b| a.1.total_cmp(b.1)))
+        .map_or(verdict.nominal.kind, |(kind, _)| *kind);
     match kind {
-        "overtaking" => "Vibration faster than the belt",
-        "slip_cycle" => "Vibration without stick",
-        "stick_slip" => "Stick-slip",
-        _ => "Vibration",
+        MotionKind::Overtaking => "Vibration faster than the belt",
+        MotionKind::SlipCycle => "Vibration without stick",
+        MotionKind::StickSlip => "Stick-slip",
+        MotionKind::Flutter | MotionKind::Divergence | MotionKind::None => "Vibration",
     }
 }
 

@@ -1,26 +1,9 @@
 //! Names and values of models, methods, motions and inputs, for readers.
 
 use asperity_results::keys;
-use asperity_results::{DistributionResult, FrictionResult, MotionKind, PressureMethod, Quantiles};
+use asperity_results::{DistributionResult, FrictionResult, Quantiles};
 
 use crate::format::{Dimension, fixed};
-
-/// Returns the dimension of an SI unit.
-pub(crate) fn dimension(unit: &str) -> Dimension {
-    match unit {
-        "m" => Dimension::Length,
-        "m^2" => Dimension::Area,
-        "Pa" => Dimension::Pressure,
-        "kg" => Dimension::Mass,
-        "N" => Dimension::Force,
-        "m/s" => Dimension::Velocity,
-        "rad/s" => Dimension::AngularFrequency,
-        "s/m" => Dimension::Other("s/m"),
-        "s" => Dimension::Time,
-        "m/Pa" => Dimension::Compliance,
-        _ => Dimension::None,
-    }
-}
 
 /// Returns the name of an input, `vibration.damping_ratio`, in words.
 pub(crate) fn named(input: &str) -> String {
@@ -55,7 +38,6 @@ pub(crate) fn length_in_words(model: &str) -> &'static str {
 pub(crate) fn in_words(name: &str) -> String {
     match name {
         "self_affine" => return "self-affine".into(),
-        "stick_slip" => return "stick-slip".into(),
         "karhunen_loeve" => return "Karhunen–Loève".into(),
         "weierstrass_mandelbrot" => return "Weierstrass–Mandelbrot".into(),
         _ => {}
@@ -121,31 +103,6 @@ pub(crate) fn conditions(friction: &FrictionResult) -> String {
         friction.realisations,
         length(friction.strip_width_m)
     )
-}
-
-/// Returns the name of a method for the distribution of the pressure, for readers.
-pub(crate) fn method_name(method: PressureMethod) -> &'static str {
-    match method {
-        PressureMethod::MonteCarlo => "Monte Carlo",
-        PressureMethod::LatinHypercube => "Latin hypercube",
-        PressureMethod::Sobol => "Sobol’ sequence",
-        PressureMethod::PolynomialChaos => "polynomial chaos",
-        PressureMethod::PolynomialChaosLog => "polynomial chaos of log p",
-        PressureMethod::PolynomialChaosLocal => "local polynomial chaos",
-        PressureMethod::Default => "default of asperity",
-    }
-}
-
-/// Returns the name of a kind of motion for readers.
-pub(crate) fn kind_in_words(kind: MotionKind) -> &'static str {
-    match kind {
-        MotionKind::StickSlip => "stick-slip",
-        MotionKind::Overtaking => "overtaking",
-        MotionKind::SlipCycle => "slip cycle",
-        MotionKind::Flutter => "flutter",
-        MotionKind::Divergence => "divergence",
-        MotionKind::None => "steady sliding",
-    }
 }
 
 /// Keeps numbers and percent signs on one line.

@@ -22,6 +22,11 @@ pub trait Choice: Copy + 'static {
     /// Returns a description for help texts; empty where the name is enough.
     fn description(self) -> &'static str;
 
+    /// Returns the words for readers of a sentence or a table.
+    fn words(self) -> String {
+        words(self.name(), &[])
+    }
+
     /// Returns the value of this name.
     ///
     /// # Errors
@@ -73,12 +78,23 @@ impl<'de, T: Choice> Deserialize<'de> for ByName<T> {
     }
 }
 
-/// Returns the JSON Schema of a value by name: its noun, and each name with its description.
+/// Returns the stated words of a name, or its own.
+#[doc(hidden)]
+pub fn words(name: &str, stated: &[&str]) -> String {
+    stated.first().map_or_else(|| name.replace('_', " "), |words| (*words).to_owned())
+}
+
+/// Returns the JSON Schema of a value by name: its noun, and each name with its description, and with its words if they differ.
 #[doc(hidden)]
 pub fn schema<T: Choice>() -> Schema {
-    let value = |value: &T| match value.description() {
-        "" => json_schema!({ "const": value.name() }),
-        description => json_schema!({ "const": value.name(), "description": description }),
+    let value = |value: &T| {
+        let mut schema = json_schema!({ "const": value.name() });
+        let words = Some(value.words()).filter(|words| *words != self::words(value.name(), &[]));
+        let texts = [("description", value.description().to_owned()), ("title", words.unwrap_or_default())];
+        for (key, text) in texts.into_iter().filter(|(_, text)| !text.is_empty()) {
+            schema.insert(key.to_owned(), text.into());
+        }
+        schema
     };
     let values: Vec<Schema> = T::ALL.iter().map(value).collect();
     let noun = T::NOUN.chars().enumerate().map(|(place, c)| if place == 0 { c.to_ascii_uppercase() } else { c });
@@ -97,7 +113,8 @@ impl<T: Choice> JsonSchema for ByName<T> {
 
 /// Declares an enum of choices, each with its name: `ALL`, `name`, `Display`, `FromStr`, serde, JSON Schema and
 /// [`Choice`]. The first line of
-/// documentation of a variant is its description. The crate that uses it depends on `serde`.
+/// documentation of a variant is its description. Its words for readers follow the name, as in `StickSlip = "stick_slip": "stick-slip"`, unless
+/// they are the name with spaces. The crate that uses it depends on `serde`.
 ///
 /// ```
 /// asperity_results::choice! {
@@ -119,7 +136,7 @@ macro_rules! choice {
     (
         $(#[$attribute:meta])*
         $visibility:vis enum $name:ident: $noun:literal {
-            $(#[doc = $first:literal] $(#[$($attribute_of_variant:tt)+])* $variant:ident = $text:literal,)+
+            $(#[doc = $first:literal] $(#[$($attribute_of_variant:tt)+])* $variant:ident = $text:literal $(: $words:literal)?,)+
         }
     ) => {
         $(#[$attribute])*
@@ -151,6 +168,12 @@ macro_rules! choice {
             fn description(self) -> &'static str {
                 match self {
                     $(Self::$variant => $first.trim_start(),)+
+                }
+            }
+
+            fn words(self) -> String {
+                match self {
+                    $(Self::$variant => $crate::choice::words($text, &[$($words)?]),)+
                 }
             }
         }

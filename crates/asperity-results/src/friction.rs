@@ -123,7 +123,7 @@ pub struct OperatingPoint {
     pub std_nominal_area: f64,
 }
 
-/// One level of the friction stage: the quotient F/N of each window, and under `at_mean_load` the process.
+/// One level of the friction stage: the quotient F/N of each window, and the process at the mean load.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LevelResult {
@@ -166,6 +166,38 @@ pub struct LevelResult {
     pub correlation_length_m: Option<f64>,
     /// 95 % interval of `correlation_length_m`.
     pub correlation_length_m_interval: Option<Pair>,
+    /// Marginal distribution ranked first by Akaike's criterion.
+    pub marginal: Option<DistributionResult>,
+    /// Intervals of its fitted parameters.
+    pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
+    /// Goodness of fit.
+    pub gof: Option<GoodnessResult>,
+    /// Values that μ of a window exceeds once in a sliding distance; empty if the strips contain too few separate peaks.
+    pub return_levels: Vec<ReturnLevelResult>,
+    /// Upper tail of μ of a window; `null` if the strips contain too few separate peaks.
+    pub tail: Option<TailResult>,
+    /// The beta distribution with bounds fitted by likelihood.
+    pub beta: Option<DistributionResult>,
+    /// Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if it has one.
+    pub no_variance: Option<String>,
+    /// Windows without contact, left out.
+    pub empty_windows: usize,
+    /// Friction of a body that rests on many windows, as a process.
+    #[serde(flatten)]
+    pub process: LevelProcess,
+    /// Mean number of contact cells in a window.
+    pub contact_cells_per_window: f64,
+    /// Fraction of the windows with fewer than 30 contact cells.
+    pub sparse_window_share: f64,
+    /// Effective number of independent windows.
+    pub effective_windows: f64,
+    /// Strips that failed.
+    pub failed_samples: usize,
+}
+
+/// Friction of a level at the mean load as a process along the path, and its upscaling.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LevelProcess {
     /// Correlation length without the window, fitted jointly over windows of W to W/8; 0 if the windows explain the whole
     /// correlation.
     pub correlation_length_without_window_m: Option<f64>,
@@ -183,28 +215,12 @@ pub struct LevelResult {
     pub correlation_without_window_agreement_p: Option<f64>,
     /// Whether the correlation is due to the window alone, as the interval of the length without it includes lengths below one step.
     pub window_only: Option<bool>,
-    /// Marginal distribution ranked first by Akaike's criterion.
-    pub marginal: Option<DistributionResult>,
-    /// Intervals of its fitted parameters.
-    pub marginal_parameter_intervals: BTreeMap<String, Option<Pair>>,
-    /// Goodness of fit.
-    pub gof: Option<GoodnessResult>,
-    /// Values that μ of a window exceeds once in a sliding distance; empty if the strips contain too few separate peaks.
-    pub return_levels: Vec<ReturnLevelResult>,
-    /// Upper tail of μ of a window; `null` if the strips contain too few separate peaks.
-    pub tail: Option<TailResult>,
-    /// The beta distribution with bounds fitted by likelihood.
-    pub beta: Option<DistributionResult>,
-    /// Reason why F/N has no variance, and so no standard deviation, marginal distribution or return levels; `null` if it has one.
-    pub no_variance: Option<String>,
     /// Standard deviation between parts of the slider at the mean load, for one window; friction of a part differs from the mean by a
     /// constant. `null` for a smooth slider and, if both bodies are rough, at other levels than the operating point and for free
     /// strips. The fluctuation along the path has the rest of the variance of `at_mean_load`.
     pub between_parts_std: Option<f64>,
     /// 95 % interval of `between_parts_std`; `null` with fewer than four strips.
     pub between_parts_std_interval: Option<Pair>,
-    /// Windows without contact, left out.
-    pub empty_windows: usize,
     /// Friction of a body that rests on many windows.
     pub at_mean_load: AtMeanLoad,
     /// Whether friction drifts along the strips; `null` if it does not vary.
@@ -213,14 +229,6 @@ pub struct LevelResult {
     pub area_and_load: Option<CrossResult>,
     /// Standard deviations over the nominal area.
     pub upscaling: UpscalingResult,
-    /// Mean number of contact cells in a window.
-    pub contact_cells_per_window: f64,
-    /// Fraction of the windows with fewer than 30 contact cells.
-    pub sparse_window_share: f64,
-    /// Effective number of independent windows.
-    pub effective_windows: f64,
-    /// Strips that failed.
-    pub failed_samples: usize,
 }
 
 /// Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; it drives the vibration stage.

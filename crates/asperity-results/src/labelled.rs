@@ -3,14 +3,18 @@
 //! A label is the first sentence of a field's documentation, and the unit is the suffix of its name, so a number is described once,
 //! where it is declared.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use crate::unit::split_unit;
+
 /// An answer: a type of `results.json`.
 pub trait Answer {
-    /// Returns the fields in the order of their declaration, without those that `#[serde(flatten)]` adds.
+    /// Returns the fields in the order of their declaration, with those of the types that `#[serde(flatten)]` includes.
     fn fields() -> Vec<LabelledField>;
 
     /// Returns the answer as in `results.json`.
@@ -38,6 +42,12 @@ pub struct LabelledField {
     pub label: String,
     /// What the field holds.
     pub kind: FieldKind,
+    /// Key of its 95 % interval. An answer may have none.
+    pub interval: String,
+    /// Key of its standard error. An answer may have none.
+    pub standard_error: String,
+    /// Words for readers by the name of a choice: of the value, or of the keys of a map.
+    pub words: BTreeMap<String, String>,
 }
 
 /// What a field holds.
@@ -63,8 +73,43 @@ impl LabelledField {
             key: key.clone(),
             label: label(schema.get("description").and_then(Value::as_str).unwrap_or(key)),
             kind: FieldKind::of(schema),
+            interval: format!("{key}_interval"),
+            standard_error: format!("{key}_se"),
+            words: words(schema),
         };
-        properties.and_then(Value::as_object).into_iter().flat_map(Map::iter).map(of).collect()
+        let mut fields: Vec<Self> =
+            properties.and_then(Value::as_object).into_iter().flat_map(Map::iter).map(of).collect();
+        pair(&mut fields);
+        fields
+    }
+
+    /// Returns whether the field is the interval or the standard error of one of these fields.
+    pub fn belongs_to(&self, fields: &[Self]) -> bool {
+        fields.iter().any(|number| [&number.interval, &number.standard_error].contains(&&self.key))
+    }
+}
+
+/// Names the intervals and standard errors of the numbers. One belongs to the number with its name, otherwise to the number before it if
+/// that begins with its name.
+fn pair(fields: &mut [LabelledField]) {
+    let mut before: Option<usize> = None;
+    for place in 0..fields.len() {
+        let key = fields[place].key.clone();
+        let is_number = |field: &LabelledField| field.kind == FieldKind::Number;
+        let interval = key.strip_suffix("interval").map(|stem| stem.trim_end_matches('_'));
+        let owner = interval.or_else(|| split_unit(&key).0.strip_suffix("_se")).and_then(|stem| {
+            let is_named = |field: &LabelledField| field.key == stem || split_unit(&field.key).0 == stem;
+            let is_free = |field: &LabelledField| fields.iter().all(|other| other.key != field.interval);
+            let begins = |field: &LabelledField| field.key.starts_with(stem) && is_free(field);
+            let named = fields[..place].iter().position(is_named).filter(|owner| is_number(&fields[*owner]));
+            named.or(before.filter(|before| begins(&fields[*before])))
+        });
+        match (owner, interval) {
+            (Some(owner), Some(_)) => fields[owner].interval = key,
+            (Some(owner), None) => fields[owner].standard_error = key,
+            (None, _) if is_number(&fields[place]) => before = Some(place),
+            (None, _) => {}
+        }
     }
 }
 
@@ -92,6 +137,16 @@ impl FieldKind {
     }
 }
 
+/// Returns the words for readers by the name of a choice: of a value, or of the names of a map.
+fn words(schema: &Value) -> BTreeMap<String, String> {
+    let options = ["anyOf", "allOf"].iter().find_map(|key| schema.get(key)?.as_array()?.first());
+    if let Some(inner) = options.or_else(|| schema.get("propertyNames")) {
+        return words(inner);
+    }
+    let word = |option: &Value| Some((option["const"].as_str()?.to_owned(), option["title"].as_str()?.to_owned()));
+    schema.get("oneOf").and_then(Value::as_array).into_iter().flatten().filter_map(word).collect()
+}
+
 /// Returns the first sentence of a text, up to a colon or semicolon, without code marks.
 fn label(text: &str) -> String {
     let end = ["; ", ": ", ". "].iter().filter_map(|mark| text.find(mark)).min().unwrap_or(text.len());
@@ -101,7 +156,9 @@ fn label(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Pair, Table};
+    use crate::{
+        DampingResult, MethodEntry, ModeCouplingResult, MotionResult, Pair, ReturnLevelResult, Table, UncertainResponse,
+    };
 
     #[derive(Serialize, JsonSchema)]
     struct Inner {
@@ -133,11 +190,36 @@ mod tests {
         let wanted = ["Ratio of two lengths, at most 0.5", "95 % interval of ratio", "Number of samples"];
         assert_eq!(labels[..3], wanted);
         assert_eq!(labels[3..], ["Whether it holds", "The cycle", "Rows of another table"]);
-        let period = LabelledField { key: "period_s".into(), label: "Period".into(), kind: FieldKind::Number };
         let kinds: Vec<FieldKind> = fields.into_iter().map(|field| field.kind).collect();
-        let cycle = FieldKind::Answer(vec![period]);
+        let cycle = FieldKind::Answer(Inner::fields());
         let (number, word) = (FieldKind::Number, FieldKind::Word);
         assert_eq!(kinds, [number.clone(), FieldKind::Numbers, number, word, cycle, FieldKind::List]);
+    }
+
+    #[test]
+    fn uncertainties_belong_to_the_number_of_their_name() {
+        fn keys<T: Answer>(key: &str) -> [String; 2] {
+            let field = T::fields().into_iter().find(|field| field.key == key).unwrap();
+            [field.interval, field.standard_error]
+        }
+        assert_eq!(keys::<MethodEntry>("mean_pa"), ["mean_interval", "mean_se_pa"]);
+        assert_eq!(keys::<MethodEntry>("mean_bias_pa"), ["mean_bias_pa_interval", "mean_bias_pa_se"]);
+        assert_eq!(keys::<ReturnLevelResult>("mu")[0], "interval");
+        assert_eq!(keys::<DampingResult>("cycles_mean"), ["cycles_mean_interval", "cycles_se"]);
+        assert_eq!(keys::<DampingResult>("difference_mean")[0], "difference_interval");
+        // The interval of the moment is not that of its standard deviation.
+        assert_eq!(keys::<UncertainResponse>("std")[0], "std_interval");
+        let fields = UncertainResponse::fields();
+        let alone: Vec<&str> = fields.iter().filter(|f| !f.belongs_to(&fields)).map(|f| f.key.as_str()).collect();
+        assert!(alone.contains(&"interval") && !alone.contains(&"std_interval"), "{alone:?}");
+    }
+
+    #[test]
+    fn choices_have_words_for_readers() {
+        let words = |fields: Vec<LabelledField>, key: &str| fields.into_iter().find(|f| f.key == key).unwrap().words;
+        assert_eq!(words(ModeCouplingResult::fields(), "motion")["locked"], "self-locking");
+        assert_eq!(words(MotionResult::fields(), "kind_shares")["none"], "steady sliding");
+        assert!(words(DampingResult::fields(), "cycles_mean").is_empty());
     }
 
     #[test]

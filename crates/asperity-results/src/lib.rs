@@ -9,6 +9,7 @@ mod campaign;
 pub mod choice;
 mod companions;
 mod comparison;
+mod curves;
 mod cutoff;
 mod field;
 mod friction;
@@ -23,6 +24,7 @@ mod stage;
 mod surface;
 mod table;
 mod uncertainty;
+mod unit;
 mod verdict;
 mod verdict_tables;
 mod vibration;
@@ -35,12 +37,16 @@ use serde::{Deserialize, Serialize};
 pub use campaign::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, VariedKey};
 pub use companions::{Companions, PooledResult, SpreadResult};
 pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticComparison, TwinModel};
+pub use curves::{
+    AreaAndLoad, AttractorMap, CoupledPortrait, DisplacementHistogram, FrictionSpectrum, FrictionWindows,
+    HeightCorrelation, LoadCurve, ModesOverFriction, PhaseCloud, Portrait, SoundSpectrum, StructureFunctions, Survival,
+};
 pub use cutoff::{CutoffPoint, CutoffResult, FinerPitch, ScanCutoff, ScanFriction};
 pub use field::Field;
 pub use friction::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
-    GoodnessResult, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult, ReturnLevelResult,
-    RoughBody, StationarityResult, TailResult, UpscalingResult,
+    GoodnessResult, LevelProcess, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult,
+    ReturnLevelResult, RoughBody, StationarityResult, TailResult, UpscalingResult,
 };
 pub use labelled::{Answer, FieldKind, LabelledField};
 pub use mode_coupling::{CoupledCycleResult, CoupledMotion, MachineModel, ModeCouplingResult};
@@ -62,6 +68,7 @@ pub use table::{Table, TableError};
 pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
+pub use unit::split_unit;
 pub use verdict::{
     Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile, NominalMachine,
     Quantiles, Reach, Remedy, RestsOn, VerdictResult, VibratingMachines,

@@ -11,25 +11,26 @@ crate::choice! {
     pub enum MachineModel: "model of the machine" {
         /// One degree of freedom, and friction that depends on the velocity. Its margin is one of the damping ratio, ζ − ζ_v.
         #[default]
-        StickSlip = "stick_slip",
+        StickSlip = "stick_slip": "stick-slip",
         /// Two degrees of freedom that friction couples. Its margin is one of the friction coefficient, μ_c − μ.
         ModeCoupling = "mode_coupling",
     }
 }
 
-/// Long-term motion of the machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum CoupledMotion {
-    /// The motion is periodic.
-    Cycle,
-    /// Steady sliding.
-    #[default]
-    Steady,
-    /// The belt carries the mass away (self-locking).
-    Locked,
-    /// The motion did not repeat.
-    Irregular,
+crate::choice! {
+    /// Long-term motion of the machine.
+    #[derive(Default)]
+    pub enum CoupledMotion: "long-term motion" {
+        /// The motion is periodic.
+        Cycle = "cycle": "limit cycle",
+        /// Steady sliding.
+        #[default]
+        Steady = "steady": "steady sliding",
+        /// The belt carries the mass away (self-locking).
+        Locked = "locked": "self-locking",
+        /// The motion did not repeat.
+        Irregular = "irregular": "not periodic",
+    }
 }
 
 /// The machine with the mean friction coefficient, without fluctuation. Stiffnesses are in units of mω₀².

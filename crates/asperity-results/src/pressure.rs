@@ -58,20 +58,20 @@ crate::choice! {
     #[derive(Default)]
     pub enum PressureMethod: "method for the pressure" {
         /// Empirical distribution of independent samples.
-        MonteCarlo = "monte_carlo",
+        MonteCarlo = "monte_carlo": "Monte Carlo",
         /// Mean of the empirical distributions of ten Latin hypercubes.
-        LatinHypercube = "latin_hypercube",
+        LatinHypercube = "latin_hypercube": "Latin hypercube",
         /// Mean of the empirical distributions of ten randomisations of Sobol' points.
-        Sobol = "sobol",
+        Sobol = "sobol": "Sobol’ sequence",
         /// Eq. (8): chaos expansion of the pressure in contact in the leading variables ξ, on the Latin hypercubes.
         PolynomialChaos = "polynomial_chaos",
         /// Eq. (9): chaos expansion of the logarithm of the pressure in contact, on the same samples.
-        PolynomialChaosLog = "polynomial_chaos_log",
+        PolynomialChaosLog = "polynomial_chaos_log": "polynomial chaos of log p",
         /// Eq. (8) on the Monte Carlo samples, in variables ξ rotated to the cell.
-        PolynomialChaosLocal = "polynomial_chaos_local",
+        PolynomialChaosLocal = "polynomial_chaos_local": "local polynomial chaos",
         /// Multilevel estimator by Monte Carlo samples, coarse grids, and normal variables rotated to the cell.
         #[default]
-        Default = "default",
+        Default = "default": "default of asperity",
     }
 }
 

@@ -4,6 +4,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::labelled::{Answer, FieldKind, LabelledField};
+use crate::unit::split_unit;
 
 /// Header of the column that names rows.
 const NAME: &str = "name";
@@ -153,11 +154,9 @@ fn columns(prefix: &str, fields: &[LabelledField], rows: &[&Value]) -> Vec<(Stri
         FieldKind::Numbers if key.ends_with("interval") => {
             let name = key.trim_end_matches("interval");
             // `mean_interval` has the unit of `mean_pa`.
-            let is_field = |unit: &&str| {
-                let number = format!("{}{unit}", name.trim_end_matches('_'));
-                fields.iter().any(|field| field.key == number)
-            };
-            let unit = ["_pa", "_m"].into_iter().find(is_field).unwrap_or_default();
+            let number = fields.iter().find(|field| field.interval == *key).map_or("", |field| &field.key);
+            let unit = &number[split_unit(number).0.len()..];
+            let unit = if name.trim_end_matches('_') == number { "" } else { unit };
             let end = |end, place| (format!("{prefix}{name}{end}{unit}"), numbers(key, Some(place)));
             vec![end("low", 0), end("high", 1)]
         }

@@ -196,7 +196,8 @@ pub struct NominalMachine {
 #[serde(deny_unknown_fields)]
 pub struct VibratingMachines {
     /// Fraction of each kind of motion.
-    pub kinds: BTreeMap<String, f64>,
+    #[schemars(extend("propertyNames" = crate::choice::schema::<MotionKind>()))]
+    pub kinds: BTreeMap<MotionKind, f64>,
     /// Frequency.
     pub frequency_hz: Option<Quantiles>,
     /// Half the difference of the largest and the smallest velocity.

@@ -12,7 +12,7 @@ crate::choice! {
     #[derive(Default)]
     pub enum MotionKind: "kind of motion" {
         /// The mass sticks to the belt in every period.
-        StickSlip = "stick_slip",
+        StickSlip = "stick_slip": "stick-slip",
         /// The mass passes the velocity of the belt (the relative velocity changes its sign) and never sticks.
         Overtaking = "overtaking",
         /// The mass stays slower than the belt throughout the period.
@@ -23,7 +23,7 @@ crate::choice! {
         Divergence = "divergence",
         /// Steady sliding.
         #[default]
-        None = "none",
+        None = "none": "steady sliding",
     }
 }
 
@@ -180,6 +180,7 @@ pub struct MotionResult {
     /// Fraction of the time in vibration.
     pub share_in_cycle: f64,
     /// Fraction of the time in each kind of motion.
+    #[schemars(extend("propertyNames" = crate::choice::schema::<MotionKind>()))]
     pub kind_shares: BTreeMap<MotionKind, f64>,
     /// Losses of vibration per τ in it.
     pub exit_rate: Option<f64>,

@@ -1,5 +1,6 @@
 //! Damping ratios at which the stick-slip cycle ends and at which steady sliding becomes stable.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::slip_orbit::first_minimum;
@@ -13,7 +14,7 @@ const MAX_DAMPING: f64 = 1e3;
 /// Damping ratios that separate stick-slip from steady sliding.
 ///
 /// For velocity-weakening laws ζ_H < ζ_c: between them both stick-slip and steady sliding are stable.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CriticalDamping {
     /// ζ_c of the grazing–sliding fold: the slip orbit from a detachment touches the belt velocity. Above ζ_c no
     /// stick-slip cycle exists.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::motion::{Motion, SlipState};
@@ -23,9 +24,9 @@ const MAX_PERIODS: usize = 20_000;
 const MAX_STEPS: usize = 1_000_000;
 
 /// One period of the limit cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LimitCycle {
-    /// Kind of motion; never [`MotionKind::None`].
+    /// Kind of motion.
     pub kind: MotionKind,
     /// Period in τ.
     pub period: f64,

@@ -6,10 +6,11 @@ mod rate;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::passage::Passage;
-pub use self::rate::{Fraction, Passages, Rate};
+pub use self::rate::{Estimate, Passages};
 use super::batch::{Task, simulate_many};
 use super::sample_distribution::{Count, RunningMoments, SampleCollector, SampleDistribution};
 use super::settled::swing_level;
@@ -85,7 +86,7 @@ impl EnsembleSettings {
 }
 
 /// Trajectory that was left out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FailedTrajectory {
     /// Index of the trajectory.
     pub trajectory: usize,
@@ -94,19 +95,19 @@ pub struct FailedTrajectory {
 }
 
 /// Statistics of many trajectories.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Ensemble {
     /// Number of requested trajectories.
     pub trajectories: usize,
-    /// Finished slips per trajectory that reached ẋ < 0; see [`Slips`].
+    /// Finished slips per trajectory that reached a negative velocity.
     pub cycles: Count,
-    /// Finished slips per trajectory that did not reach ẋ < 0.
+    /// Other finished slips per trajectory.
     pub micro_slips: Count,
     /// Number of cycles of the same oscillator without fluctuation in the same time.
     pub cycles_deterministic: u64,
-    /// M_diff = M_det − E\[M\], the difference of the numbers of cycles without and with fluctuation.
+    /// Difference of the numbers of cycles without and with fluctuation.
     pub difference_mean: f64,
-    /// 95 % interval of M_diff (Student).
+    /// 95 % interval of `difference_mean` (Student).
     pub difference_interval: [f64; 2],
     /// Displacements X at which cycles stick again.
     pub reattachments: SampleDistribution,

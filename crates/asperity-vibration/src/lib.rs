@@ -66,7 +66,7 @@ pub use cloud::phase_cloud;
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
 pub use deterministic::deterministic_slips;
-pub use ensemble::{Ensemble, EnsembleSettings, FailedTrajectory, Fraction, Passages, Rate};
+pub use ensemble::{Ensemble, EnsembleSettings, Estimate, FailedTrajectory, Passages};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use law::{FrictionTable, VelocityLaw};
 pub use locked::locked_boundary;

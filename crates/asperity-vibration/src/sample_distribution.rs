@@ -2,6 +2,7 @@
 
 use std::collections::BinaryHeap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use asperity_base::distribution::goodness::normality;
@@ -12,22 +13,27 @@ use asperity_base::random::hash;
 ///
 /// Values of one trajectory are correlated when a slip is not much longer than the correlation length. `normality_p`
 /// assumes independent values, so it is a lower bound of the p-value.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SampleDistribution {
     /// Number of values; the moments use all of them.
     pub count: u64,
     /// Mean.
+    #[schemars(with = "Option<f64>")]
     pub mean: f64,
     /// Standard deviation.
+    #[schemars(with = "Option<f64>")]
     pub std: f64,
     /// Skewness.
+    #[schemars(with = "Option<f64>")]
     pub skewness: f64,
     /// Excess kurtosis.
+    #[schemars(with = "Option<f64>")]
     pub excess_kurtosis: f64,
     /// p-value of D'Agostino and Pearson's test of normality on `sample`; none for fewer than 20 values.
     pub normality_p: Option<f64>,
     /// All values in order of trajectory and time if they are few enough; otherwise a simple random sample of them in
     /// the same order.
+    #[schemars(extend("x-array" = true))]
     pub sample: Vec<f64>,
 }
 
@@ -190,7 +196,7 @@ impl SampleCollector {
 }
 
 /// Mean, standard deviation and standard error of a number over trajectories.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Count {
     /// Mean.
     pub mean: f64,

@@ -4,12 +4,13 @@ mod contour;
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use self::contour::grid_contour;
 use self::contour::{Place, Square, boundary, contour};
 use super::{
-    Ensemble, EnsembleSettings, Fraction, Oscillator, Parameters, VibrationError, clipped_to_positive, limit_cycle,
+    Ensemble, EnsembleSettings, Estimate, Oscillator, Parameters, VibrationError, clipped_to_positive, limit_cycle,
     limit_damping,
 };
 use asperity_base::blocks::Task;
@@ -143,14 +144,14 @@ impl MapSettings {
 pub type FluctuatingOscillator = (Oscillator, Option<FrictionProcess>);
 
 /// Point of the map.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapPoint {
     /// First parameter.
     pub x: f64,
     /// Second parameter.
     pub y: f64,
-    /// Fraction of the trajectories that sustain vibration; see [`super::Passages::sustained`].
-    pub sustained: Fraction,
+    /// Fraction of the trajectories that sustain vibration.
+    pub sustained: Estimate,
     /// Number of trajectories of this fraction; 1 without fluctuation.
     pub trajectories: usize,
     /// Largest damping ratio at which the machine vibrates without fluctuation, if there is one.
@@ -160,7 +161,7 @@ pub struct MapPoint {
 }
 
 /// Cell of the map, whose corners are points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapCell {
     /// Lower and upper end along x.
     pub x: [f64; 2],
@@ -171,7 +172,7 @@ pub struct MapCell {
 }
 
 /// Resolution of the transition of the probability.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapResolution {
     /// Width of the smallest cells along x.
     pub x: f64,
@@ -183,7 +184,7 @@ pub struct MapResolution {
 }
 
 /// Contour of the map.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapContour {
     /// Probability.
     pub level: f64,
@@ -192,7 +193,7 @@ pub struct MapContour {
 }
 
 /// Probability of sustained vibration over two parameters.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StabilityMap {
     /// All points, by y and then by x.
     pub points: Vec<MapPoint>,
@@ -313,9 +314,9 @@ fn point(
     let at = |sustained, trajectories| MapPoint { x, y, sustained, trajectories, limit_damping_ratio, damping_ratio };
     let Some(process) = process else {
         let value = if limit_cycle(&oscillator)?.kind().is_vibration() { 1.0 } else { 0.0 };
-        return Ok(at(Fraction { value, interval: [value, value] }, 1));
+        return Ok(at(Estimate { value, interval: [value, value] }, 1));
     };
-    let of = |trajectories| -> Result<Fraction, VibrationError> {
+    let of = |trajectories| -> Result<Estimate, VibrationError> {
         let settings = EnsembleSettings { trajectories, sample_capacity: 0, ..*settings };
         Ok(Ensemble::simulate(&oscillator, &process, &settings, &Quiet(monitor))?.passages.sustained)
     };

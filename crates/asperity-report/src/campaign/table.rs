@@ -1,5 +1,6 @@
 //! The table of the members: answers first, then the values that differ.
 
+use asperity_results::choice::Choice;
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
 use crate::campaign::words::{
@@ -8,7 +9,6 @@ use crate::campaign::words::{
 use crate::cells::DASH;
 use crate::format::{Unit, significant};
 use crate::markup::{Html, html};
-use crate::words::kind_in_words;
 
 /// Column of the table: its title and the cells, each with the number by which it is sorted.
 struct Column {
@@ -87,7 +87,10 @@ fn answers(members: &[MemberResult]) -> Vec<Column> {
         Column::new("Member", numbers),
         Column::new("Verdict", members.iter().map(|member| (chip(member), None))),
         Column::new("Probability of vibration", members.iter().map(|m| (probability_cell(m), m.answers.probability))),
-        Column::texts("Motion", members.iter().map(|member| member.answers.kind.map_or(DASH, kind_in_words).into())),
+        Column::texts(
+            "Motion",
+            members.iter().map(|member| member.answers.kind.map_or_else(|| DASH.into(), Choice::words)),
+        ),
         Column::numbers("Limit damping ratio", &plain, of(|member| member.answers.limit_damping_ratio)),
         Column::numbers("Margin ζ − ζ_v", &plain, of(|member| member.answers.damping_margin)),
         Column::numbers("Friction coefficient", &plain, of(|member| member.answers.friction_mean)),

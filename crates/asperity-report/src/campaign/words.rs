@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use asperity_results::{CampaignResults, InputValue, MemberResult, VariedKey};
 
 use crate::cells::{DASH, percent};
-use crate::format::{Unit, count};
-use crate::words::{dimension, named};
+use crate::format::{Dimension, Unit, count};
+use crate::words::named;
 
 /// File with the numbers.
 pub(super) const SOURCE: &str = "members.csv";
@@ -22,14 +22,14 @@ pub(super) fn number(value: &InputValue) -> Option<f64> {
 
 /// Returns the unit in which the values of a key are shown.
 pub(super) fn unit_of(key: &VariedKey, values: impl Iterator<Item = f64>) -> Unit {
-    dimension(&key.unit).unit(values.map(f64::abs).fold(0.0, f64::max))
+    Dimension::of_unit(&key.unit).unit(values.map(f64::abs).fold(0.0, f64::max))
 }
 
 /// Returns a value with its unit, or a text.
 pub(super) fn shown(key: &VariedKey, value: &InputValue) -> String {
     match value {
         InputValue::Integer(number) => number.to_string(),
-        InputValue::Number(number) => dimension(&key.unit).show(*number),
+        InputValue::Number(number) => Dimension::of_unit(&key.unit).show(*number),
         InputValue::Name(text) => text.clone(),
     }
 }

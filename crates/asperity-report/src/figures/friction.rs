@@ -18,7 +18,7 @@ use crate::{ReportError, Run};
 /// Draws the figures of the friction coefficient.
 pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
     let level = run.results.friction.as_ref().and_then(FrictionResult::operating_level);
-    let first = match level.and_then(|level| level.at_mean_load.marginal.as_ref()) {
+    let first = match level.and_then(|level| level.process.at_mean_load.marginal.as_ref()) {
         Some(distribution) => format!("ranked first ({})", distribution_name(distribution)),
         None => "ranked first".to_owned(),
     };

@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::choice::Choice;
-use asperity_results::{Answer, DistributionResult, FieldKind, LabelledField, MotionKind, Pair};
+use asperity_results::{Answer, DistributionResult, FieldKind, LabelledField, Pair};
 use serde_json::Value;
 
 use crate::cells::{self, DASH};
 use crate::format::{Dimension, count, significant};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
-use crate::words::{distribution_name, in_words, kind_in_words, meaning};
+use crate::words::{distribution_name, in_words, meaning};
 
 impl DataTable {
     /// Returns the table of an answer: its entries, then those of the answers within it. Undefined entries are left
@@ -30,14 +29,22 @@ impl DataTable {
 
     /// Returns the table of a list of answers, with a row for each and a column for each of their entries.
     pub(super) fn listed<T: Answer>(caption: &str, answers: &[T], keep: impl Fn(&str) -> bool) -> Self {
+        Self::grouped(caption, &[("", answers)], keep)
+    }
+
+    /// Returns the table of lists of answers, each below its name.
+    pub(super) fn grouped<T: Answer>(caption: &str, groups: &[(&str, &[T])], keep: impl Fn(&str) -> bool) -> Self {
         let fields = fields_of::<T>(keep);
-        let entries = Entry::all(&fields);
-        let headers: Vec<&str> = entries.iter().map(|entry| entry.field.label.as_str()).collect();
+        let headers: Vec<&str> = entries(&fields).map(|entry| entry.label.as_str()).collect();
         let cells = |answer: &T| {
             let object = answer.json();
-            entries.iter().map(|entry| entry.cell(&object)).collect()
+            entries(&fields).map(|entry| cell(entry, &object)).collect()
         };
-        Self::new(caption, &headers, answers.iter().map(cells).collect(), RESULTS).without_empty_columns()
+        let rows = groups.iter().flat_map(|(name, answers)| {
+            let title = (!name.is_empty() && !answers.is_empty()).then(|| vec![(*name).to_owned()]);
+            title.into_iter().chain(answers.iter().map(cells))
+        });
+        Self::new(caption, &headers, rows.collect(), RESULTS).without_empty_columns()
     }
 }
 
@@ -66,13 +73,12 @@ fn fields_of<T: Answer>(keep: impl Fn(&str) -> bool) -> Vec<LabelledField> {
 
 /// Returns the fields whose key, with those of the answers around it, `keep` accepts.
 fn kept(fields: Vec<LabelledField>, path: &str, keep: &impl Fn(&str) -> bool) -> Vec<LabelledField> {
-    let of = |LabelledField { key, label, kind }: LabelledField| {
-        let path = format!("{path}{key}");
-        let kind = match kind {
-            FieldKind::Answer(inner) => FieldKind::Answer(kept(inner, &format!("{path}."), keep)),
-            other => other,
-        };
-        keep(&path).then_some(LabelledField { key, label, kind })
+    let of = |mut field: LabelledField| {
+        let path = format!("{path}{}", field.key);
+        if let FieldKind::Answer(inner) = field.kind {
+            field.kind = FieldKind::Answer(kept(inner, &format!("{path}."), keep));
+        }
+        keep(&path).then_some(field)
     };
     fields.into_iter().filter_map(of).collect()
 }
@@ -83,13 +89,12 @@ fn rows(fields: &[LabelledField], answers: &[&Value]) -> Vec<Vec<String>> {
         let known = cells.iter().any(|cell| cell != DASH);
         known.then(|| std::iter::once(name.to_owned()).chain(cells).collect())
     };
-    let mut rows: Vec<Vec<String>> = Entry::all(fields)
-        .iter()
-        .filter_map(|entry| row(&entry.field.label, answers.iter().map(|answer| entry.cell(answer)).collect()))
+    let mut rows: Vec<Vec<String>> = entries(fields)
+        .filter_map(|entry| row(&entry.label, answers.iter().map(|answer| cell(entry, answer)).collect()))
         .collect();
-    for LabelledField { key, label, kind } in fields {
-        let own: Vec<&Value> = answers.iter().map(|answer| &answer[key]).collect();
-        let inner = match kind {
+    for field in fields {
+        let own: Vec<&Value> = answers.iter().map(|answer| &answer[&field.key]).collect();
+        let inner = match &field.kind {
             FieldKind::Answer(inner) => self::rows(inner, &own),
             FieldKind::Map => {
                 let mut names: Vec<&String> =
@@ -97,81 +102,51 @@ fn rows(fields: &[LabelledField], answers: &[&Value]) -> Vec<Vec<String>> {
                 names.sort();
                 names.dedup();
                 let cells = |name: &String| own.iter().map(|map| shown(name, &map[name], None, None)).collect();
-                let named = |name: &str| match key.as_str() {
-                    "kind_shares" => word("kind", name),
-                    _ => in_words(Dimension::of_key(name).0),
+                let named = |name: &str| match field.words.get(name) {
+                    Some(words) => words.clone(),
+                    None => in_words(Dimension::of_key(name).0),
                 };
                 names.into_iter().filter_map(|name| row(&named(name), cells(name))).collect()
             }
             _ => Vec::new(),
         };
         if !inner.is_empty() {
-            rows.push(vec![label.clone()]);
+            rows.push(vec![field.label.clone()]);
             rows.extend(inner);
         }
     }
     rows
 }
 
-/// A field that is an entry of a table, with the keys of its interval and of its standard error.
-pub(super) struct Entry<'a> {
-    pub(super) field: &'a LabelledField,
-    interval: String,
-    standard_error: String,
+/// Returns the fields that are entries of a table: no intervals and standard errors of others, and no answers within the answer.
+pub(super) fn entries(fields: &[LabelledField]) -> impl Iterator<Item = &LabelledField> {
+    let has_cell = |field: &&LabelledField| {
+        matches!(field.kind, FieldKind::Number | FieldKind::Numbers | FieldKind::Word) && !field.belongs_to(fields)
+    };
+    fields.iter().filter(has_cell)
 }
 
-impl<'a> Entry<'a> {
-    /// Returns the entries of fields. An interval or a standard error belongs to the number with its name, otherwise to the one that
-    /// is declared before it if that begins with its name.
-    pub(super) fn all(fields: &'a [LabelledField]) -> Vec<Self> {
-        let mut entries: Vec<Self> = Vec::new();
-        for (place, field) in fields.iter().enumerate() {
-            let key = &field.key;
-            // `interval` alone is that of the field before it.
-            let before = || place.checked_sub(1).map(|before| fields[before].key.as_str());
-            let interval = key.strip_suffix("_interval").or_else(|| before().filter(|_| key == "interval"));
-            let error = Dimension::of_key(key).0.strip_suffix("_se");
-            match interval.or(error).and_then(|stem| owner(&mut entries, stem)) {
-                Some(owner) if interval.is_some() => owner.interval.clone_from(key),
-                Some(owner) => owner.standard_error.clone_from(key),
-                None if matches!(field.kind, FieldKind::Answer(_) | FieldKind::Map | FieldKind::List) => {}
-                None => entries.push(Self::of(field)),
-            }
-        }
-        entries
+/// Returns the text of an entry in an answer, given as a JSON object.
+pub(super) fn cell(entry: &LabelledField, answer: &Value) -> String {
+    let [value, interval, error] = [&entry.key, &entry.interval, &entry.standard_error].map(|key| &answer[key]);
+    match value.as_str() {
+        // Names of files stay as they are.
+        Some(text) if entry.key == "file" => text.into(),
+        Some(text) => entry.words.get(text).map_or_else(|| word(text), String::clone),
+        None => shown(&entry.key, value, pair(interval), error.as_f64()),
     }
-
-    /// Returns the entry of a field whose interval and standard error have its key before their endings.
-    fn of(field: &'a LabelledField) -> Self {
-        let [interval, standard_error] = ["interval", "se"].map(|ending| format!("{}_{ending}", field.key));
-        Self { field, interval, standard_error }
-    }
-
-    /// Returns the text of the entry in an answer, given as a JSON object.
-    pub(super) fn cell(&self, answer: &Value) -> String {
-        let [value, interval, error] = [&self.field.key, &self.interval, &self.standard_error].map(|key| &answer[key]);
-        shown(&self.field.key, value, pair(interval), error.as_f64())
-    }
-}
-
-/// Returns the number to which an interval or standard error of this name belongs.
-fn owner<'a, 'b>(entries: &'b mut [Entry<'a>], stem: &str) -> Option<&'b mut Entry<'a>> {
-    let has = |entry: &Entry<'_>| entry.field.key == stem || Dimension::of_key(&entry.field.key).0 == stem;
-    let place = entries.iter().position(has).or(entries.len().checked_sub(1))?;
-    let owner = entries.get_mut(place)?;
-    (owner.field.kind == FieldKind::Number && owner.field.key.starts_with(stem)).then_some(owner)
 }
 
 fn pair(value: &Value) -> Option<Pair> {
     Some([value[0].as_f64()?, value[1].as_f64()?])
 }
 
-/// Returns the text of a value: a number with the unit of its key and its uncertainty, a word, a decision, or a dash.
+/// Returns the text of a value: a number with the unit of its key and its uncertainty, a decision, or a dash.
 pub(super) fn shown(key: &str, value: &Value, interval: Option<Pair>, standard_error: Option<f64>) -> String {
     let (_, dimension) = Dimension::of_key(key);
     match (value, value.as_f64()) {
         (Value::Bool(holds), _) => if *holds { "yes" } else { "no" }.to_owned(),
-        (Value::String(text), _) => word(key, text),
+        (Value::String(text), _) => word(text),
         (Value::Array(values), _) => {
             values.iter().map(|value| shown(key, value, None, None)).collect::<Vec<_>>().join(", ")
         }
@@ -192,71 +167,40 @@ pub(super) fn shown(key: &str, value: &Value, interval: Option<Pair>, standard_e
     }
 }
 
-/// Returns the word of a value for readers; texts and names of files stay as they are.
-fn word(key: &str, text: &str) -> String {
-    match (key, text) {
-        ("kind", _) => MotionKind::from_name(text).map_or_else(|_| in_words(text), |kind| kind_in_words(kind).into()),
-        ("motion", "cycle") => "limit cycle".into(),
-        ("motion", "steady") => "steady sliding".into(),
-        ("motion", "locked") => "self-locking".into(),
-        ("motion", "irregular") => "not periodic".into(),
-        ("file", _) => text.into(),
-        _ if text.contains(' ') => text.into(),
-        _ => in_words(text),
-    }
+/// Returns a name in words; sentences stay as they are.
+fn word(text: &str) -> String {
+    if text.contains(' ') { text.into() } else { in_words(text) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use asperity_results::{
-        CovarianceResult, CutoffPoint, DampingResult, FinerPitch, LevelResult, MethodEntry, ModeCouplingResult,
-        ReturnLevelResult, ScanCutoff, ScanOfPart, SurfaceStatistics, UncertainResponse, VibrationResult,
+        CoupledMotion, CovarianceResult, CutoffPoint, DampingResult, FinerPitch, LevelResult, MethodEntry,
+        ModeCouplingResult, ScanCutoff, ScanOfPart, SurfaceStatistics, VibrationResult,
     };
-
-    /// Returns the keys of the entries of a type with those of their intervals and standard errors.
-    fn entries<T: Answer>() -> Vec<[String; 3]> {
-        let fields = T::fields();
-        Entry::all(&fields)
-            .into_iter()
-            .map(|entry| [entry.field.key.clone(), entry.interval, entry.standard_error])
-            .collect()
-    }
-
-    #[test]
-    fn uncertainties_belong_to_the_number_of_their_name() {
-        let methods = entries::<MethodEntry>();
-        let mean = methods.iter().find(|[key, ..]| key == "mean_pa").unwrap();
-        assert_eq!(mean[1..], ["mean_interval", "mean_se_pa"]);
-        assert!(methods.iter().any(|[key, ..]| key == "mean_bias_pa"));
-        let levels = entries::<ReturnLevelResult>();
-        assert_eq!(levels.iter().map(|[key, ..]| key.as_str()).collect::<Vec<_>>(), ["distance_m", "mu"]);
-        assert_eq!(levels[1][1], "interval");
-        // The interval of the moment is not that of its standard deviation.
-        let responses = entries::<UncertainResponse>();
-        let std = responses.iter().find(|[key, ..]| key == "std").unwrap();
-        assert_ne!(std[1], "interval");
-    }
 
     #[test]
     fn names_of_files_and_sentences_stay_as_they_are() {
         let scan = ScanOfPart { file: "left_scan_01.x3p".into(), ..ScanOfPart::default() };
         let table = DataTable::listed("", &[scan], |key| ["file", "nx"].contains(&key));
         assert_eq!(table.rows, [["left_scan_01.x3p", "0"]]);
+        let result = ModeCouplingResult { motion: Some(CoupledMotion::Locked), ..ModeCouplingResult::default() };
+        let table = DataTable::of("", &result, |key| ["kind", "motion"].contains(&key));
         assert_eq!(
-            (word("kind", "none"), word("model", "self_affine")),
-            ("steady sliding".into(), "self-affine".into())
+            table.rows.iter().map(|row| row[1].as_str()).collect::<Vec<_>>(),
+            ["steady sliding", "self-locking"]
         );
+        assert_eq!(word("self_affine"), "self-affine");
     }
 
     #[test]
     fn labels_hold_no_code() {
         fn plain(fields: &[LabelledField]) {
-            for entry in Entry::all(fields) {
-                let label = &entry.field.label;
+            for LabelledField { key, label, .. } in entries(fields) {
                 // Symbols such as ζ_c have indices.
                 let is_key = label.as_bytes().windows(2).any(|pair| pair[0].is_ascii_lowercase() && pair[1] == b'_');
-                assert!(!is_key, "{}: {label}", entry.field.key);
+                assert!(!is_key, "{key}: {label}");
             }
             for field in fields {
                 if let FieldKind::Answer(inner) = &field.kind {

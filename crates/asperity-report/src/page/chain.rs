@@ -1,6 +1,6 @@
 //! The strip below the verdict: one number of every link of the chain, with a small picture.
 
-use asperity_results::{Field, MachineModel, SurfaceResult};
+use asperity_results::{Field, MachineModel, Portrait, SurfaceResult};
 
 use crate::Run;
 use crate::cells::{DASH, percent};
@@ -122,9 +122,8 @@ fn friction(run: &Run) -> Option<Link> {
 
 fn vibration(run: &Run) -> Option<Link> {
     let verdict = run.results.verdict.as_ref()?;
-    let cycle = run.tables.get("limit_cycle");
-    let picture =
-        cycle.and_then(|table| curve(table.defined_column("displacement")?, table.defined_column("velocity")?));
+    let cycle = run.tables.get("limit_cycle").map(Portrait::of);
+    let picture = cycle.and_then(|cycle| curve(&cycle.displacement, &cycle.velocity));
     let (number, words) = match &verdict.if_vibrating {
         Some(machines) => {
             let hertz = machines.frequency_hz.map(|hertz| between(Dimension::Frequency, hertz).0);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use asperity_results::{
-    AtMeanLoad, DistributionResult, FrictionResult, LevelResult, OperatingPoint, Pair, Prescribed, RoughBody,
-    UncertaintyResult,
+    Answer, AtMeanLoad, DistributionResult, FrictionResult, LevelProcess, LevelResult, OperatingPoint, Pair,
+    Prescribed, RoughBody, UncertaintyResult,
 };
 
 use crate::cells::{DASH, percent, shown};
@@ -73,39 +73,18 @@ pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
     lead
 }
 
-/// Entries of a level about friction at the mean load.
-const AT_MEAN_LOAD: [&str; 13] = [
-    "at_mean_load",
-    "upscaling",
-    "stationarity",
-    "area_and_load",
-    "correlation_length_without_window_m",
-    "correlation_length_without_window_m_interval",
-    "correlation_without_window_model",
-    "correlation_families_told_apart",
-    "correlation_without_window_fit_p",
-    "correlation_without_window_agreement_p",
-    "window_only",
-    "between_parts_std",
-    "between_parts_std_interval",
-];
-
-/// Whether a key of a level is about friction at the mean load, but is not the fitted distribution.
-fn is_at_mean_load(key: &str) -> bool {
-    let outer = key.split('.').next().unwrap_or(key);
-    AT_MEAN_LOAD.contains(&outer) && key != "at_mean_load.marginal.parameters"
-}
-
-/// Returns the levels with their names.
-fn levels(friction: &FrictionResult) -> Vec<(String, &LevelResult)> {
-    friction.levels.iter().map(|level| (level_name(level), level)).collect()
+/// Returns a part of the levels with their names.
+fn levels<T>(friction: &FrictionResult, of: fn(&LevelResult) -> &T) -> Vec<(String, &T)> {
+    friction.levels.iter().map(|level| (level_name(level), of(level))).collect()
 }
 
 /// Returns the tables of `friction`: friction at the mean load by level, the cut-off, and uncertain surfaces.
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let caption = "Friction at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the \
                    load they carry; brackets are 95 % intervals";
-    let mut tables = vec![DataTable::beside(caption, &levels(friction), is_at_mean_load)];
+    let levels = levels(friction, |level| &level.process);
+    // The fitted distribution has a table of its own.
+    let mut tables = vec![DataTable::beside(caption, &levels, |key| key != "at_mean_load.marginal.parameters")];
     tables.extend(friction.cutoff.iter().flat_map(cutoff::tables));
     tables.extend(friction.scan.iter().flat_map(cutoff::of_scan));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
@@ -116,7 +95,7 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
 pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let Some(level) = friction.operating_level() else { return Vec::new() };
     let AtMeanLoad { marginal, marginal_parameter_intervals, laws, correlation_curves, correlation_models, .. } =
-        &level.at_mean_load;
+        &level.process.at_mean_load;
     let place = level_name(level);
     vec![
         fitted(&format!("at the mean load ({place})"), marginal.as_ref(), marginal_parameter_intervals),
@@ -147,8 +126,11 @@ pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
         "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
         Dimension::Length.show(friction.window_m)
     );
-    let keep =
-        |key: &str| !AT_MEAN_LOAD.contains(&key) && !["marginal.parameters", "beta", "no_variance"].contains(&key);
+    let of_process = LevelProcess::fields();
+    let keep = |key: &str| {
+        of_process.iter().all(|field| field.key != key)
+            && !["marginal.parameters", "beta", "no_variance"].contains(&key)
+    };
     let lead = friction.operating_level();
     let of_lead = lead.into_iter().flat_map(|level| {
         let place = level_name(level);
@@ -162,7 +144,7 @@ pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
             DataTable::listed(&returns, &level.return_levels, all),
         ]
     });
-    std::iter::once(DataTable::beside(&caption, &levels(friction), keep)).chain(of_lead).collect()
+    std::iter::once(DataTable::beside(&caption, &levels(friction, |level| level), keep)).chain(of_lead).collect()
 }
 
 /// Returns the moments over the uncertain parameters of the surface, level by level.

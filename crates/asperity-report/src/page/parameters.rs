@@ -6,7 +6,7 @@ use crate::Run;
 use crate::cells::DASH;
 use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
-use crate::page::answer_table::{Entry, shown};
+use crate::page::answer_table::{cell, entries, shown};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
 use crate::words::in_words;
@@ -45,20 +45,20 @@ fn symbol(key: &str) -> &str {
 /// Returns a parameter with its unit and its interval; `None` where undefined.
 pub(super) fn value(measured: &MeasuredSurface, key: &str) -> Option<String> {
     let fields = SurfaceStatistics::fields();
-    let entries = Entry::all(&fields);
-    let entry = entries.iter().find(|entry| entry.field.key == key)?;
-    Some(entry.cell(&measured.json())).filter(|cell| cell != DASH)
+    let entry = entries(&fields).find(|entry| entry.key == key)?;
+    Some(cell(entry, &measured.json())).filter(|cell| cell != DASH)
 }
 
 /// Returns the groups of parameters in the results: meaning, value with its interval, and of a part the standard deviations.
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let (values, fields) = (measured.json(), SurfaceStatistics::fields());
     let mut rows = Vec::new();
-    for entry in Entry::all(&fields) {
-        let LabelledField { key, label, .. } = entry.field;
+    for entry in entries(&fields) {
+        let LabelledField { key, label, .. } = entry;
         rows.extend(GROUPS.iter().find(|(first, _)| first == key).map(|(_, title)| vec![(*title).to_owned()]));
         let std = |ending: &str| shown(key, &values[format!("{key}{ending}")], None, None);
-        let row = [label.clone(), symbol(key).to_owned(), entry.cell(&values), std("_within_std"), std("_between_std")];
+        let row =
+            [label.clone(), symbol(key).to_owned(), cell(entry, &values), std("_within_std"), std("_between_std")];
         rows.extend((row[2] != DASH).then(|| Vec::from(row)));
     }
     let caption = match measured {

@@ -1,5 +1,6 @@
 //! Tables of the page from `results.json`.
 
+use asperity_results::choice::Choice;
 use asperity_results::keys::{Key, KeyDefault};
 use asperity_results::{PressureResult, ScalarQuantile};
 
@@ -7,7 +8,6 @@ use crate::cells::{DASH, shown};
 use crate::format::Dimension;
 use crate::page::data_table::DataTable;
 use crate::page::{parameters, random_surface};
-use crate::words::method_name;
 use crate::{Input, Run};
 
 /// Returns the tables of `surface`: parameters with their meaning, then the random surface.
@@ -22,16 +22,15 @@ pub(super) fn surface(run: &Run) -> Vec<DataTable> {
 /// Returns a sentence on the methods without an estimate and their reasons; empty if every method has one.
 pub(super) fn refused_methods(pressure: &PressureResult) -> String {
     let methods = pressure.methods.iter();
-    let refused: Vec<String> = methods
-        .filter_map(|method| Some(format!("{} ({})", method_name(method.name), method.failure.as_ref()?)))
-        .collect();
+    let refused: Vec<String> =
+        methods.filter_map(|method| Some(format!("{} ({})", method.name.words(), method.failure.as_ref()?))).collect();
     if refused.is_empty() { String::new() } else { format!("Methods without an estimate: {}.", refused.join("; ")) }
 }
 
 /// Returns the methods with an estimate, beside each other.
 pub(super) fn methods(pressure: &PressureResult) -> DataTable {
     let estimated = pressure.methods.iter().filter(|method| method.failure.is_none());
-    let estimated: Vec<_> = estimated.map(|method| (method_name(method.name).to_owned(), method)).collect();
+    let estimated: Vec<_> = estimated.map(|method| (method.name.words(), method)).collect();
     let sites = if pressure.sites > 1 { format!(", each at {} sites", pressure.sites) } else { String::new() };
     let caption = format!(
         "Methods for the distribution of the pressure; distances are from the reference of {} samples{sites}; brackets are 95 % \

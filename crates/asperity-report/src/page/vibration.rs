@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{DampingResult, EnsembleResult, VibrationResult};
+use asperity_results::{DampingResult, VibrationResult};
 
 use crate::cells::shown;
 use crate::format::Dimension;
@@ -12,7 +12,8 @@ use crate::run::RESULTS;
 
 /// Returns limits and cycle, then what roughness changes: the motion, and cycles and thresholds over the damping ratio.
 pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
-    let upscalings = upscalings(vibration).map(|(name, part)| (format!("“{name}”"), part));
+    let [area, paper] = [&vibration.area, &vibration.paper];
+    let (of_area, of_paper) = ("upscaling “area”", "upscaling “paper”");
     let mut tables = vec![
         DataTable::of("Motion without roughness, and the friction of the machine", vibration, |key| {
             !["paper", "area", "map", "marginal"].contains(&key)
@@ -20,7 +21,7 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
         DataTable::beside(
             "The motion under fluctuating friction by upscaling, at the damping ratio of the study; brackets are 95 % intervals, ± is \
              a standard error",
-            &upscalings,
+            &[("“area”".to_owned(), area), ("“paper”".to_owned(), paper)],
             all,
         ),
     ];
@@ -28,21 +29,18 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
         let rows = distribution(marginal, &BTreeMap::new(), Dimension::None);
         DataTable::new("Distribution of μ", &["Property", "Value"], rows, RESULTS)
     }));
-    for (name, part) in &upscalings {
-        let caption = format!("Vibration over the damping ratio, upscaling {name}; brackets are 95 % intervals");
-        tables.push(DataTable::listed(&caption, &part.damping, all));
-        let caption = format!(
-            "Damping ratios at which the time in vibration, from a start in stick and as the mean over the trajectories, falls below a \
-             fraction; upscaling {name}; brackets are 95 % intervals"
-        );
-        tables.push(DataTable::listed(&caption, &part.crossings, all));
-    }
+    tables.push(DataTable::grouped(
+        "Vibration over the damping ratio by upscaling; brackets are 95 % intervals",
+        &[(of_area, &area.damping), (of_paper, &paper.damping)],
+        all,
+    ));
+    tables.push(DataTable::grouped(
+        "Damping ratios at which the time in vibration, from a start in stick and as the mean over the trajectories, falls below a \
+         fraction, by upscaling; brackets are 95 % intervals",
+        &[(of_area, &area.crossings), (of_paper, &paper.crossings)],
+        all,
+    ));
     tables
-}
-
-/// Returns both upscalings with their names.
-fn upscalings(vibration: &VibrationResult) -> [(&'static str, &EnsembleResult); 2] {
-    [("area", &vibration.area), ("paper", &vibration.paper)]
 }
 
 /// Formats the lost cycles with their interval.

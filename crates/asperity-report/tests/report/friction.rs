@@ -1,10 +1,10 @@
 //! The sections of the friction coefficient and of the quotient F/N.
 
-use asperity_results::{LevelResult, Table};
+use asperity_results::LevelResult;
 
 use crate::documents::{text, words};
 use crate::stages::friction;
-use crate::synthetic::{edit, example, full_run};
+use crate::synthetic::{example, full_run};
 use asperity_report::{Run, render};
 
 #[test]
@@ -60,13 +60,6 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
         no_variance: Some("58 % of the windows hold fewer than 30 contact cells".into()),
         ..lead.clone()
     };
-    edit(&mut heavy.tables, "friction_levels", |columns| {
-        for (name, values) in columns {
-            if name.starts_with("std") && !name.contains("load") {
-                values[5] = f64::NAN;
-            }
-        }
-    });
     let drawn = page(&heavy);
     assert!(drawn.contains("Level at 3 MPa: F/N has no variance") && drawn.contains("58 % of the windows"), "{drawn}");
     assert!(!drawn.contains("exceeded once") && !drawn.contains("empirical ()"));
@@ -74,7 +67,11 @@ fn friction_is_shown_with_its_intervals_its_window_and_its_boundary() {
     // Moments at the mean load that equal the quotient's are not drawn; free strips are called so.
     friction(&mut run).mean_compliance_m_per_pa = None;
     assert!(page(&run).contains("75 µm wide (free)."));
-    edit(&mut run.tables, "friction_levels", |columns| columns.retain(|(name, _)| !name.contains("at_mean_load")));
+    for level in &mut friction(&mut run).levels {
+        let own = &mut level.process.at_mean_load;
+        (own.mean, own.mean_interval) = (level.mean.unwrap(), level.mean_interval);
+        (own.std, own.std_interval) = (level.std.unwrap(), level.std_interval);
+    }
     assert!(!words(&run, "friction_levels").contains(&"at the mean load".to_owned()));
 }
 
@@ -117,23 +114,16 @@ fn uncertain_parameters_have_a_band_and_their_indices() {
     let mut run = full_run();
     let levels = friction(&mut run).levels.len();
     friction(&mut run).uncertainty = Some(example::uncertainty(levels));
-    let columns = [
-        ("penetration_m", vec![1.72e-6, 1.35e-6, f64::NAN]),
-        ("mean_low", vec![0.19, 0.195, 0.0]),
-        ("mean_high", vec![0.23, 0.24, 0.0]),
-    ];
-    let columns = columns.map(|(name, values)| (name.to_owned(), values)).to_vec();
-    run.tables.insert("friction_uncertainty".into(), Table::new(columns));
     let drawn = words(&run, "friction_sensitivity");
     for wanted in ["Mean of μ", "Correlation length of μ", "rms height", "Sobol’ index; 98 % explained"] {
         assert!(drawn.iter().any(|text| text == wanted), "{wanted:?} in {drawn:?}");
     }
     assert!(!drawn.iter().any(|text| text == "Std of μ"));
     assert!(words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));
-    // Without indices there is no figure, and without the table no band.
+    // Without indices there is no figure, and without intervals no band.
     let uncertainty = friction(&mut run).uncertainty.as_mut().unwrap();
     uncertainty.levels.iter_mut().flat_map(|level| &mut level.at_mean_load).for_each(|response| response.sobol.clear());
-    run.tables.remove("friction_uncertainty");
+    uncertainty.levels.iter_mut().for_each(|level| level.responses.clear());
     let report = render(&run).unwrap();
     assert!(report.figures.iter().all(|figure| figure.name != "friction_sensitivity"));
     assert!(!words(&run, "friction_levels").iter().any(|text| text == "95 % of the parameters"));

@@ -33,13 +33,8 @@ fn each_table_and_field_can_be_there_alone() {
     for (name, table) in full.tables.iter().filter(|(name, _)| *name != "pressure_bands") {
         let tables = [(name.clone(), table.clone())].into();
         let report = render(&Run { tables, ..Run::default() }).unwrap();
-        // The fits of the heights are a table of the page; the levels of friction and the damping sweep are two figures.
-        let wanted = match name.as_str() {
-            "height_fits" => 0,
-            "friction_levels" | "cycles_over_damping" => 2,
-            _ => 1,
-        };
-        assert_eq!(report.figures.len(), wanted, "{name}");
+        // The fits of the heights are a table of the page.
+        assert_eq!(report.figures.len(), usize::from(name != "height_fits"), "{name}");
         assert!(text(&report.html).contains(&format!("<code>tables/{name}.csv</code>")), "{name}");
         report.figures.iter().for_each(|figure| assert!(elements(&figure.svg) > 0));
     }
@@ -48,6 +43,41 @@ fn each_table_and_field_can_be_there_alone() {
         let report = render(&Run { fields, ..Run::default() }).unwrap();
         assert_eq!(report.figures.len(), 1, "{name}");
         elements(&report.figures[0].svg);
+    }
+}
+
+#[test]
+fn answers_alone_have_their_figures() {
+    let Results { friction, vibration, .. } = full_run().results;
+    let mut run = Run { results: Results { friction, vibration, ..Results::default() }, ..Run::default() };
+    let report = render(&run).unwrap();
+    let names: Vec<&str> = report.figures.iter().map(|figure| figure.name.as_str()).collect();
+    let levels = ["friction_cutoff", "friction_levels", "friction_shape"];
+    assert_eq!(names, [&levels[..], &["cycles_over_damping", "sustained_over_damping"]].concat());
+    for source in ["friction_cutoff", "friction_levels", "cycles_over_damping"] {
+        assert!(text(&report.html).contains(&format!("<code>tables/{source}.csv</code>")), "{source}");
+    }
+    // Numbers of single levels, all intervals and all levels but one may be undefined.
+    let friction = run.results.friction.as_mut().unwrap();
+    friction.cutoff.as_mut().unwrap().points.iter_mut().for_each(|point| point.mean_interval = None);
+    for level in &mut friction.levels {
+        (level.mean_interval, level.std_interval, level.process.at_mean_load.std_interval) = (None, None, None);
+    }
+    for row in 0..friction.levels.len() {
+        let level = &mut run.results.friction.as_mut().unwrap().levels[row];
+        (level.mean, level.std, level.skewness, level.coefficient_of_variation) = (None, None, None, None);
+        for figure in render(&run).unwrap().figures {
+            elements(&figure.svg);
+            assert!(!figure.svg.contains("NaN"), "{} without level {row}", figure.name);
+        }
+    }
+    let vibration = run.results.vibration.as_mut().unwrap();
+    for upscaling in [&mut vibration.paper, &mut vibration.area] {
+        upscaling.damping.truncate(1);
+    }
+    for figure in render(&run).unwrap().figures {
+        elements(&figure.svg);
+        assert!(!figure.svg.contains("NaN"), "{} at one damping ratio", figure.name);
     }
 }
 

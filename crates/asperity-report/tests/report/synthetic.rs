@@ -252,46 +252,8 @@ fn pressure(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, 
 fn friction(tables: &mut BTreeMap<String, Table>, fields: &mut BTreeMap<String, Field>) {
     let strip = |x: f64, y: f64| (2.2e9 * (rough(x, y, 8e-5, 1.5e-5, 3) - 0.7)).clamp(0.0, 2e9);
     fields.insert("pressure_strip".into(), field(1024, 16, 6e-3, 7.5e-5, strip));
-    let penetration = example::PENETRATIONS_M.to_vec();
-    let mean = map(&penetration, example::level_mean);
-    let std = map(&penetration, example::level_std);
-    let around = |values: &[f64], share: f64| map(values, |v| v * (1.0 + share));
-    tables.insert(
-        "friction_levels".into(),
-        table(&[
-            ("percentile", vec![5.0, 10.0, 25.0, 50.0, 75.0, f64::NAN]),
-            ("penetration_m", penetration),
-            ("mean", mean.clone()),
-            ("mean_low", around(&mean, -0.006)),
-            ("mean_high", around(&mean, 0.006)),
-            ("std", std.clone()),
-            ("std_low", around(&std, -0.12)),
-            ("std_high", around(&std, 0.15)),
-            ("coefficient_of_variation", std.iter().zip(&mean).map(|(s, m)| s / m).collect()),
-            ("skewness", map(&std, |s| 60.0 * s)),
-            ("skewness_low", map(&std, |s| 50.0 * s)),
-            ("skewness_high", map(&std, |s| 75.0 * s)),
-            ("at_mean_load_mean", around(&mean, -0.004)),
-            ("at_mean_load_std", around(&std, -0.3)),
-            ("at_mean_load_std_low", around(&std, -0.35)),
-            ("at_mean_load_std_high", around(&std, -0.2)),
-        ]),
-    );
     let depth = grid(0.6e-6, 3.7e-6, 6);
     let pressure = |share: f64| map(&depth, move |d| share * 3e6 * (d / 0.6e-6).powf(2.5));
-    let cutoff = example::CUTOFFS_M.to_vec();
-    let kept = map(&cutoff, example::cutoff_mean);
-    tables.insert(
-        "friction_cutoff".into(),
-        table(&[
-            ("cutoff_m", cutoff),
-            ("mean_low", around(&kept, -0.02)),
-            ("mean_high", around(&kept, 0.02)),
-            ("mean", kept),
-            ("rms_slope", example::RMS_SLOPES.into()),
-            ("plastic_fraction", example::PLASTIC_FRACTIONS.into()),
-        ]),
-    );
     tables.insert(
         "friction_load_curve".into(),
         table(&[
@@ -455,28 +417,6 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
             ]),
         );
     }
-    let zeta = example::damping_ratios();
-    let [deterministic, paper, area] = [0, 1, 2].map(|column| map(&zeta, |z| example::cycles(z)[column]));
-    let difference =
-        |mean: &[f64], shift: f64| -> Vec<f64> { deterministic.iter().zip(mean).map(|(d, m)| d - m + shift).collect() };
-    tables.insert(
-        "cycles_over_damping".into(),
-        table(&[
-            ("damping_ratio", zeta.clone()),
-            ("cycles_deterministic", deterministic.clone()),
-            ("paper_cycles_mean", paper.clone()),
-            ("paper_difference_mean", difference(&paper, 0.0)),
-            ("paper_difference_low", difference(&paper, -2.5)),
-            ("paper_difference_high", difference(&paper, 2.5)),
-            ("area_cycles_mean", area.clone()),
-            ("area_difference_mean", difference(&area, 0.0)),
-            ("area_difference_low", difference(&area, -0.2)),
-            ("area_difference_high", difference(&area, 0.2)),
-            ("paper_sustained_share", map(&zeta, |z| normal_cdf((0.205 - z) / 0.02))),
-            ("paper_sustained_share_low", map(&zeta, |z| normal_cdf((0.202 - z) / 0.02))),
-            ("paper_sustained_share_high", map(&zeta, |z| normal_cdf((0.208 - z) / 0.02))),
-        ]),
-    );
 }
 
 /// The full run.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use asperity_results::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, CutoffPoint,
-    CutoffResult, FailedPoint, FinerPitch, FrictionResult, GoodnessResult, LevelResult, OperatingPoint,
+    CutoffResult, FailedPoint, FinerPitch, FrictionResult, GoodnessResult, LevelProcess, LevelResult, OperatingPoint,
     PaperUpscalingResult, ParameterIndexResult, Prescribed, RankedDistributionResult, ReturnLevelResult, RoughBody,
     ScanCutoff, ScanFriction, StationarityResult, TailResult, UncertainLevel, UncertainParameter, UncertainResponse,
     UncertaintyResult, UpscalingResult,
@@ -64,11 +64,6 @@ fn level(row: usize) -> LevelResult {
         excess_kurtosis: Some(-0.12),
         correlation_length_m: Some(2.4e-4),
         correlation_length_m_interval: Some([1.9e-4, 3.1e-4]),
-        correlation_length_without_window_m: Some(2.5e-5),
-        correlation_length_without_window_m_interval: Some([2.1e-5, 2.9e-5]),
-        correlation_without_window_model: Some("exponential".into()),
-        correlation_families_told_apart: Some(false),
-        window_only: Some(percentile.is_none()),
         marginal: Some(law("beta", &[("a", 2.13), ("b", 4.9), ("low", 0.1851), ("high", 0.2303)])),
         marginal_parameter_intervals: BTreeMap::from([("a".into(), Some([1.8, 2.6])), ("b".into(), None)]),
         gof: Some(gof.clone()),
@@ -78,46 +73,59 @@ fn level(row: usize) -> LevelResult {
         ],
         tail: Some(TailResult { largest: 0.25, threshold: 0.22, peaks: 31, shape: -0.2, shape_interval: [-0.4, 0.1] }),
         beta: Some(law("beta", &[("a", 2.13)])),
-        at_mean_load: AtMeanLoad {
-            mean: 0.996 * mean,
-            std: 0.7 * std,
-            correlation_length_m: Some(2.5e-4),
-            correlation_length_m_interval: Some([2e-4, 3.2e-4]),
-            correlation_curves: vec![CorrelationCurveResult { model: "matern".into(), length_m: 6e-4, misfit: 0.012 }],
-            correlation_models: vec![CorrelationModelResult {
-                model: "exponential".into(),
-                length_m: 0.0,
-                length_interval: [0.0, 8.5e-6],
-                aic_difference: 0.0,
-                worse_beyond_chance: false,
-            }],
-            marginal: Some(law("lognormal", &[("mu", -4.2), ("sigma", 0.3), ("shift", 0.18)])),
-            gof: Some(gof.clone()),
-            laws: vec![RankedDistributionResult {
-                name: "shifted_lognormal".into(),
-                aic_difference: 0.0,
-                gof: Some(gof),
-            }],
-            effective_windows: 118.0,
-            ..AtMeanLoad::default()
-        },
-        stationarity: Some(StationarityResult {
-            trend_per_m: Some(0.0087),
-            trend_p: Some(0.69),
-            mean_change_p: Some(0.78),
-            ends_p: Some(0.061),
-            variance_change_p: Some(0.67),
-            wander_p: None,
-        }),
-        area_and_load: Some(CrossResult { correlation: 0.98, interval: [0.97, 0.985] }),
-        upscaling: UpscalingResult {
-            paper: PaperUpscalingResult { std: 0.0055 },
-            area: AreaUpscalingResult {
-                nominal_area_m2: 8.33e-4,
-                windows: 18500.0,
-                variance_reduction: 6.1e-5,
-                std: 4.3e-5,
+        process: LevelProcess {
+            correlation_length_without_window_m: Some(2.5e-5),
+            correlation_length_without_window_m_interval: Some([2.1e-5, 2.9e-5]),
+            correlation_without_window_model: Some("exponential".into()),
+            correlation_families_told_apart: Some(false),
+            window_only: Some(percentile.is_none()),
+            at_mean_load: AtMeanLoad {
+                mean: 0.996 * mean,
+                std: 0.7 * std,
+                std_interval: Some([0.65 * std, 0.8 * std]),
+                correlation_length_m: Some(2.5e-4),
+                correlation_length_m_interval: Some([2e-4, 3.2e-4]),
+                correlation_curves: vec![CorrelationCurveResult {
+                    model: "matern".into(),
+                    length_m: 6e-4,
+                    misfit: 0.012,
+                }],
+                correlation_models: vec![CorrelationModelResult {
+                    model: "exponential".into(),
+                    length_m: 0.0,
+                    length_interval: [0.0, 8.5e-6],
+                    aic_difference: 0.0,
+                    worse_beyond_chance: false,
+                }],
+                marginal: Some(law("lognormal", &[("mu", -4.2), ("sigma", 0.3), ("shift", 0.18)])),
+                gof: Some(gof.clone()),
+                laws: vec![RankedDistributionResult {
+                    name: "shifted_lognormal".into(),
+                    aic_difference: 0.0,
+                    gof: Some(gof),
+                }],
+                effective_windows: 118.0,
+                ..AtMeanLoad::default()
             },
+            stationarity: Some(StationarityResult {
+                trend_per_m: Some(0.0087),
+                trend_p: Some(0.69),
+                mean_change_p: Some(0.78),
+                ends_p: Some(0.061),
+                variance_change_p: Some(0.67),
+                wander_p: None,
+            }),
+            area_and_load: Some(CrossResult { correlation: 0.98, interval: [0.97, 0.985] }),
+            upscaling: UpscalingResult {
+                paper: PaperUpscalingResult { std: 0.0055 },
+                area: AreaUpscalingResult {
+                    nominal_area_m2: 8.33e-4,
+                    windows: 18500.0,
+                    variance_reduction: 6.1e-5,
+                    std: 4.3e-5,
+                },
+            },
+            ..LevelProcess::default()
         },
         contact_cells_per_window: 21.0,
         effective_windows: 120.0,
@@ -228,7 +236,7 @@ pub(crate) fn uncertainty(levels: usize) -> UncertaintyResult {
         ..UncertainResponse::default()
     };
     let level = UncertainLevel {
-        responses: vec![constant.clone()],
+        responses: vec![constant.clone(), UncertainResponse { interval: Some([0.19, 0.23]), ..response("mean") }],
         at_mean_load: vec![response("mean"), constant, response("correlation_length_m")],
         failures: vec![FailedPoint { point: 3, reason: "a strip carries no load".into() }],
         ..UncertainLevel::default()

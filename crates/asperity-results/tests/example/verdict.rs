@@ -76,7 +76,7 @@ pub(crate) fn verdict() -> VerdictResult {
             damping_margin: -0.0025,
         },
         if_vibrating: Some(VibratingMachines {
-            kinds: [("stick_slip".to_owned(), 0.97), ("slip_cycle".to_owned(), 0.03)].into(),
+            kinds: [(MotionKind::StickSlip, 0.97), (MotionKind::SlipCycle, 0.03)].into(),
             frequency_hz: Some(Quantiles { q05: 298.0, q50: 312.0, q95: 325.0 }),
             velocity_amplitude_m_per_s: Some(Quantiles { q05: 0.031, q50: 0.046, q95: 0.06 }),
             displacement_amplitude_m: Some(Quantiles { q05: 1.6e-5, q50: 2.3e-5, q95: 3.1e-5 }),

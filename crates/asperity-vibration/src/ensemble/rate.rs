@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::MotionKind;
@@ -13,18 +14,18 @@ use asperity_base::stats::wilson_interval;
 /// Least fraction of the second half of the time in vibration at which vibration counts as sustained.
 const SUSTAINED: f64 = 0.5;
 
-/// Rate of events per unit of τ.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Rate {
-    /// Events per unit of τ.
+/// Value with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Estimate {
+    /// Value.
     pub value: f64,
-    /// 95 % interval of a Poisson count, exact (Garwood 1936).
+    /// 95 % interval: of a rate exact for a Poisson count (Garwood 1936), of a fraction Wilson's.
     pub interval: [f64; 2],
 }
 
-impl Rate {
+impl Estimate {
     /// Returns the rate of `events` in the time `exposure`; none without exposure, or with one so short that rates overflow.
-    pub(super) fn from_count(events: u64, exposure: f64) -> Option<Self> {
+    pub(super) fn rate(events: u64, exposure: f64) -> Option<Self> {
         // Half the quantiles of χ², with degrees of freedom of twice the count.
         let quantile =
             |shape: f64, probability| Marginal::Gamma { shape, scale: 1.0, shift: 0.0 }.quantile(probability);
@@ -34,19 +35,9 @@ impl Rate {
         (exposure > 0.0 && high.is_finite())
             .then_some(Self { value: count / exposure, interval: [low / exposure, high] })
     }
-}
 
-/// Fraction of the trajectories.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Fraction {
-    /// Value, 0 … 1.
-    pub value: f64,
-    /// 95 % interval (Wilson).
-    pub interval: [f64; 2],
-}
-
-impl Fraction {
-    pub(crate) fn from_count(count: u64, total: u64) -> Self {
+    /// Returns the fraction of `count` in `total`.
+    pub(crate) fn fraction(count: u64, total: u64) -> Self {
         let interval = wilson_interval(count as usize, total as usize);
         Self { value: count as f64 / total as f64, interval: [interval.low, interval.high] }
     }
@@ -59,7 +50,7 @@ impl Fraction {
 /// they exceed the level midway between this cycle and the border of its basin. Vibration is lost when the mass slips
 /// for three natural periods without finishing a swing; the loss is dated to the end of the last swing. Vibration
 /// returns at the end of the next swing.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Passages {
     /// Number of trajectories.
     pub trajectories: u64,
@@ -74,13 +65,13 @@ pub struct Passages {
     /// Fraction of the second half of the time in vibration, over the trajectories. Its mean is φ.
     pub late_share: Count,
     /// Exits per unit of τ in vibration.
-    pub exit_rate: Option<Rate>,
+    pub exit_rate: Option<Estimate>,
     /// Entries per unit of τ out of vibration.
-    pub entry_rate: Option<Rate>,
+    pub entry_rate: Option<Estimate>,
     /// Fraction of the trajectories that leave vibration at least once.
-    pub left: Fraction,
+    pub left: Estimate,
     /// Fraction of the trajectories that vibrate for at least half of the second half of their time.
-    pub sustained: Fraction,
+    pub sustained: Estimate,
     /// Times τ of the first exit, rising, of the trajectories that leave vibration.
     pub first_exits: Vec<f64>,
     #[serde(skip)]
@@ -106,8 +97,8 @@ impl Passages {
         late_share: Count { mean: f64::NAN, std: f64::NAN, se: f64::NAN },
         exit_rate: None,
         entry_rate: None,
-        left: Fraction { value: f64::NAN, interval: [0.0, 1.0] },
-        sustained: Fraction { value: f64::NAN, interval: [0.0, 1.0] },
+        left: Estimate { value: f64::NAN, interval: [0.0, 1.0] },
+        sustained: Estimate { value: f64::NAN, interval: [0.0, 1.0] },
         first_exits: Vec::new(),
         sums: Sums { sustained: 0, inside: 0.0, outside: 0.0, kinds: [0.0; 3], late: RunningMoments::EMPTY },
     };
@@ -132,19 +123,19 @@ impl Passages {
         let times = KINDS.into_iter().zip(kinds).chain([(MotionKind::None, outside)]);
         self.kinds = times.map(|(kind, time)| (kind, time / (inside + outside))).collect();
         self.late_share = Count::from_moments(&late);
-        self.exit_rate = Rate::from_count(self.exits, inside);
-        self.entry_rate = Rate::from_count(self.entries, outside);
+        self.exit_rate = Estimate::rate(self.exits, inside);
+        self.entry_rate = Estimate::rate(self.entries, outside);
         if self.trajectories > 0 {
-            self.left = Fraction::from_count(self.first_exits.len() as u64, self.trajectories);
-            self.sustained = Fraction::from_count(sustained, self.trajectories);
+            self.left = Estimate::fraction(self.first_exits.len() as u64, self.trajectories);
+            self.sustained = Estimate::fraction(sustained, self.trajectories);
         }
         self.first_exits.sort_by(f64::total_cmp);
     }
 
     /// Returns the fraction of the trajectories that have not left vibration up to τ, at most their duration.
-    pub fn survival(&self, tau: f64) -> Fraction {
+    pub fn survival(&self, tau: f64) -> Estimate {
         let gone = self.first_exits.partition_point(|exit| *exit <= tau) as u64;
-        Fraction::from_count(self.trajectories - gone, self.trajectories)
+        Estimate::fraction(self.trajectories - gone, self.trajectories)
     }
 }
 
@@ -157,7 +148,7 @@ mod tests {
         let passages = Passages { trajectories: 8, first_exits: vec![1.0, 2.0, 2.0, 7.5], ..Passages::EMPTY };
         for (tau, wanted) in [(0.0, 8), (0.99, 8), (1.0, 7), (2.0, 5), (7.0, 5), (9.0, 4)] {
             let fraction = passages.survival(tau);
-            assert_eq!(fraction, Fraction::from_count(wanted, 8));
+            assert_eq!(fraction, Estimate::fraction(wanted, 8));
             assert!(fraction.interval[0] < fraction.value && fraction.value <= fraction.interval[1]);
         }
     }
@@ -166,10 +157,10 @@ mod tests {
     fn poisson_intervals_match_the_table() {
         // Garwood, Biometrika 28 (1936) 437: 95 % limits of a mean after counts of 0, 1, 10 and 50.
         for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.390), (50, 37.11, 65.92)] {
-            let rate = Rate::from_count(count, 2.0).unwrap();
+            let rate = Estimate::rate(count, 2.0).unwrap();
             assert_eq!(rate.value, count as f64 / 2.0);
             assert!((2.0 * rate.interval[0] - low).abs() < 5e-3 && (2.0 * rate.interval[1] - high).abs() < 5e-3);
         }
-        assert_eq!([0.0, f64::NAN, 1e-320].map(|exposure| Rate::from_count(3, exposure)), [None; 3]);
+        assert_eq!([0.0, f64::NAN, 1e-320].map(|exposure| Estimate::rate(3, exposure)), [None; 3]);
     }
 }

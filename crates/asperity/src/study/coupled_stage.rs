@@ -5,7 +5,7 @@ use crate::study::check::VibrationStudy;
 use crate::study::file::ContactSpring;
 use crate::study::motion_entries::{coupled_cycle_result, instability_result};
 use crate::study::output::StageOutput;
-use crate::study::result::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, MotionKind};
+use crate::study::result::{CoupledCycleResult, CoupledMotion, ModeCouplingResult, ModesOverFriction, MotionKind};
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::mode_coupling::{
     CoupledRegime, EigenvalueScan, Mode, Model, SCAN_POINTS, eigenvalue_scan, instability, limit_cycle, modes, onset,
@@ -35,14 +35,14 @@ fn motion(
 
 /// Returns a table of the modes over the friction coefficient.
 pub fn modes_table(scan: &EigenvalueScan) -> Table {
-    let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect::<Vec<f64>>();
-    Table::new([
-        ("friction", scan.friction.clone()),
-        ("growth_1", of(&|modes| modes[0].growth)),
-        ("frequency_1", of(&|modes| modes[0].frequency)),
-        ("growth_2", of(&|modes| modes[1].growth)),
-        ("frequency_2", of(&|modes| modes[1].frequency)),
-    ])
+    let of = |value: &dyn Fn(&[Mode; 2]) -> f64| scan.modes.iter().map(value).collect();
+    Table::from(ModesOverFriction {
+        friction: (&scan.friction).into(),
+        growth_1: of(&|modes| modes[0].growth),
+        frequency_1: of(&|modes| modes[0].frequency),
+        growth_2: of(&|modes| modes[1].growth),
+        frequency_2: of(&|modes| modes[1].frequency),
+    })
 }
 
 /// Computes the stability of steady sliding and the vibration that follows. `model` is the machine with this friction.

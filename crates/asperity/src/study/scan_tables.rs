@@ -5,6 +5,7 @@ use crate::distribution::Marginal;
 use crate::distribution::fit::{Family, Ranking};
 use crate::map::HeightMap;
 use crate::stats::{Histogram, Interval, Moments};
+use crate::study::result::HeightCorrelation;
 use crate::study::spectra::{binned_tables, structure_table};
 use crate::study::{StudyError, Table};
 use crate::surface::HeightFits;
@@ -101,24 +102,28 @@ fn acf_table(scan: &ScannedSurface, covariance: Option<&SurfaceCovariance>) -> R
         Side { acf: scan.correlation.along(Axis::Y), pitch_m: grid.dy_m(), points: grid.ny() },
     ];
     let lags = merged(sides.iter().flat_map(|side| (0..=side.points / 2).map(|lag| lag as f64 * side.pitch_m)));
-    let on_lags = |side: &Side| lags.iter().map(|lag| side.at(*lag)).collect::<Vec<f64>>();
-    let mut columns = vec![("acf_x", on_lags(&sides[0])), ("acf_y", on_lags(&sides[1]))];
+    let on_lags = |side: &Side| lags.iter().map(|lag| side.at(*lag)).collect();
     let chosen = [0, 1].map(|axis| band_lags(sides[axis].points / 2));
     let limits = uncertainty(scan.level)
         .correlation(&scan.map, &scan.values, [&chosen[0], &chosen[1]])
         .map_err(SurfaceModelError::from)?;
-    let names = [("acf_x_low", "acf_x_high"), ("acf_y_low", "acf_y_high")];
-    for axis in 0..2 {
-        if let Some([low, high]) = sides[axis].band(&chosen[axis], &limits[axis]) {
-            columns.extend([(names[axis].0, on_lags(&low)), (names[axis].1, on_lags(&high))]);
-        }
-    }
+    let bands = [0, 1].map(|axis| sides[axis].band(&chosen[axis], &limits[axis]));
+    let [[acf_x_low, acf_x_high], [acf_y_low, acf_y_high]] =
+        bands.map(|band| band.map_or_else(Default::default, |ends| ends.each_ref().map(on_lags)));
+    let mut curves = HeightCorrelation {
+        acf_x: on_lags(&sides[0]),
+        acf_y: on_lags(&sides[1]),
+        acf_x_low,
+        acf_x_high,
+        acf_y_low,
+        acf_y_high,
+        ..HeightCorrelation::default()
+    };
     if let Some(covariance) = covariance {
-        columns.push(("fit_x", lags.iter().map(|lag| covariance.correlation(*lag, 0.0)).collect()));
-        columns.push(("fit_y", lags.iter().map(|lag| covariance.correlation(0.0, *lag)).collect()));
+        curves.fit_x = lags.iter().map(|lag| covariance.correlation(*lag, 0.0)).collect();
+        curves.fit_y = lags.iter().map(|lag| covariance.correlation(0.0, *lag)).collect();
     }
-    columns.push(("lag_m", lags));
-    Ok(Table::new(columns).with_first("lag_m"))
+    Ok(Table::from(HeightCorrelation { lag_m: lags.into(), ..curves }))
 }
 
 /// Returns table `height_psd`: profile spectra at the wavenumbers of both axes; an axis without a complete profile is empty.

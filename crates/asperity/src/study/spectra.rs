@@ -2,6 +2,7 @@
 
 use crate::correlation::{Axis, BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 use crate::map::HeightMap;
+use crate::study::result::StructureFunctions;
 use crate::study::{StudyError, Table};
 use crate::surface::fractal::{self, ProfileScaling, StructureFunction};
 use crate::surface::model::{SurfaceCovariance, SurfaceModelError};
@@ -59,15 +60,8 @@ pub(super) fn structure_table(map: &HeightMap) -> Result<Table, StudyError> {
         let fit = |lag_m: &f64| scaling.map_or(f64::NAN, |scaling| fitted_m2(structure, scaling, *lag_m));
         [measured, lags_m.iter().map(fit).collect()]
     };
-    let [[x, fit_x], [y, fit_y]] = axes.each_ref().map(of_axis);
-    let columns = [
-        ("structure_x_m2", x),
-        ("structure_y_m2", y),
-        ("fit_x_m2", fit_x),
-        ("fit_y_m2", fit_y),
-        ("lag_m", lags_m.clone()),
-    ];
-    Ok(Table::new(columns).with_first("lag_m"))
+    let [[structure_x_m2, fit_x_m2], [structure_y_m2, fit_y_m2]] = axes.each_ref().map(of_axis);
+    Ok(StructureFunctions { lag_m: (&lags_m).into(), structure_x_m2, structure_y_m2, fit_x_m2, fit_y_m2 }.into())
 }
 
 /// The power law of exponent 2H through the mean of the logarithms within the range of the fit, NaN beyond it.

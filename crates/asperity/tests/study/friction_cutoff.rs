@@ -55,9 +55,9 @@ fn elastic_friction_is_inversely_proportional_to_the_slope_after_the_cutoff() {
     assert_eq!(cutoffs.len(), 5);
     assert!(cutoffs.iter().zip([2.0, 4.0, 8.0, 16.0, 32.0]).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{cutoffs:?}");
     // The point without cutoff has the mean of the study.
-    assert_eq!(found.points[0].mean, friction.levels[0].at_mean_load.mean);
+    assert_eq!(found.points[0].mean, friction.levels[0].process.at_mean_load.mean);
     let (own, wanted) =
-        (found.points[0].mean_interval.unwrap(), friction.levels[0].at_mean_load.mean_interval.unwrap());
+        (found.points[0].mean_interval.unwrap(), friction.levels[0].process.at_mean_load.mean_interval.unwrap());
     assert!(own.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{own:?} {wanted:?}");
     for (index, point) in found.points.iter().enumerate() {
         let slope = filtered_slope((index > 0).then_some(point.cutoff_m));
@@ -102,7 +102,7 @@ fn a_coarse_pitch_is_halved_while_its_error_matters_and_a_warning_tells_what_is_
     let mean = found.operating_point.mean;
     assert!((mean - (c + (c - b) / (order.exp2() - 1.0))).abs() < 1e-12, "order {order}: {mean} of {means:?}");
     assert!((found.operating_point.grid_error.unwrap() - (c - mean)).abs() < 1e-12, "{means:?}");
-    assert_eq!(found.levels[0].at_mean_load.mean, mean);
+    assert_eq!(found.levels[0].process.at_mean_load.mean, mean);
     assert!(!unresolved(&outcome) && found.operating_point.grid_error.unwrap() < 0.03 * mean);
     assert!(cutoff(found).known.contains("known only as far as"), "{}", cutoff(found).known);
     assert!(outcome.results.assumptions.contains(&cutoff(found).known));

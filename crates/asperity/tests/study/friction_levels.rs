@@ -125,8 +125,8 @@ fn percentile_pressure_and_penetration_levels_work_with_both_upscalings() {
     let leading = friction.levels.iter().find(|level| level.leading).unwrap();
     assert!(friction.levels.iter().all(|level| level.mean_pressure_pa <= leading.mean_pressure_pa));
     for level in &friction.levels {
-        let upscaling = &level.upscaling;
-        assert_eq!(upscaling.paper.std, level.at_mean_load.std);
+        let upscaling = &level.process.upscaling;
+        assert_eq!(upscaling.paper.std, level.process.at_mean_load.std);
         assert!((upscaling.area.windows - 833e-6 / (60e-6 * 32e-6)).abs() < 1.0);
         let least = upscaling.paper.std / upscaling.area.windows.sqrt();
         assert!(upscaling.area.std >= least * (1.0 - 1e-9) && upscaling.area.std < 3.0 * least);
@@ -134,7 +134,7 @@ fn percentile_pressure_and_penetration_levels_work_with_both_upscalings() {
     assert!(outcome.results.assumptions.iter().any(|sentence| sentence.contains("highest point of each strip")));
     // If no area is stated, the study uses a pad's area and reports it.
     let silent = run("").results;
-    assert_eq!(silent.friction.unwrap().levels[0].upscaling.area.nominal_area_m2, 833e-6);
+    assert_eq!(silent.friction.unwrap().levels[0].process.upscaling.area.nominal_area_m2, 833e-6);
     assert!(silent.assumptions.iter().any(|sentence| sentence.contains("No nominal area is stated")));
 }
 
@@ -157,7 +157,7 @@ fn light_contact_has_no_variance_of_the_quotient_and_one_friction_coefficient() 
         assert_eq!((level.mean_interval, level.std_interval, level.correlation_length_m), (None, None, None));
         assert!(level.marginal.is_none() && level.gof.is_none() && level.return_levels.is_empty());
         // At the mean load all moments exist.
-        assert!(level.at_mean_load.std > 0.0 && level.at_mean_load.marginal.is_some());
+        assert!(level.process.at_mean_load.std > 0.0 && level.process.at_mean_load.marginal.is_some());
     }
     assert!(firm.no_variance.is_none() && firm.std.unwrap() > 0.0 && firm.marginal.is_some(), "{firm:?}");
     let point = &friction.operating_point;
@@ -165,7 +165,7 @@ fn light_contact_has_no_variance_of_the_quotient_and_one_friction_coefficient() 
     assert!((point.mean_pressure_pa / (2500.0 / 833e-6) - 1.0).abs() < 1e-4);
     // Level, machine and file have the same coefficient.
     let process = outcome.friction_process.unwrap();
-    assert!(nominal.leading && point.mean == nominal.at_mean_load.mean);
+    assert!(nominal.leading && point.mean == nominal.process.at_mean_load.mean);
     assert_eq!((point.mean, point.mean), (vibration.static_friction, process.mean));
     assert_eq!((point.std, point.std_nominal_area), (vibration.paper.friction_std, vibration.area.friction_std));
     assert_eq!(point.contact_fraction, nominal.contact_fraction);
@@ -190,23 +190,23 @@ fn a_study_selects_friction_law_and_window() {
         "{words}"
     );
     let (dependent, words) = level("law = \"pressure_dependent\"\npressure_coefficient = 0.05\n");
-    assert!((dependent.at_mean_load.mean - sheared.at_mean_load.mean - 0.05).abs() < 1e-12, "{words}");
-    assert!((dependent.at_mean_load.std / sheared.at_mean_load.std - 1.0).abs() < 1e-9);
+    assert!((dependent.process.at_mean_load.mean - sheared.process.at_mean_load.mean - 0.05).abs() < 1e-12, "{words}");
+    assert!((dependent.process.at_mean_load.std / sheared.process.at_mean_load.std - 1.0).abs() < 1e-9);
     let (ploughing, words) = level("law = \"adhesion_ploughing\"\n");
-    assert!(ploughing.at_mean_load.mean > sheared.at_mean_load.mean && words.contains("plough"));
+    assert!(ploughing.process.at_mean_load.mean > sheared.process.at_mean_load.mean && words.contains("plough"));
     let (coulomb, _) = level("law = \"coulomb\"\ncoefficient = 0.3\n");
     assert!((coulomb.mean.unwrap() - 0.3).abs() < 1e-12 && coulomb.std == Some(0.0));
     // The same strips: narrower windows vary more about the same mean.
     let (narrow, words) = level("window_width = \"8 um\"\n");
     assert!(words.contains("60 µm × 8 µm, 4 side by side"), "{words}");
     // Four tracks add up to the wide window, except for the smallest area N/H of each track, which can only add.
-    let more = narrow.at_mean_load.mean / sheared.at_mean_load.mean - 1.0;
+    let more = narrow.process.at_mean_load.mean / sheared.process.at_mean_load.mean - 1.0;
     assert!((-1e-12..5e-3).contains(&more), "{more:e}");
-    assert!(narrow.at_mean_load.std > 1.3 * sheared.at_mean_load.std);
+    assert!(narrow.process.at_mean_load.std > 1.3 * sheared.process.at_mean_load.std);
     let (ellipse, words) = level("window_shape = \"ellipse\"\n");
     assert!(words.contains("an elliptic window"), "{words}");
-    assert!(ellipse.at_mean_load.std > sheared.at_mean_load.std);
-    assert!(ellipse.correlation_length_without_window_m.is_some());
+    assert!(ellipse.process.at_mean_load.std > sheared.process.at_mean_load.std);
+    assert!(ellipse.process.correlation_length_without_window_m.is_some());
 }
 
 #[test]

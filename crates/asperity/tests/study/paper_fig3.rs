@@ -39,7 +39,8 @@ fn mean_std_and_variation_of_friction_fall_with_penetration_and_the_skewness_is_
     let friction = outcome.results.friction.unwrap();
     let percentiles: Vec<f64> = friction.levels.iter().map(|level| level.percentile.unwrap()).collect();
     assert_eq!(percentiles, [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 75.0]);
-    let at_mean_load = |level: &LevelResult| known(level.at_mean_load.mean, level.at_mean_load.mean_interval);
+    let at_mean_load =
+        |level: &LevelResult| known(level.process.at_mean_load.mean, level.process.at_mean_load.mean_interval);
     falls("mean", &friction.levels.iter().map(at_mean_load).collect::<Vec<_>>());
     // At the lightest level windows with few contacts may leave F/N without a variance.
     let varied = &friction.levels[usize::from(friction.levels[0].std.is_none())..];
@@ -55,11 +56,11 @@ fn mean_std_and_variation_of_friction_fall_with_penetration_and_the_skewness_is_
         // τ_max/H.
         assert!(level.mean.unwrap() > 0.19245);
         // Correlation lengths of 20 µm under windows of 75 to 600 µm: the correlation is due to the windows alone.
-        assert_eq!(level.window_only, Some(true), "at {:?}", level.percentile);
+        assert_eq!(level.process.window_only, Some(true), "at {:?}", level.percentile);
         // ℓ of an exponential fitted to the triangular correlation of a 600 µm window: 322–368 µm; 3 standard errors of
         // 16 strips.
-        let length_m = level.at_mean_load.correlation_length_m.unwrap();
-        let [low, high] = level.at_mean_load.correlation_length_m_interval.unwrap();
+        let length_m = level.process.at_mean_load.correlation_length_m.unwrap();
+        let [low, high] = level.process.at_mean_load.correlation_length_m_interval.unwrap();
         let reach_m = 1.5 * (high - low) / 1.96;
         assert!(length_m > 322e-6 - reach_m && length_m < 368e-6 + reach_m, "{length_m:e} ± {reach_m:e}");
     }

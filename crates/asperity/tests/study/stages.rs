@@ -100,9 +100,9 @@ fn another_scan_changes_friction_and_cycles() {
     let (first_levels, second_levels) = (first.friction.unwrap().levels, second.friction.unwrap().levels);
     for (a, b) in first_levels.iter().zip(&second_levels) {
         // A smoother, flatter surface yields less: more area for its load.
-        let (before, after) = (a.at_mean_load.mean, b.at_mean_load.mean);
+        let (before, after) = (a.process.at_mean_load.mean, b.process.at_mean_load.mean);
         assert!(after > before + 0.001, "{:?}: {after} after {before}", a.percentile);
-        assert_ne!(a.at_mean_load.std, b.at_mean_load.std);
+        assert_ne!(a.process.at_mean_load.std, b.process.at_mean_load.std);
     }
     let (first, second) = (first.vibration.unwrap(), second.vibration.unwrap());
     assert_ne!(first.static_friction, second.static_friction);
@@ -135,7 +135,7 @@ fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() 
     let results = run_in(folder.path(), &soft, Some(Stage::Friction));
     for level in results.unwrap().results.friction.unwrap().levels.iter().filter(|level| level.percentile.is_some()) {
         assert!(level.plastic_share > 0.999, "{}", level.plastic_share);
-        let (mean, std) = (level.at_mean_load.mean, level.at_mean_load.std);
+        let (mean, std) = (level.process.at_mean_load.mean, level.process.at_mean_load.std);
         assert!((mean - 0.2).abs() < 1e-4 && std < 1e-4, "{mean} ± {std}");
     }
 }

@@ -74,7 +74,7 @@ fn the_oscillator_uses_the_operating_point_in_its_own_units() {
         let results = run(&(text.clone() + level), Some(Stage::Vibration)).results;
         let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
         let leading = friction.levels.iter().find(|level| level.leading).unwrap();
-        let process = &leading.at_mean_load;
+        let process = &leading.process.at_mean_load;
         assert_eq!((leading.percentile, vibration.level_percentile), (percentile, percentile));
         assert_eq!(vibration.static_friction, process.mean);
         assert_eq!(vibration.paper.friction_std, process.std);
@@ -83,7 +83,7 @@ fn the_oscillator_uses_the_operating_point_in_its_own_units() {
         let length = process.correlation_length_m.unwrap() * 316.0 * 316.0 / 30e3;
         assert!((vibration.correlation_length.unwrap() / length - 1.0).abs() < 1e-12);
         assert!((vibration.belt_velocity / (20e-3 * 316.0 / 30e3) - 1.0).abs() < 1e-12);
-        let own_length_m = leading.correlation_length_without_window_m.unwrap();
+        let own_length_m = leading.process.correlation_length_without_window_m.unwrap();
         let kept = variance_reduction(friction.window_m, friction.window_width_m, 833e-6, &exponential(own_length_m));
         assert_eq!(vibration.variance_reduction, kept);
     }
@@ -148,7 +148,7 @@ fn a_study_that_reads_the_process_of_another_gives_the_same_vibration() {
     let whole = run(MODEL, Some(Stage::Vibration));
     let process = whole.friction_process.clone().unwrap();
     let (friction, vibration) = (whole.results.friction.unwrap(), whole.results.vibration.unwrap());
-    let leading = &friction.levels.iter().find(|level| level.leading).unwrap().at_mean_load;
+    let leading = &friction.levels.iter().find(|level| level.leading).unwrap().process.at_mean_load;
     assert_eq!((process.mean, process.std), (leading.mean, leading.std));
     assert_eq!(process.averaged_over_m, Some([friction.window_m, friction.strip_width_m]));
     assert_eq!(process.correlation.unwrap().window_m, Some(friction.window_m));

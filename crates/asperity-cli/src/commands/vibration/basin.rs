@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asperity::study::result::AttractorMap;
 use asperity::study::{Table, portrait_table};
 use asperity::vibration::{
     self, Basin as Found, BasinBox, MapAxis, MotionKind, Oscillator, Regime, Separatrix, limit_cycle, separatrix,
@@ -118,9 +119,9 @@ fn answer(found: &Found, border: Option<&Separatrix>) -> Answer {
 fn table(found: &Found) -> Table {
     let [columns, rows] = found.area.cells;
     let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| found.area.centre(column, row)));
-    Table::new([
-        ("displacement", places().map(|place| place[0]).collect()),
-        ("velocity", places().map(|place| place[1]).collect()),
-        ("attractor", found.attractors.iter().map(|attractor| code(*attractor)).collect::<Vec<f64>>()),
-    ])
+    Table::from(AttractorMap {
+        displacement: places().map(|place| place[0]).collect(),
+        velocity: places().map(|place| place[1]).collect(),
+        attractor: found.attractors.iter().map(|attractor| code(*attractor)).collect(),
+    })
 }

@@ -75,8 +75,8 @@ impl Ensemble {
 }
 
 fn answer(kind: Option<vibration::MotionKind>, ensemble: Option<&vibration::Ensemble>) -> Answer {
-    let rate = |of: fn(&vibration::Passages) -> Option<vibration::Rate>| ensemble.and_then(|e| of(&e.passages));
-    let fraction = |of: fn(&vibration::Passages) -> vibration::Fraction| ensemble.map(|e| of(&e.passages));
+    let rate = |of: fn(&vibration::Passages) -> Option<vibration::Estimate>| ensemble.and_then(|e| of(&e.passages));
+    let fraction = |of: fn(&vibration::Passages) -> vibration::Estimate| ensemble.map(|e| of(&e.passages));
     let (exit, entry) = (rate(|p| p.exit_rate), rate(|p| p.entry_rate));
     let (left, sustained) = (fraction(|p| p.left), fraction(|p| p.sustained));
     let pair = |interval: Option<[f64; 2]>| interval.map_or(Value::Null, |[low, high]| json!([low, high]));

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use asperity::friction::process::{FrictionProcess, Steady};
 use asperity::stats::VALID_FRACTION;
+use asperity::study::result::CoupledPortrait;
 use asperity::study::{Table, implausible_damping, implausible_friction, modes_table};
 use asperity::vibration::VibrationError;
 use asperity::vibration::mode_coupling::{
@@ -263,21 +264,18 @@ fn tables(
 }
 
 fn portrait(points: &[Point]) -> Table {
-    let column = |of: fn(&Point) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
-        ("tau", column(|p| p.tau)),
-        ("tangential", column(|p| p.state.tangential)),
-        ("tangential_velocity", column(|p| p.state.tangential_velocity)),
-        ("normal", column(|p| p.state.normal)),
-        ("normal_velocity", column(|p| p.state.normal_velocity)),
-        (
-            "contact",
-            column(|p| match p.contact {
-                Contact::Stick => 0.0,
-                Contact::Slip => 1.0,
-                Contact::OverSlip => 2.0,
-                Contact::Flight => 3.0,
-            }),
-        ),
-    ])
+    let column = |of: fn(&Point) -> f64| points.iter().map(of).collect();
+    Table::from(CoupledPortrait {
+        tau: column(|p| p.tau),
+        tangential: column(|p| p.state.tangential),
+        tangential_velocity: column(|p| p.state.tangential_velocity),
+        normal: column(|p| p.state.normal),
+        normal_velocity: column(|p| p.state.normal_velocity),
+        contact: column(|p| match p.contact {
+            Contact::Stick => 0.0,
+            Contact::Slip => 1.0,
+            Contact::OverSlip => 2.0,
+            Contact::Flight => 3.0,
+        }),
+    })
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity::study::Table;
+use asperity::study::result::SoundSpectrum;
 use asperity::vibration::{self, Drive, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
 use asperity_report::VibrationFigures;
 use clap::Args;
@@ -108,10 +109,10 @@ fn cycle_period(oscillator: &Oscillator, monitor: &Terminal) -> Result<Option<f6
 }
 
 fn spectrum(sound: &vibration::Sound) -> Table {
-    Table::new([
-        ("frequency", sound.frequency.clone()),
-        ("density", sound.density.clone()),
-        ("density_low", sound.density_low.clone()),
-        ("density_high", sound.density_high.clone()),
-    ])
+    Table::from(SoundSpectrum {
+        frequency: (&sound.frequency).into(),
+        density: (&sound.density).into(),
+        density_low: (&sound.density_low).into(),
+        density_high: (&sound.density_high).into(),
+    })
 }

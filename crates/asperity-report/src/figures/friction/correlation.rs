@@ -1,8 +1,8 @@
 //! The correlation of friction over the lag and over the frequency, and the correlation of contact area with load.
 
-use asperity_results::Table;
+use asperity_results::{AreaAndLoad, FrictionSpectrum, Table};
 
-use crate::figures::{columns, positive};
+use crate::figures::{columns, defined, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, CURVES, Chart, Dash, GREEN, GREY, Pen, VERMILION, pen, range};
 use crate::words::in_words;
@@ -38,8 +38,10 @@ pub(crate) fn autocorrelation(table: &Table, data: &str) -> Option<Chart> {
 
 /// Draws the power spectral density with its band, that of the window alone, and that of the process seen through the window.
 pub(super) fn spectrum(table: &Table) -> Option<Chart> {
-    let [frequency, density] = columns(table, ["frequency_per_m", "density_m"])?;
-    let band = columns(table, ["density_m_low", "density_m_high"]);
+    let FrictionSpectrum { frequency_per_m, density_m, density_m_low, density_m_high, window_only_m, windowed_fit_m } =
+        FrictionSpectrum::of(table);
+    let [frequency, density] = defined([&frequency_per_m, &density_m])?;
+    let band = defined([&density_m_low, &density_m_high]);
     let ends = range(positive(density).chain(band.iter().flatten().flat_map(|end| positive(end))))?;
     let (first, last) = range(positive(frequency))?;
     let x = Axis::logarithmic("Frequency", Dimension::Length.unit(1.0 / first).inverse(), (first / 1.1, last * 1.1));
@@ -49,21 +51,20 @@ pub(super) fn spectrum(table: &Table) -> Option<Chart> {
         chart.band("95 % band", frequency, band, BLUE);
     }
     let curves = [
-        ("density_m", "windows", Pen::new(BLUE, 2.0, Dash::Solid)),
-        ("windowed_fit_m", "window and process", Pen::new(GREEN, 1.8, Dash::Alternating)),
-        ("window_only_m", "window alone", Pen::new(BLACK, 1.5, Dash::Dotted)),
+        (density, "windows", Pen::new(BLUE, 2.0, Dash::Solid)),
+        (&windowed_fit_m, "window and process", Pen::new(GREEN, 1.8, Dash::Alternating)),
+        (&window_only_m, "window alone", Pen::new(BLACK, 1.5, Dash::Dotted)),
     ];
-    for (column, name, pen) in curves {
-        if let Some(y) = table.defined_column(column) {
-            chart.line(name, frequency, y, pen);
-        }
+    for (y, name, pen) in curves.into_iter().filter(|curve| !curve.0.is_empty()) {
+        chart.line(name, frequency, y, pen);
     }
     Some(chart)
 }
 
 /// Draws the correlation of contact area and load over the lag between them.
 pub(super) fn area_and_load(table: &Table) -> Option<Chart> {
-    let [lag, correlation] = columns(table, ["lag_m", "correlation"])?;
+    let AreaAndLoad { lag_m, correlation } = AreaAndLoad::of(table);
+    let [lag, correlation] = defined([&lag_m, &correlation])?;
     let (ends, (low, high)) = (range(lag)?, range(correlation)?);
     let x = Axis::linear("Lag of the load", Dimension::Length.unit(ends.1), ends);
     let y = Axis::linear("Correlation", Unit::none(), (low.min(0.0) - 0.04, high.max(1.0) + 0.04));

@@ -1,9 +1,9 @@
 //! Moments and load over penetration (Fig. 3 of the paper).
 
-use asperity_results::Table;
+use asperity_results::{FrictionResult, LevelResult, LoadCurve, Pair, UncertainLevel, UncertaintyResult};
 
 use crate::Run;
-use crate::figures::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, defined, positive};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
 use crate::words::conditions;
@@ -14,6 +14,58 @@ const WIDE: f64 = 4.0;
 /// Lower and upper ends of intervals.
 type Limits = [Vec<f64>; 2];
 
+/// Reads a moment of a level with its interval.
+type Moment = fn(&LevelResult) -> (Option<f64>, Option<Pair>);
+
+/// A moment in a chart.
+struct Panel {
+    label: &'static str,
+    /// Name among the moments over the uncertain parameters.
+    name: &'static str,
+    of_quotient: Moment,
+    at_mean_load: Option<Moment>,
+}
+
+const MOMENTS: [Panel; 2] = [
+    Panel {
+        label: "Mean of μ",
+        name: "mean",
+        of_quotient: |level| (level.mean, level.mean_interval),
+        at_mean_load: Some(|level| {
+            let own = &level.process.at_mean_load;
+            (Some(own.mean), own.mean_interval)
+        }),
+    },
+    Panel {
+        label: "Std of μ",
+        name: "std",
+        of_quotient: |level| (level.std, level.std_interval),
+        at_mean_load: Some(|level| {
+            let own = &level.process.at_mean_load;
+            (Some(own.std), own.std_interval)
+        }),
+    },
+];
+
+const SHAPE: [Panel; 2] = [
+    Panel {
+        label: "CoV of μ",
+        name: "coefficient_of_variation",
+        of_quotient: |level| (level.coefficient_of_variation, level.coefficient_of_variation_interval),
+        // The interval is that of the std: the error of the mean is negligible.
+        at_mean_load: Some(|level| {
+            let own = &level.process.at_mean_load;
+            (Some(own.std / own.mean), own.std_interval.map(|ends| ends.map(|end| end / own.mean)))
+        }),
+    },
+    Panel {
+        label: "Skewness of μ",
+        name: "skewness",
+        of_quotient: |level| (level.skewness, level.skewness_interval),
+        at_mean_load: None,
+    },
+];
+
 /// Values at every level from the shallowest, with their intervals if there are any.
 struct Curve {
     y: Vec<f64>,
@@ -21,10 +73,13 @@ struct Curve {
 }
 
 impl Curve {
-    fn new(table: &Table, column: &str, order: &[usize]) -> Option<Self> {
-        let limits = columns(table, [&format!("{column}_low"), &format!("{column}_high")]);
-        let limits = limits.map(|limits| limits.map(|end| ordered(end, order)));
-        Some(Self { y: ordered(table.defined_column(column)?, order), limits })
+    /// Reads a moment of all levels; `None` if no level has it.
+    fn new(levels: &[&LevelResult], of: Moment) -> Option<Self> {
+        let (y, intervals): (Vec<_>, Vec<_>) = levels.iter().map(|level| of(level)).unzip();
+        let y: Vec<f64> = y.into_iter().map(|y| y.unwrap_or(f64::NAN)).collect();
+        let end = |end: usize| intervals.iter().map(|ends| ends.map_or(f64::NAN, |ends| ends[end])).collect();
+        let limits = intervals.iter().any(Option::is_some).then(|| [end(0), end(1)]);
+        y.iter().any(|y| y.is_finite()).then_some(Self { y, limits })
     }
 
     fn values(&self) -> impl Iterator<Item = &f64> {
@@ -39,44 +94,38 @@ impl Curve {
     }
 }
 
-/// Returns the rows of a column in an order.
-fn ordered(values: &[f64], order: &[usize]) -> Vec<f64> {
-    order.iter().map(|&row| values[row]).collect()
-}
-
-/// Returns the rows with a penetration from the shallowest; levels may be listed in any order.
-fn by_depth(penetration: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..penetration.len()).filter(|&row| penetration[row].is_finite()).collect();
-    order.sort_by(|&a, &b| penetration[a].total_cmp(&penetration[b]));
-    order
+/// Returns the levels from the shallowest; they may be listed in any order.
+fn by_depth(friction: &FrictionResult) -> Vec<&LevelResult> {
+    let mut levels: Vec<&LevelResult> = friction.levels.iter().collect();
+    levels.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
+    levels
 }
 
 /// Draws the moments of the quotient F/N at every level, beside those at the mean load.
 pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
     const NAME: &str = "friction_levels";
-    const UNCERTAIN: &str = "friction_uncertainty";
-    let Some(table) = run.tables.get(NAME) else { return Vec::new() };
-    let conditions = run.results.friction.as_ref().map_or_else(String::new, conditions);
-    let uncertain = run.tables.get(UNCERTAIN);
+    let Some(friction) = &run.results.friction else { return Vec::new() };
+    let conditions = conditions(friction);
+    let uncertain = friction.uncertainty.as_ref();
     let over = " Orange: interval of the moments of F/N over 95 % of the uncertain parameters of the surface, from fewer strips.";
     let drawn = [
         (
             NAME,
             "Mean and standard deviation of the friction coefficient over penetration",
             "Mean and standard deviation of μ over the windows at each penetration",
-            [("Mean of μ", "mean", "at_mean_load_mean"), ("Std of μ", "std", "at_mean_load_std")],
+            MOMENTS,
             uncertain.map_or("", |_| over),
         ),
         (
             "friction_shape",
             "Coefficient of variation and skewness of the friction coefficient over penetration",
             "Coefficient of variation, std over mean, and skewness of μ over the windows at each penetration",
-            [("CoV of μ", "coefficient_of_variation", ""), ("Skewness of μ", "skewness", "")],
+            SHAPE,
             "",
         ),
     ];
     let drawn = drawn.into_iter().filter_map(|(name, title, moments, panels, over)| {
-        let (charts, clipped) = charts(table, uncertain, panels);
+        let (charts, clipped) = charts(friction, uncertain, panels);
         let cut = if clipped { " Bands that are far wider than the curves are cut off." } else { "" };
         let caption = format!(
             "{moments} (the paper’s Fig. 3). “F/N” is the quotient of friction force and load of each window, where it has a variance; \
@@ -84,41 +133,41 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
              windows for one. The numbers at the points are the percentile of heights above the plane; “at load” is the level at the \
              mean pressure of the machine. {conditions}{over}{cut}"
         );
-        let tables: &[&str] = if over.is_empty() { &[NAME] } else { &[NAME, UNCERTAIN] };
+        let tables: &[&str] = if over.is_empty() { &[NAME] } else { &[NAME, "friction_uncertainty"] };
         CaptionedFigure::from_charts(name, title, caption.trim_end(), 1, &charts, tables)
     });
     drawn.collect()
 }
 
 /// Returns penetrations and limits of a moment over the uncertain parameters of the surface.
-fn parameter_band(table: &Table, column: &str) -> Option<(Vec<f64>, Limits)> {
-    let [penetration, low, high] =
-        columns(table, ["penetration_m", &format!("{column}_low"), &format!("{column}_high")])?;
-    let known = |row: &usize| low[*row].is_finite() && high[*row].is_finite();
-    let order: Vec<usize> = by_depth(penetration).into_iter().filter(known).collect();
-    (order.len() > 1).then(|| (ordered(penetration, &order), [ordered(low, &order), ordered(high, &order)]))
+fn parameter_band(friction: &FrictionResult, uncertain: &UncertaintyResult, name: &str) -> Option<(Vec<f64>, Limits)> {
+    let levels = friction.levels.iter().zip(&uncertain.levels);
+    let place = |(own, level): (&LevelResult, &UncertainLevel)| {
+        let response = level.responses.iter().find(|response| response.name == name)?;
+        Some((own.penetration_m, response.interval?))
+    };
+    let mut places: Vec<(f64, Pair)> = levels.filter_map(place).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let end = |end: usize| places.iter().map(|(_, ends)| ends[end]).collect();
+    (places.len() > 1).then(|| (places.iter().map(|(x, _)| *x).collect(), [end(0), end(1)]))
 }
 
 /// Draws the moments of the quotient, and the moments at the mean load where they differ visibly. `uncertain` holds the moments over
 /// the uncertain parameters of the surface. Also reports whether a band was cut off.
-fn charts(table: &Table, uncertain: Option<&Table>, panels: [(&str, &str, &str); 2]) -> (Vec<Chart>, bool) {
-    let order = by_depth(table.defined_column("penetration_m").unwrap_or_default());
-    let x = ordered(table.defined_column("penetration_m").unwrap_or_default(), &order);
+fn charts(friction: &FrictionResult, uncertain: Option<&UncertaintyResult>, panels: [Panel; 2]) -> (Vec<Chart>, bool) {
+    let levels = by_depth(friction);
+    let x: Vec<f64> = levels.iter().map(|level| level.penetration_m).collect();
     let Some(x_range) = range(&x) else { return (Vec::new(), false) };
     let (mut charts, mut clipped) = (Vec::new(), false);
-    for (label, column, other) in panels {
-        let Some(quotient) = Curve::new(table, column, &order) else { continue };
+    for Panel { label, name, of_quotient, at_mean_load } in panels {
+        let Some(quotient) = Curve::new(&levels, of_quotient) else { continue };
         let Some((low, high)) = range(quotient.values()) else { continue };
         let apart = |other: &Curve| {
             let mut pairs = other.y.iter().zip(&quotient.y);
             pairs.any(|(a, b)| (a - b).abs() > 0.01 * (high - low) || (b.is_nan() && !a.is_nan()))
         };
-        let other = match column {
-            "coefficient_of_variation" => variation_at_mean_load(table, &order),
-            _ => Curve::new(table, other, &order),
-        };
-        let other = other.filter(apart);
-        let over = uncertain.and_then(|table| parameter_band(table, column));
+        let other = at_mean_load.and_then(|of| Curve::new(&levels, of)).filter(apart);
+        let over = uncertain.and_then(|uncertain| parameter_band(friction, uncertain, name));
         let limits = over.iter().flat_map(|(_, limits)| limits.iter().flatten());
         let values = quotient.values().chain(other.iter().flat_map(Curve::values)).chain(limits);
         let Some(all) = range(values) else { continue };
@@ -138,7 +187,7 @@ fn charts(table: &Table, uncertain: Option<&Table>, panels: [(&str, &str, &str);
             // Without a quotient the name is at the value at the mean load.
             let other = other.as_ref().map_or(&quotient.y, |other| &other.y);
             let places = quotient.y.iter().zip(other).map(|(own, other)| if own.is_nan() { *other } else { *own });
-            name_levels(&mut chart, table, &order, &x, &places.collect::<Vec<f64>>());
+            name_levels(&mut chart, &levels, &x, &places.collect::<Vec<f64>>());
         }
         quotient.draw(&mut chart, &x, ("F/N of a window", "95 %, F/N"), Pen::new(BLUE, 1.8, Dash::Solid));
         if let Some(other) = other {
@@ -157,21 +206,10 @@ fn near((low, high): (f64, f64), all: (f64, f64)) -> (f64, f64) {
     if all.1 - all.0 > WIDE * span { (all.0.max(low - span), all.1.min(high + span)) } else { all }
 }
 
-/// Returns the coefficient of variation at the mean load. Its interval is that of the std: the error of the mean is negligible.
-fn variation_at_mean_load(table: &Table, order: &[usize]) -> Option<Curve> {
-    let mean = Curve::new(table, "at_mean_load_mean", order)?.y;
-    let std = Curve::new(table, "at_mean_load_std", order)?;
-    let over = |values: Vec<f64>| values.iter().zip(&mean).map(|(value, mean)| value / mean).collect();
-    Some(Curve { y: over(std.y), limits: std.limits.map(|limits| limits.map(over)) })
-}
-
-fn name_levels(chart: &mut Chart, table: &Table, order: &[usize], x: &[f64], y: &[f64]) {
-    let percentiles = table.defined_column("percentile").map(|values| ordered(values, order));
-    for (row, (&x, &y)) in x.iter().zip(y).enumerate() {
-        let percentile = percentiles.as_ref().map_or(f64::NAN, |values| values[row]);
-        let text =
-            if percentile.is_finite() { format!("{} %", significant(percentile, 3)) } else { "at load".to_owned() };
-        chart.note(x, y, text);
+fn name_levels(chart: &mut Chart, levels: &[&LevelResult], x: &[f64], y: &[f64]) {
+    for ((level, &x), &y) in levels.iter().zip(x).zip(y) {
+        let named = level.percentile.map(|percentile| format!("{} %", significant(percentile, 3)));
+        chart.note(x, y, named.unwrap_or_else(|| "at load".to_owned()));
     }
 }
 
@@ -179,26 +217,24 @@ fn name_levels(chart: &mut Chart, table: &Table, order: &[usize], x: &[f64], y: 
 pub(super) fn load_curve(run: &Run) -> Option<CaptionedFigure> {
     const NAME: &str = "friction_load_curve";
     let table = run.tables.get(NAME)?;
-    let [penetration] = columns(table, ["penetration_m"])?;
-    let order = by_depth(penetration);
-    let x = ordered(penetration, &order);
-    let x_range = range(&x)?;
-    let panel = |label: &str, column: &str, band: Option<[&str; 2]>, dimension: Dimension, colour: Colour| {
-        let y = ordered(table.defined_column(column)?, &order);
-        let limits = band.and_then(|names| columns(table, names)).map(|limits| limits.map(|end| ordered(end, &order)));
-        let ends = range(positive(&y).chain(limits.iter().flatten().flat_map(|end| positive(end))))?;
+    // Rows are in the order of the depth.
+    let LoadCurve { penetration_m: x, mean_pressure_pa, low, high, contact_fraction } = LoadCurve::of(table);
+    let x_range = range(&*x)?;
+    let panel = |label: &str, y: &[f64], limits: Option<[&[f64]; 2]>, dimension: Dimension, colour: Colour| {
+        let ends = range(positive(y).chain(limits.iter().flatten().flat_map(|end| positive(end))))?;
         let y_axis = Axis::logarithmic(label, dimension.unit(ends.1), (ends.0 / 1.3, ends.1 * 1.3));
         let x_axis = Axis::padded("Penetration", Dimension::Length.unit(x_range.1), x_range, 0.05);
         let mut chart = Chart::new(x_axis, y_axis);
-        if let Some([low, high]) = &limits {
-            chart.band("95 % interval", &x, [low, high], colour);
+        if let Some(limits) = limits {
+            chart.band("95 % interval", &x, limits, colour);
         }
-        chart.points("", &x, &y, Pen::new(colour, 1.8, Dash::Solid));
+        defined([y])?;
+        chart.points("", &x, y, Pen::new(colour, 1.8, Dash::Solid));
         Some(chart)
     };
     let panels = [
-        panel("Mean pressure", "mean_pressure_pa", Some(["low", "high"]), Dimension::Pressure, BLUE),
-        panel("Contact fraction", "contact_fraction", None, Dimension::None, VERMILION),
+        panel("Mean pressure", &mean_pressure_pa, defined([&low, &high]), Dimension::Pressure, BLUE),
+        panel("Contact fraction", &contact_fraction, None, Dimension::None, VERMILION),
     ];
     let caption = "Mean pressure over the nominal area, and contact area over nominal area, against the mean depth of the plane \
                    below the highest point of each strip; shaded: 95 % interval over the strips.";
@@ -219,7 +255,9 @@ mod tests {
 
     #[test]
     fn levels_are_sorted_by_penetration() {
-        let depth = [3.0, 1.0, f64::NAN, 2.0];
-        assert_eq!(ordered(&depth, &by_depth(&depth)), [1.0, 2.0, 3.0]);
+        let level = |penetration_m| LevelResult { penetration_m, ..LevelResult::default() };
+        let friction = FrictionResult { levels: [3.0, 1.0, 2.0].map(level).into(), ..FrictionResult::default() };
+        let found: Vec<f64> = by_depth(&friction).iter().map(|level| level.penetration_m).collect();
+        assert_eq!(found, [1.0, 2.0, 3.0]);
     }
 }

@@ -1,8 +1,8 @@
 //! Correlation length and standard deviation of friction through several windows.
 
-use asperity_results::{LevelResult, Table};
+use asperity_results::{FrictionWindows, LevelResult, Table};
 
-use crate::figures::{columns, positive};
+use crate::figures::{defined, positive};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, Pen, VERMILION, range, stacked};
 /// ℓ/W of the e^{−s/ℓ} that is closest to the triangle 1 − s/W of the window alone, by least squares over 0 < s < W.
@@ -20,21 +20,20 @@ pub(super) const CAPTION: &str = "Every point is a window of length W over the s
 
 /// Draws two charts over the length of the window.
 pub(super) fn charts(table: &Table, level: Option<&LevelResult>) -> Vec<Chart> {
-    let window = table.defined_column("window_m").unwrap_or_default();
-    let Some((first, last)) = range(positive(window)) else { return Vec::new() };
+    let curves = FrictionWindows::of(table);
+    let Some((first, last)) = range(positive(&curves.window_m)) else { return Vec::new() };
     let axis = || Axis::logarithmic("Window W", Dimension::Length.unit(last), (first / 1.2, last * 1.2));
-    let charts = [lengths(table, window, axis(), level), deviations(table, window, axis())];
+    let charts = [lengths(&curves, axis(), level), deviations(&curves, axis())];
     stacked(charts.into_iter().flatten().collect(), 230.0)
 }
 
-fn lengths(table: &Table, window: &[f64], x_axis: Axis, level: Option<&LevelResult>) -> Option<Chart> {
+fn lengths(curves: &FrictionWindows<'_>, x_axis: Axis, level: Option<&LevelResult>) -> Option<Chart> {
+    let FrictionWindows { window_m: window, correlation_length_m: fitted, own_length_m: own, .. } = curves;
     let (first, last) = x_axis.ends();
-    let fitted = table.defined_column("correlation_length_m");
-    let own = table.defined_column("own_length_m");
-    let band = columns(table, ["own_length_low_m", "own_length_high_m"]);
-    let joint = level.and_then(|level| level.correlation_length_without_window_m).unwrap_or(f64::NAN);
+    let band = defined([&curves.own_length_low_m, &curves.own_length_high_m]);
+    let joint = level.and_then(|level| level.process.correlation_length_without_window_m).unwrap_or(f64::NAN);
     let lowest = SHORTEST * first;
-    let drawn = [fitted, own].into_iter().chain(band.into_iter().flatten().map(Some)).flatten();
+    let drawn = [&**fitted, &**own].into_iter().chain(band.into_iter().flatten());
     let (low, high) = range(drawn.flatten().chain([&joint]).filter(|length| length.is_finite()))?;
     let ends = (low.max(lowest) / 1.3, high.max(lowest) * 1.3);
     let widen = (TWO_TICKS / (ends.1 / ends.0)).max(1.0).sqrt();
@@ -44,14 +43,14 @@ fn lengths(table: &Table, window: &[f64], x_axis: Axis, level: Option<&LevelResu
         let [low, high] = band.map(|limit| limit.iter().map(|length| length.max(ends.0)).collect::<Vec<f64>>());
         chart.band("", window, [&low, &high], GREEN);
     }
-    if let Some(y) = fitted {
-        chart.points("ℓ with the window", window, y, Pen::new(VERMILION, 1.8, Dash::Dashed));
+    if !fitted.is_empty() {
+        chart.points("ℓ with the window", window, fitted, Pen::new(VERMILION, 1.8, Dash::Dashed));
         let triangle = [TRIANGLE_LENGTH * first, TRIANGLE_LENGTH * last];
         chart.line("window alone: 0.614 W", &[first, last], &triangle, Pen::new(BLACK, 1.3, Dash::Dotted));
     }
-    if let Some(y) = own {
+    if !own.is_empty() {
         // A length of zero has no place on a logarithmic axis; its interval is drawn alone.
-        let y: Vec<f64> = y.iter().map(|l| if *l >= ends.0 { *l } else { f64::NAN }).collect();
+        let y: Vec<f64> = own.iter().map(|l| if *l >= ends.0 { *l } else { f64::NAN }).collect();
         chart.points("ℓ without it, 95 %", window, &y, Pen::new(GREEN, 1.8, Dash::Solid));
     }
     if joint < ends.0 {
@@ -62,12 +61,12 @@ fn lengths(table: &Table, window: &[f64], x_axis: Axis, level: Option<&LevelResu
     Some(chart)
 }
 
-fn deviations(table: &Table, window: &[f64], x_axis: Axis) -> Option<Chart> {
-    let [std] = columns(table, ["std"])?;
-    let expected = table.defined_column("expected_std");
-    let (low, high) = range(positive(std).chain(positive(expected.unwrap_or_default())))?;
+fn deviations(curves: &FrictionWindows<'_>, x_axis: Axis) -> Option<Chart> {
+    let FrictionWindows { window_m: window, std, expected_std: expected, .. } = curves;
+    defined([std])?;
+    let (low, high) = range(positive(std).chain(positive(expected)))?;
     let mut chart = Chart::new(x_axis, Axis::logarithmic("Std of μ", Unit::none(), (low / 1.2, high * 1.2)));
-    if let Some(expected) = expected {
+    if !expected.is_empty() {
         chart.line("std expected with it", window, expected, Pen::new(BLUE, 1.5, Dash::Long));
     }
     chart.points("std of μ", window, std, Pen::new(VERMILION, 1.8, Dash::Solid));

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, LN_2, PI};
 
+use asperity_results::choice::Choice;
 use asperity_results::{MethodEntry, PressureMethod, PressureResult, Table};
 
 use crate::Run;
@@ -9,7 +10,6 @@ use crate::figures::pressure::style::style;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range, stacked};
-use crate::words::method_name;
 
 /// Larger errors are not drawn: such a distribution is unrelated to the true one.
 const LARGEST: f64 = 3.0;
@@ -63,7 +63,7 @@ fn chart(measure: &Measure, ends: (f64, f64)) -> Option<Chart> {
     }
     for (&(method, _, y), x) in measure.points.iter().zip(side_by_side(&measure.points)) {
         let (Pen { colour, .. }, shape) = style(method);
-        chart.add(method_name(method), Mark::Symbol { x, y, shape, colour });
+        chart.add(method.words(), Mark::Symbol { x, y, shape, colour });
     }
     (!measure.points.is_empty()).then_some(chart)
 }

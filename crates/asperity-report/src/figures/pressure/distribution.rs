@@ -8,7 +8,6 @@ use crate::figures::pressure::style::style;
 use crate::figures::{CaptionedFigure, columns};
 use crate::format::{Dimension, Unit};
 use crate::plot::{self, Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range, stacked};
-use crate::words::method_name;
 
 /// The methods that are left out first if there are too many curves.
 const EXTRA: [PressureMethod; 2] = [PressureMethod::PolynomialChaosLocal, PressureMethod::Sobol];
@@ -59,7 +58,7 @@ impl<'a> Bands<'a> {
 
 /// Returns the name of a column for readers: that of its method, or of the reference.
 fn column_name(column: &str) -> String {
-    PressureMethod::from_name(column).map_or_else(|_| column.replace('_', " "), |method| method_name(method).to_owned())
+    PressureMethod::from_name(column).map_or_else(|_| column.replace('_', " "), |method| method.words())
 }
 
 /// Interpolates a tabulated distribution function: linear between its points except at jumps, and constant beyond.
@@ -89,7 +88,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         let place = methods.iter().position(|(name, _)| *name == extra.name());
         if let Some(place) = place.filter(|_| methods.len() > CURVES) {
             methods.remove(place);
-            hidden.push(method_name(extra));
+            hidden.push(extra.words());
         }
     }
     let first = methods.first()?.1;

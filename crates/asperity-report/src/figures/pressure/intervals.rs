@@ -1,5 +1,6 @@
 //! Contact probability and mean pressure with their intervals, method by method.
 
+use asperity_results::choice::Choice;
 use asperity_results::{MethodEntry, Pair};
 
 use crate::Run;
@@ -7,7 +8,6 @@ use crate::figures::CaptionedFigure;
 use crate::figures::pressure::style::style;
 use crate::format::Dimension;
 use crate::plot::{Axis, BLACK, Chart, Dash, GREY, Mark, Pen, range};
-use crate::words::method_name;
 
 /// Height of a row in pixels.
 const ROW: f64 = 24.0;
@@ -32,7 +32,7 @@ fn chart(
     let (low, high) = range(values.flat_map(|(value, interval)| interval.iter().flatten().chain([value])))?;
     let axis = Axis::padded(label, dimension.unit(high.abs()), (low, high), 0.06);
     let (left, right) = axis.ends();
-    let names = methods.iter().map(|method| method_name(method.name).to_owned()).collect();
+    let names = methods.iter().map(|method| method.name.words()).collect();
     let mut chart = Chart::new(axis, Axis::named(names)).with_height(ROW * methods.len() as f64 + 62.0);
     if let Some([from, to]) = reference.1 {
         chart.add("reference, 95 %", Mark::Region { from, to, colour: GREY });

@@ -1,10 +1,10 @@
 //! Autocorrelation along x and y with its bands, the model, and the correlation lengths.
 
-use asperity_results::Table;
+use asperity_results::HeightCorrelation;
 
 use crate::Run;
 use crate::figures::surface::scan::{scan, scan_sentence};
-use crate::figures::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, defined};
 use crate::format::{Dimension, Unit};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, Pen, Shape, VERMILION, range};
 
@@ -27,17 +27,28 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(run: &Run, table: &'a Table, axis: &'static str, shape: Shape, pens: [Pen; 2]) -> Option<Self> {
-        let length_m = scan(run).and_then(|scan| scan.number(&format!("correlation_length_{axis}_m")));
-        Some(Self {
-            axis,
-            measured: table.defined_column(&format!("acf_{axis}"))?,
-            band: columns(table, [&format!("acf_{axis}_low"), &format!("acf_{axis}_high")]),
-            model: table.defined_column(&format!("fit_{axis}")),
-            length_m: length_m.filter(|length| *length > 0.0),
-            shape,
-            pens,
-        })
+    /// Returns both axes that were measured.
+    fn of_both(run: &Run, curves: &'a HeightCorrelation<'_>) -> Vec<Self> {
+        let of_x = Self {
+            axis: "x",
+            measured: &curves.acf_x,
+            band: defined([&curves.acf_x_low, &curves.acf_x_high]),
+            model: defined([&curves.fit_x]).map(|[model]| model),
+            length_m: scan(run).and_then(|scan| scan.correlation_length_x_m),
+            shape: Shape::Disc,
+            pens: [Pen::new(BLUE, 2.0, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dotted)],
+        };
+        let of_y = Self {
+            axis: "y",
+            measured: &curves.acf_y,
+            band: defined([&curves.acf_y_low, &curves.acf_y_high]),
+            model: defined([&curves.fit_y]).map(|[model]| model),
+            length_m: scan(run).and_then(|scan| scan.correlation_length_y_m),
+            shape: Shape::Diamond,
+            pens: [Pen::new(VERMILION, 2.0, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)],
+        };
+        let known = |side: Self| Self { length_m: side.length_m.filter(|length| *length > 0.0), ..side };
+        [of_x, of_y].into_iter().filter(|side| !side.measured.is_empty()).map(known).collect()
     }
 
     /// Returns every value at lags up to `last`.
@@ -67,8 +78,8 @@ fn chart(sides: &[Side<'_>], lag: &[f64]) -> Option<Chart> {
     let (first, end) = range(lag)?;
     let longest = sides.iter().filter_map(|side| side.length_m).fold(0.0, f64::max);
     // Lags without a value in any series are left out.
-    let defined = |(i, lag): (usize, &f64)| sides.iter().any(|side| side.measured[i].is_finite()).then_some(*lag);
-    let last = lag.iter().enumerate().filter_map(defined).fold(first, f64::max);
+    let is_measured = |(i, lag): (usize, &f64)| sides.iter().any(|side| side.measured[i].is_finite()).then_some(*lag);
+    let last = lag.iter().enumerate().filter_map(is_measured).fold(first, f64::max);
     let last = if longest > 0.0 { last.min(LENGTHS * longest) } else { last }.min(end);
     let (low, high) = range(sides.iter().flat_map(|side| side.values(lag, last)))?;
     let ends = ((low - 0.04).clamp(-1.04, -0.05), high.clamp(1.0, 1.2) + 0.04);
@@ -81,14 +92,9 @@ fn chart(sides: &[Side<'_>], lag: &[f64]) -> Option<Chart> {
 }
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
-    let table = run.tables.get(NAME)?;
-    let [lag] = columns(table, ["lag_m"])?;
-    let pens = [
-        ("x", Shape::Disc, [Pen::new(BLUE, 2.0, Dash::Solid), Pen::new(BLACK, 1.5, Dash::Dotted)]),
-        ("y", Shape::Diamond, [Pen::new(VERMILION, 2.0, Dash::Long), Pen::new(GREEN, 1.6, Dash::Alternating)]),
-    ];
-    let side = |(axis, shape, pens)| Side::new(run, table, axis, shape, pens);
-    let sides: Vec<Side<'_>> = pens.into_iter().filter_map(side).collect();
+    let curves = HeightCorrelation::of(run.tables.get(NAME)?);
+    let [lag] = defined([&curves.lag_m])?;
+    let sides = Side::of_both(run, &curves);
     let lengths: Vec<f64> = sides.iter().filter_map(|side| side.length_m).collect();
     let apart = match lengths[..] {
         [x, y] => x.max(y) > ONE_CHART * x.min(y),

@@ -1,16 +1,18 @@
 //! Structure functions along x and y with the power laws that give the Hurst exponent.
 
+use asperity_results::StructureFunctions;
+
 use crate::Run;
 use crate::figures::surface::scan::{scan, scan_sentence};
-use crate::figures::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, defined, positive};
 use crate::format::{Dimension, Unit, significant};
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREY, ORANGE, Pen, VERMILION, range};
 
 const NAME: &str = "structure_function";
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
-    let table = run.tables.get(NAME)?;
-    let [lag, x, y] = columns(table, ["lag_m", "structure_x_m2", "structure_y_m2"])?;
+    let table = StructureFunctions::of(run.tables.get(NAME)?);
+    let [lag, x, y] = defined([&table.lag_m, &table.structure_x_m2, &table.structure_y_m2])?;
     let lags = range(positive(lag))?;
     let (low, high) = range(positive(x).chain(positive(y)))?;
     let unit = if high < 1e-14 { Unit::new("nm²", 1e-18) } else { Unit::new("µm²", 1e-12) };
@@ -22,14 +24,13 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         chart.horizontal("2 Sq²", 2.0 * sq_m * sq_m, Pen::new(GREY, 1.2, Dash::Dashed));
     }
     let curves = [
-        ("structure_x_m2", "measured, x", Pen::new(BLUE, 2.0, Dash::Solid)),
-        ("structure_y_m2", "measured, y", Pen::new(ORANGE, 2.0, Dash::Long)),
-        ("fit_x_m2", "power law, x", Pen::new(BLACK, 1.6, Dash::Dotted)),
-        ("fit_y_m2", "power law, y", Pen::new(VERMILION, 1.6, Dash::Alternating)),
+        (x, "measured, x", Pen::new(BLUE, 2.0, Dash::Solid)),
+        (y, "measured, y", Pen::new(ORANGE, 2.0, Dash::Long)),
+        (&table.fit_x_m2, "power law, x", Pen::new(BLACK, 1.6, Dash::Dotted)),
+        (&table.fit_y_m2, "power law, y", Pen::new(VERMILION, 1.6, Dash::Alternating)),
     ];
-    for (column, name, pen) in curves {
+    for (values, name, pen) in curves {
         // Lags of the other axis leave gaps.
-        let values = table.defined_column(column).unwrap_or_default();
         let (x, y): (Vec<f64>, Vec<f64>) = lag.iter().zip(values).filter(|(_, v)| v.is_finite()).unzip();
         if !x.is_empty() {
             chart.line(name, &x, &y, pen);

@@ -6,10 +6,11 @@ use crate::cells::percent;
 use crate::figures::vibration::curves::outlined;
 use crate::figures::vibration::stability_map::{lines, with_colour_bar};
 use crate::figures::{CaptionedFigure, present};
+use crate::format::Dimension;
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Dash, Mark, Pen, Shape, WHITE, indexed, range, scale_palette, shade};
 use crate::run::RESULTS;
 use crate::verdict::percent as probability;
-use crate::words::{dimension, named};
+use crate::words::named;
 use crate::{ReportError, Run};
 
 const CONTOURS: &str = "verdict_map_contours";
@@ -71,7 +72,7 @@ fn axis(axis: &ProbabilityMapAxis, ends: (f64, f64)) -> Axis {
     if let Some(first) = label.get(..1) {
         label = format!("{}{}, central value", first.to_uppercase(), &label[1..]);
     }
-    Axis::linear(&label, dimension(&axis.unit).unit(ends.1), ends)
+    Axis::linear(&label, Dimension::of_unit(&axis.unit).unit(ends.1), ends)
 }
 
 fn caption(verdict: &VerdictResult, map: &ProbabilityMap) -> String {

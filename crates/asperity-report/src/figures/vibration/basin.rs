@@ -1,8 +1,10 @@
 //! Attractors over the starting points in the phase plane.
 
+use asperity_results::{AttractorMap, Portrait};
+
 use crate::ReportError;
 use crate::figures::vibration::curves::{ATTRACTORS, Tables, outlined};
-use crate::figures::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, defined};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, Backdrop, Chart, Colour, Dash, Mark, Pen, VERMILION, WHITE, indexed, pale, range};
 
@@ -15,8 +17,9 @@ fn tint(kind: f64, colour: Colour) -> Colour {
 }
 
 pub(super) fn figure(tables: &Tables) -> Result<Option<CaptionedFigure>, ReportError> {
-    let names = ["displacement", "velocity", "attractor"];
-    let Some([x, y, attractor]) = tables.get("basin").and_then(|t| columns(t, names)) else { return Ok(None) };
+    let Some(basin) = tables.get("basin").map(AttractorMap::of) else { return Ok(None) };
+    let places = defined([&basin.displacement, &basin.velocity, &basin.attractor]);
+    let Some([x, y, attractor]) = places else { return Ok(None) };
     let Some(grid) = Grid::new(x, y) else { return Ok(None) };
     let axis = |name: &str, ends| Axis::linear(name, Unit::none(), ends);
     let mut chart = Chart::new(axis("Start: displacement X", grid.x), axis("Start: velocity dX/dτ", grid.y));
@@ -31,7 +34,8 @@ pub(super) fn figure(tables: &Tables) -> Result<Option<CaptionedFigure>, ReportE
         ("limit_cycle", "limit cycle", Pen::new(VERMILION, 2.4, Dash::Solid)),
     ];
     for (table, name, pen) in curves {
-        if let Some([x, y]) = tables.get(table).and_then(|t| columns(t, ["displacement", "velocity"])) {
+        let Some(curve) = tables.get(table).map(Portrait::of) else { continue };
+        if let Some([x, y]) = defined([&curve.displacement, &curve.velocity]) {
             outlined(&mut chart, name, x, y, pen);
         }
     }

@@ -1,7 +1,9 @@
 //! Mode coupling: growth and frequency of the modes over the friction coefficient, and the cycle in the plane.
 
+use asperity_results::{CoupledPortrait, ModesOverFriction};
+
 use crate::figures::vibration::curves::Tables;
-use crate::figures::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, defined};
 use crate::format::{Unit, significant};
 use crate::motion::CoupledModes;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Dash, GREEN, GREY, Mark, PURPLE, Pen, Shape, VERMILION, range, stacked};
@@ -16,37 +18,36 @@ const CONTACTS: [(f64, &str, Pen); 4] = [
 
 /// Draws the growth above the frequency.
 pub(super) fn over_friction(marks: &CoupledModes, tables: &Tables) -> Option<CaptionedFigure> {
-    let table = tables.get("modes_over_friction")?;
-    let friction = table.defined_column("friction")?;
-    let ends = range(friction)?;
-    let charts =
-        [("Growth rate", "growth"), ("Frequency ω/ω₀", "frequency")].into_iter().filter_map(|(label, quantity)| {
-            let modes = [1, 2].map(|mode| table.defined_column(&format!("{quantity}_{mode}")));
-            let (low, high) = range(modes.iter().flatten().copied().flatten())?;
-            let grows = quantity == "growth";
-            // Without any growth the axis still contains zero.
-            let y = if grows { (low.min(-1e-3), high.max(1e-3)) } else { (low, high) };
-            let x = Axis::linear("Friction coefficient μ", Unit::none(), ends);
-            let mut chart = Chart::new(x, Axis::padded(label, Unit::none(), y, 0.08));
-            if grows {
-                chart.horizontal("", 0.0, Pen::new(GREY, 1.2, Dash::Solid));
+    let curves = ModesOverFriction::of(tables.get("modes_over_friction")?);
+    let friction = &curves.friction;
+    let ends = range(&**friction)?;
+    let growth = ("Growth rate", [&curves.growth_1, &curves.growth_2], true);
+    let frequency = ("Frequency ω/ω₀", [&curves.frequency_1, &curves.frequency_2], false);
+    let charts = [growth, frequency].into_iter().filter_map(|(label, modes, grows)| {
+        let (low, high) = range(modes.iter().flat_map(|mode| mode.iter()))?;
+        // Without any growth the axis still contains zero.
+        let y = if grows { (low.min(-1e-3), high.max(1e-3)) } else { (low, high) };
+        let x = Axis::linear("Friction coefficient μ", Unit::none(), ends);
+        let mut chart = Chart::new(x, Axis::padded(label, Unit::none(), y, 0.08));
+        if grows {
+            chart.horizontal("", 0.0, Pen::new(GREY, 1.2, Dash::Solid));
+        }
+        let pens =
+            [("first mode", Pen::new(BLUE, 2.2, Dash::Solid)), ("second mode", Pen::new(VERMILION, 2.2, Dash::Dashed))];
+        for (mode, (name, pen)) in modes.into_iter().zip(pens) {
+            if !mode.is_empty() {
+                chart.line(name, friction, mode, pen);
             }
-            let pens = [
-                ("first mode", Pen::new(BLUE, 2.2, Dash::Solid)),
-                ("second mode", Pen::new(VERMILION, 2.2, Dash::Dashed)),
-            ];
-            for (mode, (name, pen)) in modes.into_iter().zip(pens) {
-                mode.into_iter().for_each(|y| chart.line(name, friction, y, pen));
-            }
-            draw_values(&mut chart, marks, ends.1);
-            if let Some(y) = marks.mean_growth.filter(|_| grows) {
-                chart.add(
-                    "mean growth under fluctuation",
-                    Mark::Symbol { x: marks.friction, y, shape: Shape::Diamond, colour: PURPLE },
-                );
-            }
-            Some(chart)
-        });
+        }
+        draw_values(&mut chart, marks, ends.1);
+        if let Some(y) = marks.mean_growth.filter(|_| grows) {
+            chart.add(
+                "mean growth under fluctuation",
+                Mark::Symbol { x: marks.friction, y, shape: Shape::Diamond, colour: PURPLE },
+            );
+        }
+        Some(chart)
+    });
     let caption = "Growth rate and frequency of the two modes of small motion about steady sliding. Where the frequencies meet without \
                    damping one mode begins to grow; damping moves the loss of stability to the critical coefficient.";
     let charts = stacked(charts.collect(), 220.0);
@@ -70,8 +71,8 @@ fn draw_values(chart: &mut Chart, marks: &CoupledModes, last: f64) {
 
 /// Draws the path of the mass, and its velocity along the belt.
 pub(super) fn cycle(marks: &CoupledModes, tables: &Tables) -> Option<CaptionedFigure> {
-    let names = ["tangential", "tangential_velocity", "normal", "contact"];
-    let [x, u, y, contact] = columns(tables.get("mode_cycle")?, names)?;
+    let curve = CoupledPortrait::of(tables.get("mode_cycle")?);
+    let [x, u, y, contact] = defined([&curve.tangential, &curve.tangential_velocity, &curve.normal, &curve.contact])?;
     let belt = marks.belt_velocity;
     let panels = [("Into the belt, y", y, None), ("Velocity along the belt, dx/dτ", u, belt)];
     let charts = panels.into_iter().filter_map(|(label, values, belt)| {

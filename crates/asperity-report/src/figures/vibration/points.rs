@@ -1,10 +1,10 @@
 //! Distributions of the points at which the mass sticks again and at which it leaves the belt.
 
-use asperity_results::Table;
+use asperity_results::{DisplacementHistogram, Table};
 
 use crate::Run;
 use crate::figures::vibration::curves::Tables;
-use crate::figures::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, defined};
 use crate::format::Unit;
 use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, ORANGE, Pen, range};
 
@@ -38,14 +38,14 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
 }
 
 fn histogram(table: &Table, axis: &str, bars: &str, colour: Colour) -> Option<Chart> {
-    let [x, density] = columns(table, ["displacement", "density"])?;
-    let normal = table.defined_column("normal_density");
-    let (_, highest) = range(density.iter().chain(normal.into_iter().flatten())).filter(|(_, top)| *top > 0.0)?;
+    let DisplacementHistogram { displacement, density, normal_density: normal } = DisplacementHistogram::of(table);
+    let [x, density] = defined([&displacement, &density])?;
+    let (_, highest) = range(density.iter().chain(&*normal)).filter(|(_, top)| *top > 0.0)?;
     let axis = Axis::padded(axis, Unit::none(), range(x)?, 0.03);
     let mut chart = Chart::new(axis, Axis::linear("Density", Unit::none(), (0.0, 1.06 * highest))).with_height(270.0);
     chart.bars(bars, x, density, colour);
-    if let Some(normal) = normal {
-        chart.line("normal distribution", x, normal, Pen::new(BLACK, 1.8, Dash::Dashed));
+    if !normal.is_empty() {
+        chart.line("normal distribution", x, &normal, Pen::new(BLACK, 1.8, Dash::Dashed));
     }
     Some(chart)
 }

@@ -1,8 +1,10 @@
 //! Phase portraits: many trajectories, one trajectory, and the deterministic cycle over them.
 
+use asperity_results::{PhaseCloud, Portrait};
+
 use crate::Run;
 use crate::figures::vibration::curves::{Tables, separated};
-use crate::figures::{CaptionedFigure, columns};
+use crate::figures::{CaptionedFigure, defined};
 use crate::format::Unit;
 use crate::plot::{Axis, Chart, Dash, Mark, PURPLE, Pen, SKY, VERMILION, range};
 
@@ -35,11 +37,16 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
     CaptionedFigure::from_charts("phase_portrait", "Phase portrait", caption, 1, &[chart], &[])
 }
 
+fn path<'a>(motion: &'a Option<Portrait<'_>>) -> Option<[&'a [f64]; 2]> {
+    motion.as_ref().and_then(|motion| defined([&motion.displacement, &motion.velocity]))
+}
+
 /// Draws the chart. Also returns its tables from the lowest to the uppermost curve.
 fn portrait(tables: &Tables, deterministic: &str) -> Option<(Chart, Vec<&'static str>)> {
-    let path = |name: &str| columns(tables.get(name)?, ["displacement", "velocity"]);
-    let cloud = tables.get("phase_cloud").and_then(|t| columns(t, ["trajectory", "tau", "displacement", "velocity"]));
-    let (trajectory, cycle) = (path("trajectory"), path("limit_cycle"));
+    let [trajectory, cycle] = ["trajectory", "limit_cycle"].map(|name| tables.get(name).map(Portrait::of));
+    let (trajectory, cycle) = (path(&trajectory), path(&cycle));
+    let cloud = tables.get("phase_cloud").map(PhaseCloud::of);
+    let cloud = cloud.as_ref().and_then(|of| defined([&of.trajectory, &of.tau, &of.displacement, &of.velocity]));
     let all = [cloud.map(|[_, _, x, y]| [x, y]), trajectory, cycle];
     let x_range = range(all.iter().flatten().flat_map(|curve| curve[0]))?;
     let y_range = range(all.iter().flatten().flat_map(|curve| curve[1]))?;

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use asperity_results::Pair;
+use asperity_results::{Pair, SoundSpectrum};
 
 use crate::figures::vibration::curves::Tables;
-use crate::figures::{CaptionedFigure, columns, positive};
+use crate::figures::{CaptionedFigure, defined, positive};
 use crate::format::{Unit, fixed, show_range, significant};
 use crate::plot::{Axis, BLUE, Chart, Dash, Pen, VERMILION, range};
 
@@ -15,9 +15,10 @@ pub(super) fn figure(
     cycle_period: Option<f64>,
     tables: &Tables,
 ) -> Option<CaptionedFigure> {
-    let table = tables.get("sound_spectrum")?;
-    let [frequency, density] = columns(table, ["frequency", "density"])?;
-    let band = columns(table, ["density_low", "density_high"]);
+    let SoundSpectrum { frequency, density, density_low, density_high } =
+        SoundSpectrum::of(tables.get("sound_spectrum")?);
+    let [frequency, density] = defined([&frequency, &density])?;
+    let band = defined([&density_low, &density_high]);
     let values = positive(density).chain(band.into_iter().flatten().flat_map(positive));
     let (x, y) = (range(positive(frequency))?, range(values)?);
     let x = Axis::logarithmic("Frequency ω/ω₀", Unit::none(), (x.0 / 1.1, x.1 * 1.1));

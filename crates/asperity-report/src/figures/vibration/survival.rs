@@ -1,10 +1,10 @@
 //! Duration of vibration.
 
-use asperity_results::Table;
+use asperity_results::{Survival, Table};
 
 use crate::Run;
 use crate::figures::vibration::curves::Tables;
-use crate::figures::{CaptionedFigure, columns, present};
+use crate::figures::{CaptionedFigure, defined, present};
 use crate::format::Unit;
 use crate::plot::{Axis, BLUE, Chart, Colour, Dash, Pen, VERMILION, range};
 
@@ -28,13 +28,14 @@ pub(super) fn figure(tables: &Tables) -> Option<CaptionedFigure> {
 }
 
 fn drawn(curves: &[Curve<'_>]) -> Option<CaptionedFigure> {
-    let times = curves.iter().filter_map(|curve| curve.0.defined_column("tau")).flatten();
-    let x = Axis::linear("Time τ", Unit::none(), range(times)?);
+    let curves: Vec<_> =
+        curves.iter().map(|&(table, name, colour, dash)| (Survival::of(table), name, colour, dash)).collect();
+    let x = Axis::linear("Time τ", Unit::none(), range(curves.iter().flat_map(|curve| &*curve.0.tau))?);
     let mut chart =
         Chart::new(x, Axis::linear("Fraction in vibration", Unit::none(), (-0.04, 1.04))).with_height(300.0);
-    for (table, name, colour, dash) in curves {
-        let Some([tau, share]) = columns(table, ["tau", "share"]) else { continue };
-        if let Some(band) = columns(table, ["share_low", "share_high"]) {
+    for (Survival { tau, share, share_low, share_high }, name, colour, dash) in &curves {
+        let Some([tau, share]) = defined([tau, share]) else { continue };
+        if let Some(band) = defined([share_low, share_high]) {
             chart.band("", tau, band, *colour);
         }
         chart.line(*name, tau, share, Pen::new(*colour, 2.0, *dash));

@@ -3,13 +3,13 @@
 use asperity_results::{MachineModel, Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
-use crate::format::significant;
+use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
 use crate::run::RESULTS;
 use crate::verdict::{is_exact, percent, vibration};
-use crate::words::{dimension, named, unbroken};
+use crate::words::{named, unbroken};
 
 /// Probability that the damping ratio is given for if the study states no remedies.
 const TARGET: f64 = 0.05;
@@ -57,7 +57,7 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let Some((_, (remedy, reach))) = reached.min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return html!("{}", not_reached(&verdict.remedies, wanted));
     };
-    let dimension = dimension(&remedy.unit);
+    let dimension = Dimension::of_unit(&remedy.unit);
     let verb = if reach.value.is_some_and(|value| value > remedy.now) { "Raise" } else { "Lower" };
     let friction = match (remedy.friction_coefficient_now, reach.friction_coefficient) {
         (Some(now), Some(left)) if (left / now - 1.0).abs() > 0.005 => {
@@ -93,7 +93,7 @@ fn not_reached(remedies: &[Remedy], wanted: f64) -> String {
     let [remedy] = remedies else {
         return format!("No stated change reaches {} within its range.", target(wanted));
     };
-    let [low, high] = remedy.range.map(|value| dimension(&remedy.unit).show_short(value));
+    let [low, high] = remedy.range.map(|value| Dimension::of_unit(&remedy.unit).show_short(value));
     let name = named(&remedy.input);
     format!("No {name}{} from {low} to {high} reaches {}.", held(remedy), target(wanted))
 }
@@ -106,7 +106,7 @@ fn row(remedy: &Remedy) -> Html {
 
 /// Returns the change, the present value, the value for each target, and the friction coefficient that is left.
 fn cells(remedy: &Remedy) -> Vec<String> {
-    let dimension = dimension(&remedy.unit);
+    let dimension = Dimension::of_unit(&remedy.unit);
     let value = |reach: &Reach| match reach.value {
         Some(value) => shown(dimension, value, reach.value_interval),
         None => "not in the range".into(),

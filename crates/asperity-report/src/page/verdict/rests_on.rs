@@ -3,10 +3,11 @@
 use asperity_results::keys::{DefaultValue, Key, KeyDefault};
 use asperity_results::{InputKind, InputValue, MachineModel, RestsOn};
 
+use crate::format::Dimension;
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::run::RESULTS;
-use crate::words::{dimension, in_words, named};
+use crate::words::{in_words, named};
 
 /// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
 pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
@@ -53,7 +54,7 @@ fn scans(input: &RestsOn) -> String {
 fn value(input: &RestsOn) -> String {
     match &input.value {
         InputValue::Integer(number) => number.to_string(),
-        InputValue::Number(number) => dimension(&input.unit).show(*number),
+        InputValue::Number(number) => Dimension::of_unit(&input.unit).show(*number),
         InputValue::Name(name) => match name.as_str() {
             "stribeck" => "Stribeck".into(),
             "bowden_tabor" => "Bowden–Tabor".into(),

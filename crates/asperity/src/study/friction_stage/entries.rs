@@ -11,8 +11,8 @@ use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::stats::ProcessEstimate;
 use crate::study::result::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, GoodnessResult,
-    LevelResult, OperatingPoint, Pair, PaperUpscalingResult, Prescribed, RankedDistributionResult, ReturnLevelResult,
-    StationarityResult, TailResult, UpscalingResult, distribution_result, finite, pair,
+    LevelProcess, LevelResult, OperatingPoint, Pair, PaperUpscalingResult, Prescribed, RankedDistributionResult,
+    ReturnLevelResult, StationarityResult, TailResult, UpscalingResult, distribution_result, finite, pair,
 };
 
 /// Returns the variability over the nominal area by both upscalings.
@@ -46,8 +46,9 @@ pub(super) fn level_result(solved: &SolvedLevel, body: RoughBody, nominal_area_m
         (RoughBody::Slider, _) => (Some(process.moments.std), interval(process.estimates.std)),
         (RoughBody::Both, Some(found)) => (Some(found.between_parts_std), found.between_parts_interval.map(pair)),
     };
-    let level =
-        LevelResult { between_parts_std, between_parts_std_interval, ..any_level_result(solved, nominal_area_m2) };
+    let process = level_process(solved, nominal_area_m2);
+    let process = LevelProcess { between_parts_std, between_parts_std_interval, ..process };
+    let level = any_level_result(solved, process);
     match body {
         RoughBody::Track => level,
         RoughBody::Slider | RoughBody::Both => without_path(level),
@@ -59,30 +60,32 @@ fn without_path(level: LevelResult) -> LevelResult {
     LevelResult {
         correlation_length_m: None,
         correlation_length_m_interval: None,
-        correlation_length_without_window_m: None,
-        correlation_length_without_window_m_interval: None,
-        correlation_without_window_model: None,
-        correlation_families_told_apart: None,
-        correlation_without_window_fit_p: None,
-        correlation_without_window_agreement_p: None,
-        window_only: None,
         return_levels: Vec::new(),
-        stationarity: None,
-        at_mean_load: AtMeanLoad {
-            correlation_length_m: None,
-            correlation_length_m_interval: None,
-            correlation_curves: Vec::new(),
-            correlation_models: Vec::new(),
-            ..level.at_mean_load
+        process: LevelProcess {
+            correlation_length_without_window_m: None,
+            correlation_length_without_window_m_interval: None,
+            correlation_without_window_model: None,
+            correlation_families_told_apart: None,
+            correlation_without_window_fit_p: None,
+            correlation_without_window_agreement_p: None,
+            window_only: None,
+            stationarity: None,
+            at_mean_load: AtMeanLoad {
+                correlation_length_m: None,
+                correlation_length_m_interval: None,
+                correlation_curves: Vec::new(),
+                correlation_models: Vec::new(),
+                ..level.process.at_mean_load
+            },
+            ..level.process
         },
         ..level
     }
 }
 
-fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
+fn any_level_result(solved: &SolvedLevel, process: LevelProcess) -> LevelResult {
     let (strips, statistics) = (&solved.strips, &solved.statistics);
     let correlation = statistics.correlation.as_ref().ok();
-    let study = solved.window_study.as_ref();
     // Without a variance no moment above the first exists, and no interval of a moment.
     let exists = solved.heavy_tail.is_none();
     let moment = |value: f64| finite(value).filter(|_| exists);
@@ -108,13 +111,6 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         excess_kurtosis_interval: interval(statistics.estimates.excess_kurtosis),
         correlation_length_m: correlation.map(|c| c.exponential.length_m),
         correlation_length_m_interval: correlation.and_then(|c| c.length_interval).map(pair),
-        correlation_length_without_window_m: study.map(|s| s.length_m),
-        correlation_length_without_window_m_interval: study.map(|s| pair(s.interval)),
-        correlation_without_window_model: study.map(|s| s.model.name().into()),
-        correlation_families_told_apart: study.map(|s| s.families.told_apart()),
-        correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
-        correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
-        window_only: study.map(WindowStudy::window_only),
         marginal: statistics.marginal().filter(|_| exists).map(|fit| distribution_result(&fit.marginal)),
         marginal_parameter_intervals: if exists { parameter_intervals(statistics) } else { BTreeMap::new() },
         gof: goodness(statistics).filter(|_| exists),
@@ -126,6 +122,25 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
         tail: statistics.tail.as_ref().map(tail),
         beta: statistics.beta.as_ref().filter(|_| exists).map(|fit| distribution_result(&fit.marginal)),
         no_variance: solved.heavy_tail.as_ref().map(no_variance),
+        process,
+        empty_windows: statistics.empty_windows,
+        contact_cells_per_window: statistics.contact_cells,
+        sparse_window_share: statistics.sparse_fraction,
+        effective_windows: statistics.effective_windows,
+        failed_samples: strips.failures.len(),
+    }
+}
+
+fn level_process(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelProcess {
+    let study = solved.window_study.as_ref();
+    LevelProcess {
+        correlation_length_without_window_m: study.map(|s| s.length_m),
+        correlation_length_without_window_m_interval: study.map(|s| pair(s.interval)),
+        correlation_without_window_model: study.map(|s| s.model.name().into()),
+        correlation_families_told_apart: study.map(|s| s.families.told_apart()),
+        correlation_without_window_fit_p: study.and_then(|s| s.lack_of_fit).map(|test| test.p_value),
+        correlation_without_window_agreement_p: study.and_then(|s| s.one_length_p),
+        window_only: study.map(WindowStudy::window_only),
         between_parts_std: None,
         between_parts_std_interval: None,
         at_mean_load: at_mean_load(solved),
@@ -137,11 +152,6 @@ fn any_level_result(solved: &SolvedLevel, nominal_area_m2: f64) -> LevelResult {
             .ok()
             .map(|found| CrossResult { correlation: found.coefficient, interval: pair(found.interval) }),
         upscaling: upscaling(solved, nominal_area_m2),
-        empty_windows: statistics.empty_windows,
-        contact_cells_per_window: statistics.contact_cells,
-        sparse_window_share: statistics.sparse_fraction,
-        effective_windows: statistics.effective_windows,
-        failed_samples: strips.failures.len(),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::friction::window_study::{WindowCorrelation, WindowStudy};
 use crate::friction::{LevelControl, RoughBody, SolvedLevel};
 use crate::stats::{Histogram, sorted_present};
 use crate::study::Table;
-use crate::study::result::LevelResult;
+use crate::study::result::{AreaAndLoad, FrictionSpectrum, FrictionWindows, LevelResult, LoadCurve};
 
 type Tables = Vec<(&'static str, Table)>;
 
@@ -37,14 +37,14 @@ pub(super) fn of_lead(lead: &SolvedLevel, body: RoughBody) -> Tables {
 fn load_curve_table(levels: &[SolvedLevel]) -> Table {
     let mut points: Vec<LoadPoint> = levels.iter().map(|level| LoadPoint::from_strips(&level.strips)).collect();
     points.sort_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m));
-    let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect::<Vec<f64>>();
-    Table::new([
-        ("penetration_m", column(&|p| p.penetration_m)),
-        ("mean_pressure_pa", column(&|p| p.mean_pressure_pa)),
-        ("low", column(&|p| p.interval.low)),
-        ("high", column(&|p| p.interval.high)),
-        ("contact_fraction", column(&|p| p.contact_fraction)),
-    ])
+    let column = |value: &dyn Fn(&LoadPoint) -> f64| points.iter().map(value).collect();
+    Table::from(LoadCurve {
+        penetration_m: column(&|p| p.penetration_m),
+        mean_pressure_pa: column(&|p| p.mean_pressure_pa),
+        low: column(&|p| p.interval.low),
+        high: column(&|p| p.interval.high),
+        contact_fraction: column(&|p| p.contact_fraction),
+    })
 }
 
 /// Returns the column of a level in the table of traces.
@@ -138,36 +138,37 @@ fn spectrum_table(lead: &SolvedLevel) -> Option<Table> {
     let window = &lead.window;
     let spectrum = lead.analysis.spectrum.as_ref().ok()?;
     let variance = lead.process.moments.std.powi(2);
-    let mut columns = vec![
-        ("density_m".to_owned(), spectrum.density.clone()),
-        ("density_m_low".to_owned(), spectrum.low.clone()),
-        ("density_m_high".to_owned(), spectrum.high.clone()),
-    ];
+    let mut curves = FrictionSpectrum {
+        frequency_per_m: (&spectrum.frequency_per_m).into(),
+        density_m: (&spectrum.density).into(),
+        density_m_low: (&spectrum.low).into(),
+        density_m_high: (&spectrum.high).into(),
+        ..FrictionSpectrum::default()
+    };
     if let (Some(study), true) = (&lead.window_study, window.is_rectangle()) {
         let model = WindowedModel::new(study.model, window.length_m()).with_cells(window.cell_m());
-        columns.push(("window_only_m".to_owned(), spectrum.model_density(&model, 0.0, variance)));
-        columns.push(("windowed_fit_m".to_owned(), spectrum.model_density(&model, study.length_m, variance)));
+        curves.window_only_m = spectrum.model_density(&model, 0.0, variance).into();
+        curves.windowed_fit_m = spectrum.model_density(&model, study.length_m, variance).into();
     }
-    columns.push(("frequency_per_m".to_owned(), spectrum.frequency_per_m.clone()));
-    Some(Table::new(columns).with_first("frequency_per_m"))
+    Some(curves.into())
 }
 
 /// Correlation of contact area and load of the windows over the lag between them.
 fn cross_table(lead: &SolvedLevel) -> Option<Table> {
     let cross = lead.analysis.area_and_load.as_ref().ok()?;
-    let lags = cross.lags.iter().map(|lag| *lag as f64 * cross.step_m).collect();
-    Some(Table::new([("lag_m", lags), ("correlation", cross.correlation.clone())]))
+    let lag_m = cross.lags.iter().map(|lag| *lag as f64 * cross.step_m).collect();
+    Some(AreaAndLoad { lag_m, correlation: (&cross.correlation).into() }.into())
 }
 
 fn windows_table(study: &WindowStudy) -> Table {
-    let column = |value: &dyn Fn(&WindowCorrelation) -> f64| study.windows.iter().map(value).collect::<Vec<f64>>();
-    Table::new([
-        ("window_m", column(&|seen| seen.window_m)),
-        ("std", column(&|seen| seen.std)),
-        ("expected_std", column(&|seen| seen.expected_std)),
-        ("correlation_length_m", column(&|seen| seen.length_m)),
-        ("own_length_m", column(&|seen| seen.own.map_or(f64::NAN, |own| own.length_m))),
-        ("own_length_low_m", column(&|seen| seen.own.map_or(f64::NAN, |own| own.interval.low))),
-        ("own_length_high_m", column(&|seen| seen.own.map_or(f64::NAN, |own| own.interval.high))),
-    ])
+    let column = |value: &dyn Fn(&WindowCorrelation) -> f64| study.windows.iter().map(value).collect();
+    Table::from(FrictionWindows {
+        window_m: column(&|seen| seen.window_m),
+        std: column(&|seen| seen.std),
+        expected_std: column(&|seen| seen.expected_std),
+        correlation_length_m: column(&|seen| seen.length_m),
+        own_length_m: column(&|seen| seen.own.map_or(f64::NAN, |own| own.length_m)),
+        own_length_low_m: column(&|seen| seen.own.map_or(f64::NAN, |own| own.interval.low)),
+        own_length_high_m: column(&|seen| seen.own.map_or(f64::NAN, |own| own.interval.high)),
+    })
 }

@@ -43,7 +43,7 @@ pub(super) fn vibrating_machines(
     }
     let mut kinds = BTreeMap::new();
     for vibration in &found {
-        *kinds.entry(vibration.kind.name().to_owned()).or_insert(0.0) += 1.0 / found.len() as f64;
+        *kinds.entry(vibration.kind).or_insert(0.0) += 1.0 / found.len() as f64;
     }
     let quantiles = |of: fn(&Vibration) -> Option<f64>| {
         let mut sorted: Vec<f64> = found.iter().filter_map(of).filter(|number| number.is_finite()).collect();

@@ -5,9 +5,9 @@ use crate::friction::process::FrictionProcess;
 use crate::monitor::Monitor;
 use crate::stats::Histogram;
 use crate::study::Table;
-use crate::study::result::EnsembleResult;
+use crate::study::result::{DisplacementHistogram, EnsembleResult, PhaseCloud, Portrait, Survival};
 use crate::vibration::{
-    EnsembleSettings, Fraction, Oscillator, Passages, PhasePoint, SampleDistribution, VibrationError, phase_cloud,
+    EnsembleSettings, Estimate, Oscillator, Passages, PhasePoint, SampleDistribution, VibrationError, phase_cloud,
 };
 
 /// Number of times at which the surviving fraction is tabulated.
@@ -32,36 +32,38 @@ pub(super) fn damping_table(paper: &EnsembleResult, area: &EnsembleResult) -> Ta
 pub fn points_table(points: &SampleDistribution) -> Option<Table> {
     let histogram = Histogram::new(&points.sample).ok()?;
     let centres = histogram.centres();
-    let mut columns = vec![("density", histogram.density())];
-    if let Ok(normal) = Marginal::normal(points.mean, points.std) {
-        columns.push(("normal_density", centres.iter().map(|x| normal.pdf(*x)).collect()));
-    }
-    columns.push(("displacement", centres));
-    Some(Table::new(columns).with_first("displacement"))
+    let normal = Marginal::normal(points.mean, points.std).ok();
+    let normal_density = normal.map_or_else(Vec::new, |normal| centres.iter().map(|x| normal.pdf(*x)).collect());
+    let curves = DisplacementHistogram {
+        displacement: centres.into(),
+        density: histogram.density().into(),
+        normal_density: normal_density.into(),
+    };
+    Some(curves.into())
 }
 
 /// Returns the fraction of the trajectories that have never left vibration over time, with 95 % intervals: `tau`,
 /// `share`, `share_low`, `share_high`.
 pub fn survival_table(passages: &Passages, duration: f64) -> Table {
     let time = |i: usize| duration * i as f64 / (SURVIVAL_POINTS - 1) as f64;
-    let fractions: Vec<Fraction> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
-    let column = |of: fn(&Fraction) -> f64| fractions.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
-        ("tau", (0..SURVIVAL_POINTS).map(time).collect()),
-        ("share", column(|fraction| fraction.value)),
-        ("share_low", column(|fraction| fraction.interval[0])),
-        ("share_high", column(|fraction| fraction.interval[1])),
-    ])
+    let fractions: Vec<Estimate> = (0..SURVIVAL_POINTS).map(|i| passages.survival(time(i))).collect();
+    let column = |of: fn(&Estimate) -> f64| fractions.iter().map(of).collect();
+    Table::from(Survival {
+        tau: (0..SURVIVAL_POINTS).map(time).collect(),
+        share: column(|fraction| fraction.value),
+        share_low: column(|fraction| fraction.interval[0]),
+        share_high: column(|fraction| fraction.interval[1]),
+    })
 }
 
 /// Returns a phase portrait: `tau`, `displacement`, `velocity`.
 pub fn portrait_table(points: &[PhasePoint]) -> Table {
-    let column = |of: fn(&PhasePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-    Table::new([
-        ("tau", column(|p| p.tau)),
-        ("displacement", column(|p| p.displacement)),
-        ("velocity", column(|p| p.velocity)),
-    ])
+    let column = |of: fn(&PhasePoint) -> f64| points.iter().map(of).collect();
+    Table::from(Portrait {
+        tau: column(|p| p.tau),
+        displacement: column(|p| p.displacement),
+        velocity: column(|p| p.velocity),
+    })
 }
 
 /// Returns the ends of the first `most` trajectories of an ensemble, slightly more than a natural period of each,
@@ -77,12 +79,14 @@ pub fn cloud_table(
     monitor: &dyn Monitor,
 ) -> Result<Table, VibrationError> {
     let curves = phase_cloud(oscillator, process, settings, most, monitor)?;
-    let mut columns = [const { Vec::new() }; 4];
-    for (index, curve) in curves.into_iter().enumerate() {
-        for point in curve.into_iter().flatten() {
-            let row = [index as f64, point.tau, point.displacement, point.velocity];
-            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-        }
-    }
-    Ok(Table::new(["trajectory", "tau", "displacement", "velocity"].into_iter().zip(columns)))
+    let numbered = curves.into_iter().enumerate();
+    let points: Vec<(usize, PhasePoint)> =
+        numbered.flat_map(|(index, curve)| curve.into_iter().flatten().map(move |point| (index, point))).collect();
+    let column = |of: fn(&PhasePoint) -> f64| points.iter().map(|(_, point)| of(point)).collect();
+    Ok(Table::from(PhaseCloud {
+        trajectory: points.iter().map(|(index, _)| *index as f64).collect(),
+        tau: column(|p| p.tau),
+        displacement: column(|p| p.displacement),
+        velocity: column(|p| p.velocity),
+    }))
 }
