@@ -13,7 +13,7 @@ pub use dense::{
 };
 pub use isotonic::isotonic;
 pub use least_squares::{Range, least_squares};
-pub use linear::{inverse, solution, solve, solve_positive_definite};
+pub use linear::{dot, inverse, solution, solve, solve_positive_definite};
 pub use minimum::{GoldenSection, golden_section, scanned_minimum, simplex};
 pub use quadrature::gauss_legendre;
 pub use root::{bisect, newton_between, root_between, try_root_between};

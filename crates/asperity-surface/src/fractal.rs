@@ -7,8 +7,8 @@ use thiserror::Error;
 use asperity_base::blocks;
 use asperity_base::correlation::{Axis, profiles};
 use asperity_base::map::HeightMap;
-use asperity_base::stats::Moments;
 use asperity_base::stats::blocks::LANES;
+use asperity_base::stats::{Moments, jackknife_error};
 
 /// Number of bands of neighbouring profiles, for the jackknife standard error.
 const BANDS: usize = 16;
@@ -125,9 +125,7 @@ impl StructureFunction {
                 exponent(&used, &rest)
             })
             .collect();
-        let spread = Moments::new(&without);
-        let n = without.len() as f64;
-        let hurst_se = (n > 1.0).then(|| (n - 1.0).sqrt() * spread.std).filter(|se| se.is_finite());
+        let hurst_se = (without.len() > 1).then(|| jackknife_error(&without)).filter(|se| se.is_finite());
         if hurst_se.is_some_and(|se| se > LARGEST_ERROR) {
             return None;
         }
