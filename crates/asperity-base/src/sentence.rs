@@ -1,5 +1,7 @@
 //! Numbers and quantities as text for sentences: engineering units, four significant digits.
 
+pub use asperity_formats::chain;
+
 /// SI prefixes and their powers of ten.
 const PREFIXES: [(&str, i32); 9] =
     [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];

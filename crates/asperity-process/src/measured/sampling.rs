@@ -90,29 +90,30 @@ pub(super) fn even(
         column.name,
         100.0 * worst.0
     ));
-    // Interpolates between neighbours, but never across a gap.
+    let points: Vec<(f64, f64)> = rows.iter().map(|row| (column.values[*row], values[*row])).collect();
+    interpolate(&points, &index, |k| start + step * k as f64, &mut even);
+    Ok(Grid { start, step, values: even })
+}
+
+/// Interpolates linearly between neighbouring points (position, value), but never across a gap.
+fn interpolate(points: &[(f64, f64)], index: &[f64], position: impl Fn(usize) -> f64, even: &mut [f64]) {
     let mut place = 0;
     for (k, value) in even.iter_mut().enumerate() {
-        let wanted = start + step * k as f64;
-        while place + 2 < rows.len() && at(place + 1) < wanted {
+        let wanted = position(k);
+        while place + 2 < points.len() && points[place + 1].0 < wanted {
             place += 1;
         }
-        let (low, high) = (at(place), at(place + 1));
+        let ((low, a), (high, b)) = (points[place], points[place + 1]);
         let fraction = (wanted - low) / (high - low);
         let joined = index[place + 1] - index[place] == 1.0;
         if joined && (-1.0..=2.0).contains(&fraction) {
-            let fraction = fraction.clamp(0.0, 1.0);
-            let (a, b) = (values[rows[place]], values[rows[place + 1]]);
-            *value = if fraction == 0.0 {
-                a
-            } else if fraction == 1.0 {
-                b
-            } else {
-                a + fraction * (b - a)
+            *value = match fraction.clamp(0.0, 1.0) {
+                0.0 => a,
+                1.0 => b,
+                fraction => a + fraction * (b - a),
             };
         }
     }
-    Ok(Grid { start, step, values: even })
 }
 
 /// Returns start and step of the least-squares line through positions over their indices.

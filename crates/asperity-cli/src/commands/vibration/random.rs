@@ -6,7 +6,7 @@ use asperity::distribution::Marginal;
 use asperity::friction::process::{FrictionProcess, Generator, ProcessModel, TranslationKind};
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
-use asperity::vibration::{EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
+use asperity::vibration::{EnsembleSettings, Oscillator, accept_clipping, clipped_to_positive};
 use clap::Args;
 
 use crate::args;
@@ -100,14 +100,11 @@ pub(super) struct Clipping {
 impl Clipping {
     /// Reports the fraction of clipped values. Fails if it is above 5 % and not allowed.
     pub(super) fn accept(&self, fraction: f64, monitor: &Terminal) -> Result<(), Failure> {
-        if fraction > LARGEST_CLIPPED_FRACTION && !self.allow_clipping {
-            return Err(Failure::usage(format_args!(
-                "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower the standard deviation \
-                 of friction or its weakening with velocity, or add --allow-clipping",
-                100.0 * fraction,
-                100.0 * LARGEST_CLIPPED_FRACTION
-            )));
-        }
+        accept_clipping(fraction, self.allow_clipping).map_err(|error| {
+            Failure::usage(format_args!(
+                "{error}; lower the standard deviation of friction or its weakening with velocity, or add --allow-clipping"
+            ))
+        })?;
         clipping_warning(fraction).iter().for_each(|warning| monitor.warn(warning));
         Ok(())
     }
