@@ -1,5 +1,6 @@
 //! Roots, minima, linear systems, quadrature and isotonic regression.
 
+mod curve;
 mod dense;
 mod isotonic;
 mod least_squares;
@@ -8,6 +9,7 @@ mod minimum;
 mod quadrature;
 mod root;
 
+pub use curve::{Line, cubic};
 pub use dense::{
     Cholesky, NotConverged, Qr, SymmetricEigen, dense_solution, solve_upper, symmetric_eigen, triangular_condition,
 };

@@ -2,6 +2,7 @@
 
 use super::MeasuredError;
 use super::columns::{Chosen, ColumnTable};
+use asperity_base::numeric::Line;
 use asperity_base::stats::upper_median;
 
 /// Largest relative deviation of a step from the usual one that is resampled.
@@ -118,18 +119,11 @@ fn interpolate(points: &[(f64, f64)], index: &[f64], position: impl Fn(usize) ->
 
 /// Returns start and step of the least-squares line through positions over their indices.
 fn line_through(index: &[f64], position: impl Fn(usize) -> f64) -> (f64, f64) {
-    let n = index.len() as f64;
-    let mean_index = index.iter().sum::<f64>() / n;
     // Relative to the first position, so that large clock values lose no digits.
     let first = position(0);
-    let mean_position = (0..index.len()).map(|place| position(place) - first).sum::<f64>() / n;
-    let (mut products, mut squares) = (0.0, 0.0);
-    for (place, k) in index.iter().enumerate() {
-        products += (k - mean_index) * (position(place) - first - mean_position);
-        squares += (k - mean_index).powi(2);
-    }
-    let step = products / squares;
-    (first + mean_position - step * mean_index, step)
+    let points: Vec<(f64, f64)> = index.iter().enumerate().map(|(place, k)| (*k, position(place) - first)).collect();
+    let Line { x, y, slope } = Line::through(&points);
+    (first + y - slope * x, slope)
 }
 
 #[cfg(test)]
