@@ -51,7 +51,7 @@ impl Band {
     ) -> Self {
         let n = values.len();
         let standard_errors: Vec<f64> = (0..n).map(|i| covariance[i * n + i].max(0.0).sqrt()).collect();
-        let pointwise_factor = degrees_of_freedom.map_or(NORMAL_95, student_95);
+        let pointwise_factor = degrees_of_freedom.map_or(NORMAL_95, |degrees| student_95(degrees + 1));
         let simultaneous_factor = match degrees_of_freedom {
             _ if standard_errors.iter().all(|se| *se <= 0.0) => pointwise_factor,
             Some(degrees) => {

@@ -19,28 +19,19 @@ const SECONDS_A_VALUE: f64 = 1e-7;
 /// Estimated time above which the command reports it in advance, in seconds.
 const LONG_SECONDS: f64 = 120.0;
 
-/// Size of a simulation.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Paths {
-    pub(super) belt_velocity: f64,
-    pub(super) duration: f64,
-    pub(super) count: usize,
-}
-
-impl Paths {
-    /// Prints the estimated time if it is long: a short correlation length requires many steps.
-    pub(super) fn note_time(&self, process: &FrictionProcess, monitor: &Terminal) {
-        let values = self.belt_velocity * self.duration / process.step();
-        let threads = rayon::current_num_threads().min(self.count).max(1);
-        let seconds = SECONDS_A_VALUE * values * self.count as f64 / threads as f64;
-        if seconds > LONG_SECONDS {
-            monitor.note(&format!(
-                "a trajectory reads about {values:.1e} friction values, {:.1e} apart in sliding distance; all of them take about {} on \
-                 {threads} threads",
-                process.step(),
-                duration(seconds)
-            ));
-        }
+/// Prints the estimated time of `count` trajectories over that sliding distance if it is long: a short correlation length requires many
+/// steps.
+pub(super) fn note_time(process: &FrictionProcess, distance: f64, count: usize, monitor: &Terminal) {
+    let values = distance / process.step();
+    let threads = rayon::current_num_threads().min(count).max(1);
+    let seconds = SECONDS_A_VALUE * values * count as f64 / threads as f64;
+    if seconds > LONG_SECONDS {
+        monitor.note(&format!(
+            "a trajectory reads about {values:.1e} friction values, {:.1e} apart in sliding distance; all of them take about {} on \
+             {threads} threads",
+            process.step(),
+            duration(seconds)
+        ));
     }
 }
 
