@@ -1,16 +1,28 @@
 //! Numbers and quantities as text for sentences: engineering units, four significant digits.
 
+pub use asperity_formats::chain;
+
 /// SI prefixes and their powers of ten.
 const PREFIXES: [(&str, i32); 9] =
     [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
 
+/// Significant digits of a sentence.
+const DIGITS: i32 = 4;
+
 /// Formats a value of an SI unit with four digits and a prefix: "300 µm", "3.001 MPa".
 pub fn si(value: f64, unit: &str) -> String {
-    let magnitude = |power: i32| value.abs() / 10_f64.powi(power);
+    let (scaled, prefix) = prefixed(value, DIGITS);
+    format!("{} {prefix}{unit}", digits(scaled))
+}
+
+/// Scales a value to between 1 and 1000, rounded to that many digits, and returns it with the prefix of its unit.
+pub fn prefixed(value: f64, digits: i32) -> (f64, &'static str) {
     // 999.96 would round to 1000 of the smaller unit.
-    let prefix = PREFIXES.iter().rev().find(|(_, power)| magnitude(*power) >= 0.999_95);
+    let least = 1.0 - 0.5 * 10_f64.powi(-digits);
+    let magnitude = |power: i32| value.abs() / 10_f64.powi(power);
+    let prefix = PREFIXES.iter().rev().find(|(_, power)| magnitude(*power) >= least);
     let (name, power) = *prefix.unwrap_or(&("", 0));
-    format!("{} {name}{unit}", digits(value / 10_f64.powi(power)))
+    (value / 10_f64.powi(power), name)
 }
 
 /// Formats a length and a width: "6 mm × 75 µm".
@@ -25,14 +37,19 @@ pub fn compliance(m_per_pa: f64) -> String {
 
 /// Formats a number with four significant digits, without trailing zeros; very small and large numbers have an exponent.
 pub fn digits(value: f64) -> String {
+    significant(value, DIGITS)
+}
+
+/// Formats as [`digits`] does, with another number of significant digits.
+pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
-        return value.to_string();
+        return if value == 0.0 { "0".into() } else { value.to_string() };
     }
     let exponent = value.abs().log10().floor() as i32;
     if !(-4..6).contains(&exponent) {
-        return format!("{value:.3e}");
+        return format!("{value:.*e}", (digits - 1) as usize);
     }
-    let text = format!("{value:.*}", (3 - exponent).max(0) as usize);
+    let text = format!("{value:.*}", (digits - 1 - exponent).max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 

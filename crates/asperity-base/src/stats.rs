@@ -122,6 +122,39 @@ pub fn student_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     distribution.ok().filter(|_| inside).map_or(f64::NAN, |student| student.inverse_cdf(probability))
 }
 
+/// Returns half the width of a two-sided 95 % interval in standard errors estimated from that many independent values:
+/// Student's quantile of one degree of freedom less. Infinite for fewer than two values.
+pub fn student_95(values: usize) -> f64 {
+    if values < 2 { f64::INFINITY } else { student_quantile(0.975, values as f64 - 1.0) }
+}
+
+/// Returns the standard error of a statistic by the jackknife, from its values without each of the samples.
+///
+/// # References
+/// Efron & Tibshirani, *An Introduction to the Bootstrap*, Chapman & Hall 1993, ch. 11.
+pub fn jackknife_error(without: &[f64]) -> f64 {
+    jackknife(1.0, without)
+}
+
+/// Returns half the width of the 95 % interval of a statistic by the jackknife; see [`jackknife_error`].
+pub fn jackknife_reach(without: &[f64]) -> f64 {
+    jackknife(student_95(without.len()), without)
+}
+
+fn jackknife(factor: f64, without: &[f64]) -> f64 {
+    factor * Moments::new(without).std * (without.len() as f64 - 1.0).sqrt()
+}
+
+/// Returns the ratio Σa/Σb over independent pairs [a, b] and half the width of its 95 % interval, from the residuals
+/// a − b Σa/Σb.
+pub fn ratio_95(pairs: &[[f64; 2]]) -> [f64; 2] {
+    let n = pairs.len() as f64;
+    let [above, below] = pairs.iter().fold([0.0; 2], |sums, pair| [sums[0] + pair[0], sums[1] + pair[1]]);
+    let ratio = above / below;
+    let squares: f64 = pairs.iter().map(|[a, b]| (a - ratio * b).powi(2)).sum();
+    [ratio, student_95(pairs.len()) * (squares * n / (n - 1.0)).sqrt() / below]
+}
+
 /// Returns the two-sided p-value of Student's t; NaN for NaN, and unless the degrees of freedom are positive.
 pub fn student_two_sided(t: f64, degrees_of_freedom: f64) -> f64 {
     let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom);
@@ -201,5 +234,24 @@ mod tests {
             assert!((student_quantile(0.975, degrees) / wanted - 1.0).abs() < 1e-5);
         }
         assert!(student_quantile(0.975, 0.0).is_nan() && student_quantile(1.0, 5.0).is_nan());
+        assert_eq!((student_95(10), student_95(1)), (student_quantile(0.975, 9.0), f64::INFINITY));
+    }
+
+    #[test]
+    fn the_jackknife_of_a_mean_has_the_standard_error_of_the_mean() {
+        let values = [1.0, 2.0, 4.0, 8.0];
+        let without = values.map(|own| (15.0 - own) / 3.0);
+        let error = Moments::new(&values).standard_error();
+        assert!((jackknife_error(&without) / error - 1.0).abs() < 1e-14);
+        assert!((jackknife_reach(&without) / (student_95(4) * error) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_ratio_to_a_constant_has_the_interval_of_a_mean() {
+        let values = [1.0, 2.0, 4.0, 8.0];
+        let [ratio, reach] = ratio_95(&values.map(|value| [value, 2.0]));
+        let wanted = 0.5 * student_95(4) * Moments::new(&values).standard_error();
+        assert!((ratio - 1.875).abs() < 1e-15 && (reach / wanted - 1.0).abs() < 1e-14);
+        assert_eq!(ratio_95(&[[1.0, 4.0], [2.0, 8.0]]), [0.25, 0.0]);
     }
 }

@@ -29,7 +29,7 @@ mod tests;
 use asperity_base::blocks::Task;
 use asperity_base::monitor::Monitor;
 use asperity_base::random::stream;
-use asperity_base::stats::{Interval, Moments, student_quantile};
+use asperity_base::stats::{Interval, Moments, student_95};
 
 use chains::{Descent, THINNED, descend};
 pub use error::RareError;
@@ -110,7 +110,7 @@ pub fn small_probability<E: Send>(
         let coefficient_of_variation = relative_error(&probabilities);
         let is_accurate = count >= LEAST_REPLICATES && coefficient_of_variation <= settings.coefficient_of_variation;
         if is_accurate || (count > 1 && evaluations >= settings.most_evaluations) {
-            let factor = (student_quantile(0.975, count as f64 - 1.0) * coefficient_of_variation).exp();
+            let factor = (student_95(count) * coefficient_of_variation).exp();
             let interval = Interval { low: mean / factor, high: mean * factor };
             return Ok(SmallProbability { probability: mean, interval, evaluations, replicates });
         }

@@ -5,6 +5,8 @@ use std::fmt;
 use std::io;
 
 use asperity::monitor::Cancelled;
+use asperity::study::FailureKind;
+pub(crate) use asperity_formats::chain;
 use asperity_formats::refusal;
 
 /// Error number of a failed device on Unix.
@@ -100,6 +102,18 @@ impl Failure {
     }
 }
 
+impl From<FailureKind> for Kind {
+    fn from(kind: FailureKind) -> Self {
+        match kind {
+            FailureKind::Configuration => Self::Usage,
+            FailureKind::Input => Self::Data,
+            FailureKind::NotConverged => Self::NotConverged,
+            FailureKind::Cancelled => Self::Cancelled,
+            FailureKind::Runtime => Self::Runtime,
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {
@@ -113,20 +127,6 @@ impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
         Self::new(Kind::Cancelled, "cancelled")
     }
-}
-
-/// Returns the message of an error followed by the messages of its causes, without repetition.
-pub(crate) fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let more = inner.to_string();
-        if !text.contains(&more) {
-            text = format!("{text}: {more}");
-        }
-        cause = inner.source();
-    }
-    text
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use asperity::sentence;
 use asperity::study::folder_of;
 use asperity_formats::check_writable;
 use serde::de::{MapAccess, Visitor};
@@ -239,6 +240,9 @@ pub(crate) fn row(key: &str, value: &Value) -> (String, String) {
     (label.unwrap_or_else(|| name.replace('_', " ")), shown(value, unit, prefixed))
 }
 
+/// Significant digits of a number in a table.
+const DIGITS: i32 = 6;
+
 fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
     match value {
         Value::Null => "undefined".to_owned(),
@@ -247,9 +251,9 @@ fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
         Value::String(text) => text.clone(),
         Value::Number(number) if number.is_f64() => {
             let x = number.as_f64().unwrap_or(f64::NAN);
-            let (scaled, prefix) = if prefixed { with_prefix(x) } else { (x, "") };
+            let (scaled, prefix) = if prefixed { sentence::prefixed(x, DIGITS) } else { (x, "") };
             let separator = if unit.is_empty() { "" } else { " " };
-            format!("{}{separator}{prefix}{unit}", six_digits(scaled))
+            format!("{}{separator}{prefix}{unit}", sentence::significant(scaled, DIGITS))
         }
         Value::Number(number) => format!("{number} {unit}").trim_end().to_owned(),
         // A list takes one line per element; the elements of a nested list are columns.
@@ -262,36 +266,6 @@ fn shown(value: &Value, unit: &str, prefixed: bool) -> String {
         }),
         Value::Object(_) => value.to_string(),
     }
-}
-
-/// Returns a number scaled to between 1 and 1000, and the prefix of its unit.
-fn with_prefix(x: f64) -> (f64, &'static str) {
-    const PREFIXES: &[(f64, &str)] = &[
-        (1e12, "T"),
-        (1e9, "G"),
-        (1e6, "M"),
-        (1e3, "k"),
-        (1.0, ""),
-        (1e-3, "m"),
-        (1e-6, "µ"),
-        (1e-9, "n"),
-        (1e-12, "p"),
-    ];
-    let found = PREFIXES.iter().find(|(factor, _)| x.abs() >= *factor * (1.0 - 1e-9));
-    found.map_or((x, ""), |(factor, prefix)| (x / factor, *prefix))
-}
-
-fn six_digits(x: f64) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let exponent = x.abs().log10().floor();
-    if !(-4.0..6.0).contains(&exponent) {
-        return format!("{x:.5e}");
-    }
-    let decimals = (5.0 - exponent).max(0.0) as usize;
-    let text = format!("{x:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// Fails if a file cannot be written or is one of the `inputs`. Commands call it before they compute. `argument` names

@@ -39,6 +39,33 @@ enum Stiffness {
     Spectral(Convolution<f32>, Vec<f32>),
 }
 
+impl Stiffness {
+    /// Creates the preconditioner and returns it with its unit in Pa/m; `torus` is the padded size of its convolution.
+    fn new(substrate: &Substrate, grid: Grid, boundary: Boundary, torus: (usize, usize)) -> (Self, f64) {
+        let (nx, ny) = (grid.nx(), grid.ny());
+        let square = (grid.dx_m() / grid.dy_m() - 1.0).abs() < 1e-9;
+        let pyramid = match substrate {
+            Substrate::HalfSpace { .. } if square => Pyramid::new(ny, nx, boundary != Boundary::Free),
+            _ => None,
+        };
+        if let Some(pyramid) = pyramid {
+            return (Self::Pyramid(pyramid), 0.5 * substrate.modulus_pa() / grid.dx_m());
+        }
+        let plan = Convolution::<f32>::new((ny, nx), torus);
+        let q = wavenumber_rad_per_m(grid, torus);
+        let shortest = q(nx / 2, (ny / 2) as f64);
+        let shortest = if shortest > 0.0 { shortest } else { 1.0 };
+        // If a thin layer hardly yields to long waves, these are the stiffest.
+        let longest = std::f64::consts::TAU / grid.width_m().max(grid.height_m());
+        let unit_pa_per_m = substrate.stiffness_pa_per_m(shortest).max(substrate.stiffness_pa_per_m(longest));
+        let symbol = plan.symbol(|kx, ky| match q(kx, ky) {
+            q if q > 0.0 => substrate.stiffness_pa_per_m(q) / unit_pa_per_m,
+            _ => 0.0,
+        });
+        (Self::Spectral(plan, symbol), unit_pa_per_m)
+    }
+}
+
 /// Scratch memory for a [`Stiffness`].
 #[derive(Debug, Clone)]
 enum StiffnessWork {
@@ -176,28 +203,7 @@ impl HalfSpace {
         let scale = |c: &f64| if c.is_finite() { (c / unit_m_per_pa) as f32 } else { 0.0 };
         let quick_compliance = compliance.iter().map(scale).collect();
 
-        let square = (grid.dx_m() / grid.dy_m() - 1.0).abs() < 1e-9;
-        let pyramid = match substrate {
-            Substrate::HalfSpace { .. } if square => Pyramid::new(ny, nx, boundary != Boundary::Free),
-            _ => None,
-        };
-        let (stiffness, unit_pa_per_m) = if let Some(pyramid) = pyramid {
-            (Stiffness::Pyramid(pyramid), 0.5 * substrate.modulus_pa() / grid.dx_m())
-        } else {
-            let plan = Convolution::<f32>::new((ny, nx), stiffness_torus);
-            let q = wavenumber_rad_per_m(grid, stiffness_torus);
-            let shortest = q(nx / 2, (ny / 2) as f64);
-            let shortest = if shortest > 0.0 { shortest } else { 1.0 };
-            // If a thin layer hardly yields to long waves, these are the stiffest.
-            let longest = std::f64::consts::TAU / longest_m;
-            let unit_pa_per_m = substrate.stiffness_pa_per_m(shortest).max(substrate.stiffness_pa_per_m(longest));
-            let symbol = plan.symbol(|kx, ky| match q(kx, ky) {
-                q if q > 0.0 => substrate.stiffness_pa_per_m(q) / unit_pa_per_m,
-                _ => 0.0,
-            });
-            (Stiffness::Spectral(plan, symbol), unit_pa_per_m)
-        };
-
+        let (stiffness, unit_pa_per_m) = Stiffness::new(&substrate, grid, boundary, stiffness_torus);
         let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
         let coarse = if halved(nx) && halved(ny) {
             let grid = Grid::new(nx / 2, ny / 2, 2.0 * grid.dx_m(), 2.0 * grid.dy_m()).ok();

@@ -3,6 +3,7 @@
 use crate::{Boundary, ContactError, ContactWorkspace, HalfSpace, Solution};
 use asperity_base::fourier::ROWS_OF_SLAB;
 use asperity_base::monitor::{Monitor, Silent};
+use asperity_base::numeric::dot;
 
 /// Normal stiffness K = dF/dδ of a solved contact: load per approach of the plane. δ grows as the plane comes down.
 ///
@@ -227,10 +228,6 @@ impl<'a> System<'a> {
         self.half_space.stiffen(mean, &mut slabs, fill, take, &mut self.workspace.transforms);
         self.gather(pressure_pa);
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn rms(values: &[f64]) -> f64 {

@@ -285,6 +285,20 @@ impl FormatError {
     }
 }
 
+/// Returns the message of an error followed by the messages of its causes, without repetition.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let more = inner.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = inner.source();
+    }
+    text
+}
+
 fn unknown(length: u64, start: &str) -> String {
     match length {
         0 => "the file is empty".into(),

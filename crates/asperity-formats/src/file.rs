@@ -88,8 +88,7 @@ fn at_most(limit: u64, file: impl Read) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Also [`io::ErrorKind::InvalidData`] if it is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
-    String::from_utf8(read_limited(path)?)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+    String::from_utf8(read_limited(path)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "not a text file"))
 }
 
 fn content(path: &Path) -> Result<Vec<u8>> {

@@ -72,7 +72,7 @@ mod zygo_ascii;
 pub(crate) use archive::Archive;
 pub(crate) use chosen_map::ChosenMap;
 pub use codec::{Description, Tested};
-pub use error::{FormatError, Location};
+pub use error::{FormatError, Location, chain};
 pub(crate) use error::{Result, shown};
 pub use file::{
     read, read_bytes, read_bytes_with, read_limited, read_series, read_settings, read_text, read_with, to_bytes, write,

@@ -7,7 +7,7 @@
 
 use asperity_base::blocks::Task;
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::{Interval, student_quantile};
+use asperity_base::stats::{Interval, ratio_95};
 use asperity_contact::{Boundary, Control, rms_gradient};
 use asperity_surface::RandomSurface;
 use asperity_surface::filter::{Edges, Respaced};
@@ -258,11 +258,7 @@ impl OperatingMean {
 
 /// Returns the ratio of the sums over strips of the same random numbers, and half of its 95 % interval.
 fn ratio(changed: &[f64], unchanged: &[f64]) -> [f64; 2] {
-    let n = changed.len() as f64;
-    let base = unchanged.iter().sum::<f64>() / n;
-    let value = changed.iter().sum::<f64>() / n / base;
-    let squares: f64 = changed.iter().zip(unchanged).map(|(a, b)| (a - value * b).powi(2)).sum();
-    [value, student_quantile(0.975, n - 1.0) * (squares / (n * (n - 1.0))).sqrt() / base]
+    ratio_95(&changed.iter().zip(unchanged).map(|(a, b)| [*a, *b]).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

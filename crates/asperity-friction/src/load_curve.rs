@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::strip::SolvedStrips;
 use asperity_base::numeric::bisect;
-use asperity_base::stats::{Interval, student_quantile};
+use asperity_base::stats::{Interval, student_95};
 
 /// Fraction of a segment that is negligible in double precision.
 const NEGLIGIBLE: f64 = 1e-18;
@@ -76,7 +76,7 @@ impl LoadPoint {
         // Rounding differences of equal pressures do not count as variability.
         let spread = match relative {
             r if r < 1e-12 => 0.0,
-            r if r.is_finite() => student_quantile(0.975, count - 1.0) * r,
+            r if r.is_finite() => student_95(pressures.len()) * r,
             _ => f64::INFINITY,
         };
         Self {

@@ -3,7 +3,7 @@
 use asperity_base::blocks::Task;
 use asperity_base::map::HeightMap;
 use asperity_base::monitor::Cancelled;
-use asperity_base::stats::student_quantile;
+use asperity_base::stats::ratio_95;
 use asperity_contact::{Boundary, Control, rms_gradient};
 
 use crate::strip::{Record, StripProblem};
@@ -70,21 +70,16 @@ impl PressedScan {
 ///
 /// Tiles count as independent, so they must be longer than the correlation of friction.
 fn of_tiles(tracks: &[Record], stride: usize) -> f64 {
-    let (mut tiles, mut sums) = (vec![[0.0; 2]; TILES * TILES], [0.0; 2]);
+    let mut tiles = vec![[0.0; 2]; TILES * TILES];
     for (row, track) in tracks.iter().enumerate() {
         let windows = track.load_n.len() / stride;
         for window in 0..windows {
             let tile = row * TILES / tracks.len() * TILES + window * TILES / windows;
-            let own = [track.friction_force_n[window * stride], track.load_n[window * stride]];
-            for (sum, value) in tiles[tile].iter_mut().chain(&mut sums).zip(own.into_iter().chain(own)) {
-                *sum += value;
-            }
+            tiles[tile][0] += track.friction_force_n[window * stride];
+            tiles[tile][1] += track.load_n[window * stride];
         }
     }
-    let [force_n, load_n] = sums;
-    let (mean, count) = (force_n / load_n, tiles.len() as f64);
-    let squares: f64 = tiles.iter().map(|[force_n, load_n]| (force_n - mean * load_n).powi(2)).sum();
-    student_quantile(0.975, count - 1.0) * (squares * count / (count - 1.0)).sqrt() / load_n
+    ratio_95(&tiles)[1]
 }
 
 /// Limit of values on grids of halved pitch.

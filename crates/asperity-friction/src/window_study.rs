@@ -10,7 +10,7 @@ use asperity_base::correlation::{
     EstimateError, FamilyFits, LackOfFit, LengthFit, LengthSettings, RecordCorrelation, RecordModel, WindowedModel,
     WindowedRecords, fit_families, fit_length, fit_record,
 };
-use asperity_base::stats::{Interval, Moments, student_quantile, student_two_sided};
+use asperity_base::stats::{Interval, jackknife_error, jackknife_reach, student_two_sided};
 
 /// Largest and least number of groups of strips of the jackknife.
 const MOST_GROUPS: usize = 20;
@@ -159,13 +159,9 @@ impl Jackknife {
         Some(Self { joint, own, least_m })
     }
 
-    fn freedom(&self) -> f64 {
-        self.joint.len() as f64 - 1.0
-    }
-
     /// Returns the joint interval, or the jackknife interval if it is wider.
     fn widened(&self, fit: &LengthFit) -> Interval {
-        let reach = student_quantile(0.975, self.freedom()) * Moments::new(&self.joint).std * self.freedom().sqrt();
+        let reach = jackknife_reach(&self.joint);
         let Interval { low, high } = fit.interval;
         if fit.length_m <= self.least_m || !reach.is_finite() {
             return fit.interval;
@@ -178,8 +174,8 @@ impl Jackknife {
         let of = |length_m: f64| length_m.max(self.least_m).ln();
         let p = |window: usize| {
             let differences: Vec<f64> = self.own.iter().map(|own| own[window] - own[narrowest]).collect();
-            let error = Moments::new(&differences).std * self.freedom().sqrt();
-            student_two_sided((of(own_m[window]) - of(own_m[narrowest])) / error, self.freedom())
+            let difference = of(own_m[window]) - of(own_m[narrowest]);
+            student_two_sided(difference / jackknife_error(&differences), differences.len() as f64 - 1.0)
         };
         let least = (0..narrowest).map(p).filter(|p| p.is_finite()).fold(f64::INFINITY, f64::min);
         least.is_finite().then(|| (least * narrowest as f64).min(1.0))

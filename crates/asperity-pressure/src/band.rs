@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use asperity_base::numeric::symmetric_eigen;
 use asperity_base::random;
-use asperity_base::stats::{Interval, NORMAL_95, student_quantile, wilson_interval};
+use asperity_base::stats::{Interval, NORMAL_95, student_95, student_quantile, wilson_interval};
 use asperity_chaos::DiscreteDistribution;
 
 /// Minimum number of samples on either side of a value for normal errors of its fraction.
@@ -51,7 +51,7 @@ impl Band {
     ) -> Self {
         let n = values.len();
         let standard_errors: Vec<f64> = (0..n).map(|i| covariance[i * n + i].max(0.0).sqrt()).collect();
-        let pointwise_factor = degrees_of_freedom.map_or(NORMAL_95, student_95);
+        let pointwise_factor = degrees_of_freedom.map_or(NORMAL_95, |degrees| student_95(degrees + 1));
         let simultaneous_factor = match degrees_of_freedom {
             _ if standard_errors.iter().all(|se| *se <= 0.0) => pointwise_factor,
             Some(degrees) => {
@@ -175,11 +175,6 @@ impl Band {
         let interval = Interval { low: at(factor), high: at(-factor) };
         QuantileResult { probability, value: distribution.quantile(probability), interval }
     }
-}
-
-/// Returns the two-sided 95 % point of Student's distribution; infinite without degrees of freedom.
-fn student_95(degrees_of_freedom: usize) -> f64 {
-    if degrees_of_freedom == 0 { f64::INFINITY } else { student_quantile(0.975, degrees_of_freedom as f64) }
 }
 
 /// Returns the 95 % quantile of the largest |Z_i|/σ_i of normal Z with the given covariance.

@@ -5,6 +5,7 @@
 //! different variances.
 
 use crate::MethodError;
+use asperity_base::numeric::Line;
 use asperity_chaos::{Basis, Expansion, LeastSquares, RegressionError, number_of_terms};
 
 /// Number of samples per group of neighbouring predictions with one error distribution.
@@ -120,16 +121,10 @@ fn spread(values: &[f64]) -> f64 {
 
 /// Returns the slope of the least-squares line over the first variable; 0 if the variable is constant.
 fn slope(rows: &[Vec<f64>], values: &[f64]) -> f64 {
-    let n = values.len() as f64;
     let first = |row: &Vec<f64>| row.first().copied().unwrap_or(0.0);
-    let mean_x = rows.iter().map(first).sum::<f64>() / n;
-    let mean_q = values.iter().sum::<f64>() / n;
-    let (mut covariance, mut variance) = (0.0, 0.0);
-    for (row, q) in rows.iter().zip(values) {
-        covariance += (first(row) - mean_x) * (q - mean_q);
-        variance += (first(row) - mean_x).powi(2);
-    }
-    if variance > 0.0 { covariance / variance } else { 0.0 }
+    let points: Vec<(f64, f64)> = rows.iter().map(first).zip(values.iter().copied()).collect();
+    let slope = Line::through(&points).slope;
+    if slope.is_finite() { slope } else { 0.0 }
 }
 
 /// Errors in groups of samples with neighbouring predictions.

@@ -14,6 +14,7 @@ use ndarray::Array2;
 use crate::predictor::Predictor;
 use crate::{MethodError, Problem};
 use asperity_base::blocks;
+use asperity_base::numeric::dot;
 use asperity_contact::Boundary;
 
 /// Largest number of variables ξ for which a response is computed by finite differences, if the surface does not
@@ -117,10 +118,6 @@ impl RotatedVariables {
         directions.push(rest);
         Some(Self { directions })
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Returns the response of the mean height of each ring to each variable ξ, with the number of the ring.

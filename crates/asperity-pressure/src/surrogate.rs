@@ -23,6 +23,7 @@ use crate::nested::kappa_pa_per_m;
 use crate::rotated_variables::RotatedVariables;
 use crate::{Band, MethodError, PressureError, PressureEstimate, Problem, Quantity, Samples};
 use asperity_base::blocks;
+use asperity_base::numeric::Line;
 use asperity_base::stats::{Interval, wilson_interval};
 use asperity_chaos::{Design, DiscreteDistribution};
 
@@ -219,12 +220,8 @@ fn held_out(surrogate: &dyn Surrogate, training: TrainingSamples<'_>, nodes: &[f
 
 /// Returns the control-variate coefficient, limited to 0 … 1, that minimises the variance of the differences.
 fn slope(observed: &[Vec<f64>], predicted: &[Vec<f64>], k: usize) -> f64 {
-    let n = observed.len() as f64;
-    let mean = |vectors: &[Vec<f64>]| vectors.iter().map(|v| v[k]).sum::<f64>() / n;
-    let (of_seen, of_said) = (mean(observed), mean(predicted));
-    let both: f64 = observed.iter().zip(predicted).map(|(a, b)| (a[k] - of_seen) * (b[k] - of_said)).sum();
-    let own: f64 = predicted.iter().map(|b| (b[k] - of_said).powi(2)).sum();
-    let slope = both / own;
+    let points: Vec<(f64, f64)> = predicted.iter().zip(observed).map(|(b, a)| (b[k], a[k])).collect();
+    let slope = Line::through(&points).slope;
     if slope.is_finite() { slope.clamp(0.0, 1.0) } else { 0.0 }
 }
 

@@ -1,5 +1,8 @@
 //! Fitted friction process in SI: random realisations, conversion to a machine, and storage in a file.
 
+use serde::{Deserialize, Serialize};
+
+use super::json::{CorrelationDocument, origin, stated};
 use super::{CorrelationShape, FrictionProcess, Generator, ProcessError, ProcessModel, TranslationKind, positive};
 use asperity_base::distribution::Marginal;
 
@@ -10,7 +13,8 @@ const MOST_VALUES: f64 = 1e9;
 ///
 /// [`FittedProcess::model`] creates the model of m for the generator, in any unit of length. [`FittedProcess::to_json`]
 /// and [`FittedProcess::from_json`] preserve every bit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FittedProcess {
     /// Mean of μ, positive; the static coefficient at the start of the Stribeck curve.
     pub mean: f64,
@@ -26,6 +30,7 @@ pub struct FittedProcess {
     /// Correlation of μ along the sliding distance. `None` only if μ is constant.
     pub correlation: Option<FittedCorrelation>,
     /// Generator of realisations; if `None`, [`Generator::for_shape`] selects one for the correlation.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub generator: Option<Generator>,
     /// Coefficient a of μ/(1 + a|v|) in s/m, if known.
     pub stribeck_s_per_m: Option<f64>,
@@ -35,11 +40,13 @@ pub struct FittedProcess {
     /// Mean pressure in pascal at which the process was determined.
     pub mean_pressure_pa: Option<f64>,
     /// Source of the process.
+    #[serde(default = "stated", deserialize_with = "origin")]
     pub origin: Origin,
 }
 
 /// Correlation of μ(s) along the sliding distance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(into = "CorrelationDocument", try_from = "CorrelationDocument")]
 pub struct FittedCorrelation {
     /// Shape of the correlation of μ; a window is in metre.
     pub shape: CorrelationShape,
@@ -55,7 +62,8 @@ pub struct FittedCorrelation {
 }
 
 /// Source of a process.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Origin {
     /// Kind of the source.
     pub kind: OriginKind,

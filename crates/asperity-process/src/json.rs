@@ -1,11 +1,10 @@
 //! Fitted process as a JSON file.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use super::{CorrelationShape, FittedCorrelation, FittedProcess, Generator, Origin, OriginKind, ProcessError};
-use asperity_base::distribution::Marginal;
+use super::{CorrelationShape, FittedCorrelation, FittedProcess, Origin, OriginKind, ProcessError};
 
 /// Value of the field `format`.
 const FORMAT: &str = "asperity friction process";
@@ -47,29 +46,18 @@ pub enum ProcessFileError {
     Process(#[from] ProcessError),
 }
 
-/// Content of the file, in the order of writing.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Document {
-    format: String,
+/// Content of the file.
+#[derive(Serialize)]
+struct Document<'a> {
+    format: &'a str,
     version: u64,
-    mean: f64,
-    mean_interval: Option<[f64; 2]>,
-    std: f64,
-    std_interval: Option<[f64; 2]>,
-    marginal: Option<Marginal>,
-    correlation: Option<CorrelationDocument>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    generator: Option<Generator>,
-    stribeck_s_per_m: Option<f64>,
-    averaged_over_m: Option<[f64; 2]>,
-    mean_pressure_pa: Option<f64>,
-    origin: Option<OriginDocument>,
+    #[serde(flatten)]
+    process: &'a FittedProcess,
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CorrelationDocument {
+pub(super) struct CorrelationDocument {
     model: CorrelationName,
     #[serde(skip_serializing_if = "Option::is_none")]
     nu: Option<f64>,
@@ -89,15 +77,8 @@ enum CorrelationName {
     WindowedExponential,
 }
 
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OriginDocument {
-    kind: OriginKind,
-    description: String,
-}
-
-impl From<&FittedCorrelation> for CorrelationDocument {
-    fn from(correlation: &FittedCorrelation) -> Self {
+impl From<FittedCorrelation> for CorrelationDocument {
+    fn from(correlation: FittedCorrelation) -> Self {
         let (model, nu) = match correlation.shape {
             CorrelationShape::Exponential => (CorrelationName::Exponential, None),
             CorrelationShape::SquaredExponential => (CorrelationName::SquaredExponential, None),
@@ -116,13 +97,11 @@ impl From<&FittedCorrelation> for CorrelationDocument {
 }
 
 impl TryFrom<CorrelationDocument> for FittedCorrelation {
-    type Error = ProcessFileError;
+    type Error = String;
 
-    fn try_from(document: CorrelationDocument) -> Result<Self, ProcessFileError> {
-        let needed = |value: Option<f64>, name: &str| {
-            let message = "this model requires it".to_owned();
-            value.ok_or_else(|| ProcessFileError::Field { field: Some(format!("correlation.{name}")), message })
-        };
+    fn try_from(document: CorrelationDocument) -> Result<Self, String> {
+        let needed =
+            |value: Option<f64>, name: &str| value.ok_or_else(|| format!("this model requires `correlation.{name}`"));
         let shape = match document.model {
             CorrelationName::Exponential => CorrelationShape::Exponential,
             CorrelationName::SquaredExponential => CorrelationShape::SquaredExponential,
@@ -148,21 +127,7 @@ impl FittedProcess {
     /// Fails like [`FittedProcess::check`].
     pub fn to_json(&self) -> Result<String, ProcessError> {
         self.check()?;
-        let document = Document {
-            format: FORMAT.into(),
-            version: VERSION,
-            mean: self.mean,
-            mean_interval: self.mean_interval,
-            std: self.std,
-            std_interval: self.std_interval,
-            marginal: self.marginal.clone(),
-            correlation: self.correlation.as_ref().map(Into::into),
-            generator: self.generator,
-            stribeck_s_per_m: self.stribeck_s_per_m,
-            averaged_over_m: self.averaged_over_m,
-            mean_pressure_pa: self.mean_pressure_pa,
-            origin: Some(OriginDocument { kind: self.origin.kind, description: self.origin.description.clone() }),
-        };
+        let document = Document { format: FORMAT, version: VERSION, process: self };
         // The document contains numbers, names and texts only, which JSON can represent.
         let text = serde_json::to_string_pretty(&document).unwrap_or_default();
         Ok(text + "\n")
@@ -174,7 +139,7 @@ impl FittedProcess {
     /// Fails if the text is not JSON or has another format or version, if a field is missing, unknown or invalid (the
     /// error names it), or if the values are not a valid process.
     pub fn from_json(text: &str) -> Result<Self, ProcessFileError> {
-        let value: Value =
+        let mut value: Value =
             serde_json::from_str(text).map_err(|error| ProcessFileError::Syntax { message: error.to_string() })?;
         match value.get("format") {
             Some(Value::String(format)) if format == FORMAT => {}
@@ -191,28 +156,26 @@ impl FittedProcess {
                 return Err(ProcessFileError::Field { field: Some(name.into()), message });
             }
         }
-        let document: Document = serde_path_to_error::deserialize(&value).map_err(|error| {
+        if let Some(object) = value.as_object_mut() {
+            object.retain(|name, _| name != "format" && name != "version");
+        }
+        let process: Self = serde_path_to_error::deserialize(value).map_err(|error| {
             let field = error.path().iter().next().map(|_| error.path().to_string());
             ProcessFileError::Field { field, message: error.into_inner().to_string() }
         })?;
-        let stated = || OriginDocument { kind: OriginKind::Stated, description: String::new() };
-        let OriginDocument { kind, description } = document.origin.unwrap_or_else(stated);
-        let process = Self {
-            mean: document.mean,
-            mean_interval: document.mean_interval,
-            std: document.std,
-            std_interval: document.std_interval,
-            marginal: document.marginal,
-            correlation: document.correlation.map(FittedCorrelation::try_from).transpose()?,
-            generator: document.generator,
-            stribeck_s_per_m: document.stribeck_s_per_m,
-            averaged_over_m: document.averaged_over_m,
-            mean_pressure_pa: document.mean_pressure_pa,
-            origin: Origin { kind, description },
-        };
         process.check()?;
         Ok(process)
     }
+}
+
+/// Reads an origin; a process without one is stated by the user.
+pub(super) fn origin<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Origin, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or_else(stated))
+}
+
+/// Returns the origin of a process that states none.
+pub(super) fn stated() -> Origin {
+    Origin { kind: OriginKind::Stated, description: String::new() }
 }
 
 /// Returns a value as a short text.
@@ -225,9 +188,11 @@ fn shown(value: Option<&Value>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Generator;
     use super::super::fitted::tests::fitted;
     use super::*;
     use asperity_base::choice::Choice;
+    use asperity_base::distribution::Marginal;
 
     const SHAPES: [CorrelationShape; 4] = [
         CorrelationShape::Exponential,

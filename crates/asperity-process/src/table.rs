@@ -1,6 +1,7 @@
 //! Tabulated translation of standard normal values.
 
 use asperity_base::distribution::{Marginal, standard_normal_pdf};
+use asperity_base::numeric::cubic;
 
 /// Largest |g| of the table. Beyond, where the fraction 1.2e-15 of the values lies, the translation is computed
 /// directly.
@@ -97,13 +98,6 @@ impl TranslationTable {
         pairs.map(|(i, pair)| (cubic(pair[0], pair[1], 0.5) - self.direct(midpoint(i))).abs()).fold(0.0, f64::max)
             / sigma
     }
-}
-
-/// Returns the cubic Hermite interpolation at the fraction t of an interval.
-#[inline]
-fn cubic([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], t: f64) -> f64 {
-    let rise = y1 - y0;
-    y0 + t * (d0 + t * ((3.0 * rise - 2.0 * d0 - d1) + t * (d0 + d1 - 2.0 * rise)))
 }
 
 #[cfg(test)]

@@ -5,13 +5,8 @@ use std::ffi::CString;
 use std::fmt::Display;
 use std::io;
 
-use asperity::friction::FrictionError;
-use asperity::friction::measured::MeasuredError;
-use asperity::monitor::Cancelled;
-use asperity::pressure::PressureError;
 use asperity::study::{FailureKind, StoreError, StudyError, StudyFileError};
-use asperity::vibration::VibrationError;
-use asperity_formats::{FormatError, refusal};
+use asperity_formats::{FormatError, chain, refusal};
 use pyo3::exceptions::{
     PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyUserWarning, PyValueError,
 };
@@ -78,34 +73,11 @@ pub(crate) fn with_message(error: &(dyn Error + 'static), message: String) -> Py
     if let Some(StoreError::Io { source, .. } | StoreError::Input { source, .. }) = error.downcast_ref() {
         return PyOSError::new_err((source.raw_os_error(), message));
     }
-    match kind(error) {
+    match FailureKind::of(error) {
         FailureKind::Configuration | FailureKind::Input => value_error(message),
         FailureKind::NotConverged => NotConvergedError::new_err(message),
         FailureKind::Cancelled => PyKeyboardInterrupt::new_err(message),
         FailureKind::Runtime => PyRuntimeError::new_err(message),
-    }
-}
-
-/// Returns the kind of an error.
-fn kind(error: &(dyn Error + 'static)) -> FailureKind {
-    if let Some(error) = error.downcast_ref::<StudyError>() {
-        return error.kind();
-    }
-    let not_converged = matches!(
-        error.downcast_ref(),
-        Some(VibrationError::TooFewValid { .. } | VibrationError::NotFound { .. } | VibrationError::Stalled { .. })
-    ) || matches!(error.downcast_ref(), Some(PressureError::TooFewValid { .. }))
-        || error.downcast_ref::<MeasuredError>().is_some_and(MeasuredError::is_too_few);
-    let cancelled = error.is::<Cancelled>()
-        || matches!(error.downcast_ref(), Some(VibrationError::Cancelled(_)))
-        || matches!(error.downcast_ref(), Some(PressureError::Cancelled(_)))
-        || matches!(error.downcast_ref(), Some(FrictionError::Cancelled(_)));
-    if cancelled {
-        FailureKind::Cancelled
-    } else if not_converged {
-        FailureKind::NotConverged
-    } else {
-        FailureKind::Configuration
     }
 }
 
@@ -118,18 +90,4 @@ pub(crate) fn refused(path: impl Display, error: &io::Error) -> PyErr {
 pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
     let message = CString::new(message.replace('\0', " ")).unwrap_or_default();
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 2)
-}
-
-/// Returns the message of an error followed by the messages of its causes, without repetition.
-fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let more = inner.to_string();
-        if !text.contains(&more) {
-            text = format!("{text}: {more}");
-        }
-        cause = inner.source();
-    }
-    text
 }

@@ -43,7 +43,7 @@ pub(crate) fn read_friction_process(py: Python<'_>, path: PathBuf) -> PyResult<B
     let process = long::run(py, None, move |_| {
         let damaged = |reason: &dyn Display| format_error(format_args!("{}: {reason}", path.display()));
         let text = read_text(&path).map_err(|error| match error.kind() {
-            io::ErrorKind::InvalidData => damaged(&"not a text file"),
+            io::ErrorKind::InvalidData => damaged(&error),
             _ => refused(path.display(), &error),
         })?;
         FittedProcess::from_json(&text).map_err(|error| damaged(&error))

@@ -6,8 +6,8 @@ use asperity::choice::{ByName, Choice};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::clipping_warning;
 use asperity::vibration::{
-    self, Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, MapAxis, MapOver, MapSettings, MotionKind, Parameters,
-    VibrationError, clipped_to_positive, limit_damping, smallest_kick,
+    self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VibrationError,
+    clipped_to_positive, limit_damping, smallest_kick,
 };
 use asperity_results::tidy;
 use numpy::PyArray1;
@@ -149,14 +149,11 @@ impl Fluctuation {
 
     /// Warns if a fraction of the values is clipped. Fails if it is above the limit and not allowed.
     fn accept(&self, py: Python<'_>, fraction: f64) -> PyResult<()> {
-        if fraction > LARGEST_CLIPPED_FRACTION && !self.allow_clipping {
-            return Err(value_error(format_args!(
-                "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower friction_std or \
-                 the weakening of friction with velocity, or set allow_clipping=True",
-                100.0 * fraction,
-                100.0 * LARGEST_CLIPPED_FRACTION
-            )));
-        }
+        vibration::accept_clipping(fraction, self.allow_clipping).map_err(|error| {
+            value_error(format_args!(
+                "{error}; lower friction_std or the weakening of friction with velocity, or set allow_clipping=True"
+            ))
+        })?;
         clipping_warning(fraction).map_or(Ok(()), |warning| warn(py, &warning))
     }
 }

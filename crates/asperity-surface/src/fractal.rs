@@ -7,8 +7,9 @@ use thiserror::Error;
 use asperity_base::blocks;
 use asperity_base::correlation::{Axis, profiles};
 use asperity_base::map::HeightMap;
-use asperity_base::stats::Moments;
+use asperity_base::numeric::Line;
 use asperity_base::stats::blocks::LANES;
+use asperity_base::stats::{Moments, jackknife_error};
 
 /// Number of bands of neighbouring profiles, for the jackknife standard error.
 const BANDS: usize = 16;
@@ -106,7 +107,7 @@ impl StructureFunction {
         }
         let exponent = |used: &[usize], value: &dyn Fn(usize) -> f64| {
             let points: Vec<(f64, f64)> = used.iter().map(|&i| (self.lags_m[i].ln(), value(i).ln())).collect();
-            0.5 * slope(&points)
+            0.5 * Line::through(&points).slope
         };
         let whole = |i: usize| self.values_m2[i];
         let hurst = exponent(&used, &whole);
@@ -125,9 +126,7 @@ impl StructureFunction {
                 exponent(&used, &rest)
             })
             .collect();
-        let spread = Moments::new(&without);
-        let n = without.len() as f64;
-        let hurst_se = (n > 1.0).then(|| (n - 1.0).sqrt() * spread.std).filter(|se| se.is_finite());
+        let hurst_se = (without.len() > 1).then(|| jackknife_error(&without)).filter(|se| se.is_finite());
         if hurst_se.is_some_and(|se| se > LARGEST_ERROR) {
             return None;
         }
@@ -274,14 +273,6 @@ fn ladder(longest: usize) -> Vec<usize> {
 
 fn total<'a>(sums: impl Iterator<Item = &'a (f64, f64)>) -> (f64, f64) {
     sums.fold((0.0, 0.0), |(sum, count), (s, c)| (sum + s, count + c))
-}
-
-/// Returns the slope of the least-squares line.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let (xy, xx) = points.iter().fold((0.0, 0.0), |(xy, xx), p| (xy + (p.0 - x) * (p.1 - y), xx + (p.0 - x).powi(2)));
-    xy / xx
 }
 
 #[cfg(test)]

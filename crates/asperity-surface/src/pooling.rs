@@ -3,13 +3,13 @@
 //! Scans differ because each is a small sample of a random surface, and because the part varies from place to place. The
 //! intervals of [`super::uncertainty`] cover the first cause; the remaining difference is the spread between places.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
 use super::uncertainty::Estimate;
 use asperity_base::blocks;
 use asperity_base::map::HeightMap;
-use asperity_base::stats::Interval;
+use asperity_base::numeric::dot;
+use asperity_base::stats::{Interval, student_quantile};
 
 /// Statistic of one scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,8 +132,7 @@ pub fn pool(readings: &[Reading], mean: Mean, level: f64) -> Result<Pooled, Pool
     let spread: f64 = weights.iter().zip(&scaled).map(|(w, y)| w * (y - centre).powi(2)).sum();
     let ratio = spread / (scans as f64 - 1.0);
     let error = (if between.is_some() { ratio.max(1.0) } else { ratio } / all).sqrt();
-    let student = StudentsT::new(0.0, 1.0, scans as f64 - 1.0)
-        .map_or(f64::NAN, |student| student.inverse_cdf(1.0 - 0.5 * (1.0 - level)));
+    let student = student_quantile(1.0 - 0.5 * (1.0 - level), scans as f64 - 1.0);
     let values: Vec<f64> = readings.iter().map(|r| mean.of(r.value)).collect();
     let surface = mean.back(centre);
     let own_scale = |std: f64| std / mean.slope(surface);
@@ -175,7 +174,7 @@ impl Mean {
 /// Returns the sum of the weights and the weighted mean.
 fn weighted(weights: &[f64], values: &[f64]) -> (f64, f64) {
     let all: f64 = weights.iter().sum();
-    (all, weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>() / all)
+    (all, dot(weights, values) / all)
 }
 
 /// Returns the present heights of several maps, each about its own mean, in metre: a sample of the marginal

@@ -1,11 +1,27 @@
 //! Clipping of the friction process so that friction stays positive.
 
 use crate::Oscillator;
+use asperity_base::sentence;
 use asperity_process::ProcessModel;
+use thiserror::Error;
 
 /// Largest fraction of the friction values that may be clipped without explicit permission. Above it the process
 /// differs too much from the stated one.
-pub const LARGEST_CLIPPED_FRACTION: f64 = 0.05;
+const LARGEST_CLIPPED_FRACTION: f64 = 0.05;
+
+/// More of the friction values would be clipped than [`LARGEST_CLIPPED_FRACTION`].
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "{} % of the friction values would be clipped to stay positive, more than {} %",
+    sentence::digits(100.0 * .0),
+    100.0 * LARGEST_CLIPPED_FRACTION
+)]
+pub struct TooManyClipped(pub f64);
+
+/// Fails if more of the friction values are clipped than [`LARGEST_CLIPPED_FRACTION`], unless that is `allowed`.
+pub fn accept_clipping(fraction: f64, allowed: bool) -> Result<(), TooManyClipped> {
+    if fraction > LARGEST_CLIPPED_FRACTION && !allowed { Err(TooManyClipped(fraction)) } else { Ok(()) }
+}
 
 /// Probability of exceeding the fluctuation from which the fastest expected slip is computed.
 const EXCEEDANCE: f64 = 1e-4;

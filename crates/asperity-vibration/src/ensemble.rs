@@ -18,7 +18,7 @@ use super::trajectory::{NoObserver, follow};
 use super::{Drive, Oscillator, Slips, TrajectorySettings, VibrationError};
 use asperity_base::blocks::{self, Loop};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::{VALID_FRACTION, student_quantile};
+use asperity_base::stats::{VALID_FRACTION, student_95};
 use asperity_process::{Cancellable, FrictionProcess, Steady};
 
 /// Number of trajectories per block.
@@ -250,7 +250,7 @@ impl Reduction {
         self.passages.finish();
         let (cycles, cycles_deterministic) = (Count::from_moments(&self.cycles), plan.cycles_deterministic);
         let difference_mean = cycles_deterministic as f64 - cycles.mean;
-        let half_width = student_quantile(0.975, valid as f64 - 1.0) * cycles.se;
+        let half_width = student_95(valid) * cycles.se;
         Ok(Ensemble {
             trajectories: total,
             cycles,

@@ -61,7 +61,7 @@ mod weakening;
 use thiserror::Error;
 
 pub use asperity_results::MotionKind;
-pub use clipping::{LARGEST_CLIPPED_FRACTION, clipped_to_positive};
+pub use clipping::{TooManyClipped, accept_clipping, clipped_to_positive};
 pub use cloud::phase_cloud;
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};

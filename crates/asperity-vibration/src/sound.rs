@@ -11,7 +11,7 @@ use super::{
 use asperity_base::blocks::Task;
 use asperity_base::correlation::{RecordEnds, record_spectrum};
 use asperity_base::monitor::{Cancelled, Monitor};
-use asperity_base::stats::{Moments, student_quantile};
+use asperity_base::stats::{Moments, student_95};
 use asperity_process::{Cancellable, FrictionProcess};
 
 /// Number of points of the limit cycle for its mean square velocity.
@@ -92,7 +92,7 @@ impl Sound {
         })?;
         let squares: Vec<f64> = records.iter().map(|record| Moments::new(record).std.powi(2)).collect();
         let moments = Moments::new(&squares);
-        let half_width = student_quantile(0.975, moments.n as f64 - 1.0) * moments.standard_error();
+        let half_width = student_95(moments.n) * moments.standard_error();
         let root = |square: f64| square.max(0.0).sqrt();
         let velocity_rms = root(moments.mean);
         let velocity_rms_interval = [root(moments.mean - half_width), root(moments.mean + half_width)];

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::mem;
 
+use asperity_base::sentence::chain;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use wasm_bindgen::prelude::*;
@@ -49,23 +50,13 @@ impl Answer {
     }
 }
 
-/// Message of an error.
+/// Message of an error and of its causes.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Failure(pub(crate) String);
 
 impl<E: Error> From<E> for Failure {
-    /// Joins the message of an error with the messages of its causes, without repetition.
     fn from(error: E) -> Self {
-        let mut text = error.to_string();
-        let mut cause = error.source();
-        while let Some(inner) = cause {
-            let more = inner.to_string();
-            if !text.contains(&more) {
-                text = format!("{text}: {more}");
-            }
-            cause = inner.source();
-        }
-        Self(text)
+        Self(chain(&error))
     }
 }
 

@@ -6,8 +6,8 @@ use asperity_process::{FrictionProcess, ProcessModel};
 use asperity_report::live;
 use asperity_vibration::law::Stribeck;
 use asperity_vibration::{
-    Drive, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, Parameters, PhasePoint, Regime, Scales,
-    VibrationError, clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, phase_cloud, smallest_kick,
+    Drive, EnsembleSettings, Oscillator, Parameters, PhasePoint, Regime, Scales, VibrationError, accept_clipping,
+    clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, phase_cloud, smallest_kick,
 };
 use serde::Deserialize;
 use serde_json::json;
@@ -183,14 +183,9 @@ fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
     let model = clipped_to_positive(&oscillator, request.process, 1.0);
     let clipped_fraction = model.clipped_fraction();
     let process = FrictionProcess::new(model)?;
-    if clipped_fraction > LARGEST_CLIPPED_FRACTION {
-        return Err(Failure(format!(
-            "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower the variability of \
-             friction or its weakening with velocity",
-            100.0 * clipped_fraction,
-            100.0 * LARGEST_CLIPPED_FRACTION
-        )));
-    }
+    accept_clipping(clipped_fraction, false).map_err(|error| {
+        Failure(format!("{error}; lower the variability of friction or its weakening with velocity"))
+    })?;
     let settings = EnsembleSettings {
         drive: request.drive,
         ..EnsembleSettings::new(request.trajectories, request.duration, request.seed)

@@ -14,6 +14,8 @@
 //! - Missing heights stay missing: they are masked in every statistic and never silently filled.
 //! - A random draw depends on seed, stage and sample index alone; results do not depend on the number of threads.
 
+#[doc(hidden)]
+pub use asperity_base::sentence;
 pub use asperity_base::{
     choice, correlation, distribution, fourier, map, monitor, quantity, random, stats, translation,
 };

@@ -1,6 +1,6 @@
 //! Weighted nonlinear least squares in a few bounded parameters.
 
-use super::solution;
+use super::{dot, solution};
 
 /// Bounds of a positive parameter, searched on a logarithmic scale.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +44,6 @@ pub fn least_squares(residuals: &dyn Fn(&[f64]) -> Vec<f64>, start: &[f64], rang
                 residuals(&real(&moved)).iter().zip(&now).map(|(after, before)| (after - before) / step).collect()
             })
             .collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let normal: Vec<Vec<f64>> = slopes.iter().map(|a| slopes.iter().map(|b| dot(a, b)).collect()).collect();
         let gradient: Vec<f64> = slopes.iter().map(|a| -dot(a, &now)).collect();
         let mut improved = false;

@@ -1,4 +1,10 @@
-//! Small dense linear systems.
+//! Scalar products and small dense linear systems.
+
+/// Returns Σ aᵢ bᵢ, summed in the order of the elements.
+#[inline(always)]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
 
 /// Solves a square system by Gaussian elimination with row pivoting; the solutions replace the right-hand sides, one
 /// per row.

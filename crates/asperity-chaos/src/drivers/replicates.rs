@@ -3,7 +3,7 @@
 use super::error::DriverError;
 use crate::{Design, SampleEstimate};
 use asperity_base::blocks;
-use asperity_base::stats::{Interval, student_quantile};
+use asperity_base::stats::{Interval, jackknife_error, student_95};
 
 /// Number of randomisations.
 const COUNT: usize = 16;
@@ -58,9 +58,6 @@ impl Replicates {
     ///
     /// # Errors
     /// The response is constant: a fraction is not finite.
-    ///
-    /// # References
-    /// Efron & Tibshirani, *An Introduction to the Bootstrap*, Chapman & Hall 1993, ch. 11.
     pub(super) fn estimates(
         &self,
         sums: &[Vec<f64>],
@@ -71,12 +68,9 @@ impl Replicates {
             .iter()
             .map(|own| statistic(&all.iter().zip(own).map(|(all, own)| all - own).collect::<Vec<f64>>()))
             .collect();
-        let count = sums.len() as f64;
-        let reach = student_quantile(0.975, count - 1.0);
+        let reach = student_95(sums.len());
         let estimate = |(i, value): (usize, f64)| {
-            let mean = without.iter().map(|values| values[i]).sum::<f64>() / count;
-            let squares: f64 = without.iter().map(|values| (values[i] - mean).powi(2)).sum();
-            let standard_error = ((count - 1.0) / count * squares).sqrt();
+            let standard_error = jackknife_error(&without.iter().map(|values| values[i]).collect::<Vec<f64>>());
             let [low, high] = [-reach, reach].map(|deviate| (value + deviate * standard_error).clamp(0.0, 1.0));
             SampleEstimate { value, standard_error, interval: Interval { low: low.min(value), high: high.max(value) } }
         };

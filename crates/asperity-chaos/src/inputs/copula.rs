@@ -1,6 +1,7 @@
 //! Gaussian copula: dependent standard normal variables from independent ones.
 
 use super::InputError;
+use asperity_base::numeric::dot;
 use serde::Serialize;
 
 /// Smallest pivot of a correlation matrix that counts as positive definite.
@@ -72,11 +73,9 @@ impl Factor {
         for (k, &i) in order.iter().enumerate() {
             let mut row = vec![0.0; k + 1];
             for l in 0..k {
-                let product: f64 = rows[l][..l].iter().zip(&row).map(|(a, b)| a * b).sum();
-                row[l] = (correlation[i][order[l]] - product) / rows[l][l];
+                row[l] = (correlation[i][order[l]] - dot(&rows[l][..l], &row)) / rows[l][l];
             }
-            let explained: f64 = row.iter().map(|entry| entry * entry).sum();
-            row[k] = (correlation[i][i] - explained).max(LEAST_PIVOT).sqrt();
+            row[k] = (correlation[i][i] - dot(&row, &row)).max(LEAST_PIVOT).sqrt();
             rows.push(row);
         }
         Self { order, rows }
@@ -86,7 +85,7 @@ impl Factor {
         assert_eq!(independent.len(), self.order.len(), "one standard normal variable per input");
         let mut dependent = vec![0.0; independent.len()];
         for (row, &i) in self.rows.iter().zip(&self.order) {
-            dependent[i] = row.iter().zip(independent).map(|(a, z)| a * z).sum();
+            dependent[i] = dot(row, independent);
         }
         dependent
     }
@@ -95,8 +94,7 @@ impl Factor {
     fn independent(&self, dependent: &[f64]) -> Vec<f64> {
         let mut independent = Vec::with_capacity(dependent.len());
         for (k, (row, &i)) in self.rows.iter().zip(&self.order).enumerate() {
-            let product: f64 = row.iter().zip(&independent).map(|(a, z)| a * z).sum();
-            independent.push((dependent[i] - product) / row[k]);
+            independent.push((dependent[i] - dot(row, &independent)) / row[k]);
         }
         independent
     }

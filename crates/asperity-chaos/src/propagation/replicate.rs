@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::resamples::FITTED_FRACTION;
 use crate::{Expansion, RegressionError, Resamples, SampleEstimate};
 use asperity_base::blocks;
-use asperity_base::stats::{Interval, Moments, NORMAL_95, student_quantile};
+use asperity_base::stats::{Interval, Moments, NORMAL_95, student_95};
 
 const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
 const POSITIVE: Interval = Interval { low: 0.0, high: f64::INFINITY };
@@ -140,7 +140,7 @@ impl<'a> Samples<'a> {
         samples.iter().for_each(|&r| times[r] += 1.0);
         let n = count as f64;
         // The variance of the bootstrap is too small by (R − 1)/R, and few samples follow Student's distribution.
-        let spread = (n / (n - 1.0)).sqrt() * student_quantile(0.975, n - 1.0) / NORMAL_95 / n;
+        let spread = (n / (n - 1.0)).sqrt() * student_95(count) / NORMAL_95 / n;
         let shift = |k: usize| spread * times.iter().zip(&self.influences).map(|(t, u)| t * u[k]).sum::<f64>();
         let values = points.iter().map(|&k| self.values[k] + shift(k)).collect();
         (points, values)

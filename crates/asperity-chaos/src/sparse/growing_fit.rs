@@ -3,7 +3,7 @@
 use ndarray::{Array2, ArrayView1};
 
 use super::candidates::Candidates;
-use asperity_base::numeric::triangular_condition;
+use asperity_base::numeric::{dot, triangular_condition};
 use asperity_base::wide::{Kernel, wide};
 
 /// Remaining fraction of its length below which a column counts as linearly dependent.
@@ -139,8 +139,7 @@ impl<'a, 'c> GrowingFit<'a, 'c> {
         let mut errors = Vec::with_capacity(self.terms.len());
         for (number, &term) in self.terms.iter().enumerate() {
             let column = self.triangle_column(number);
-            let known: f64 = column.iter().zip(&directions).map(|(r, q)| r * q).sum();
-            let direction = (row[term] - known) / column[number];
+            let direction = (row[term] - dot(column, &directions)) / column[number];
             directions.push(direction);
             error -= self.projections[number] * direction;
             errors.push(error);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asperity::monitor::Cancelled;
 use asperity::study::{FailureKind, Study, StudyError, StudyFileError};
 use asperity_formats::read_settings;
 
@@ -12,10 +13,7 @@ pub(super) fn read<T>(
     path: &Path,
     parse: impl FnOnce(&str, &str) -> Result<T, StudyFileError>,
 ) -> Result<(T, String), Failure> {
-    let bytes = read_settings(path).map_err(|e| match e.kind() {
-        std::io::ErrorKind::NotFound => Failure::new(Kind::Data, format!("{}: no such file", path.display())),
-        _ => Failure::io(Kind::Data, path.display(), &e),
-    })?;
+    let bytes = read_settings(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
     let text = String::from_utf8(bytes)
         .map_err(|_| Failure::usage(format_args!("{}: not a text file; a study is a TOML file", path.display())))?;
     let parsed = parse(&text, &path.display().to_string())
@@ -47,12 +45,8 @@ pub(super) fn failure(path: &Path, text: Option<&str>, error: &StudyError) -> Fa
 
 /// Converts an error of a study with this message.
 pub(super) fn with_message(error: &StudyError, message: String) -> Failure {
-    let kind = match error.kind() {
-        FailureKind::Configuration => Kind::Usage,
-        FailureKind::Input => Kind::Data,
-        FailureKind::NotConverged => Kind::NotConverged,
-        FailureKind::Cancelled => return Failure::from(asperity::monitor::Cancelled),
-        FailureKind::Runtime => Kind::Runtime,
-    };
-    Failure::new(kind, message)
+    match error.kind() {
+        FailureKind::Cancelled => Cancelled.into(),
+        kind => Failure::new(kind.into(), message),
+    }
 }

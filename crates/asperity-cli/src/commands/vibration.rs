@@ -17,10 +17,11 @@ mod sound;
 mod trajectory;
 mod wav;
 
+use asperity::study::FailureKind;
 use asperity::vibration::VibrationError;
 use clap::Subcommand;
 
-use crate::failure::{Failure, Kind};
+use crate::failure::Failure;
 use crate::monitor::Terminal;
 
 /// Commands of the stick-slip oscillator. Help shows the documentation of each command's type.
@@ -60,10 +61,6 @@ impl Vibration {
 /// A failed search has not converged; any other error is due to the flags.
 impl From<VibrationError> for Failure {
     fn from(error: VibrationError) -> Self {
-        match error {
-            error if error.is_not_converged() => Self::new(Kind::NotConverged, error.to_string()),
-            VibrationError::Cancelled(cancelled) => cancelled.into(),
-            error => Self::usage(error),
-        }
+        Self::new(FailureKind::of(&error).into(), error.to_string())
     }
 }

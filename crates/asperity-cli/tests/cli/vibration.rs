@@ -242,7 +242,7 @@ fn every_friction_law_has_its_flags() {
     let coulomb = "vibration cycle --static-friction 0.4 --kinetic-friction 0.3 --damping-ratio 0 --belt-velocity 0.05 --json \
                    --stribeck-velocity 0.1 --high-speed-friction 0.3";
     close(number(&asperity(coulomb).json(0), "period"), 8.068_887_871_591_405, 1e-12);
-    run(&format!("{base} --friction-table wrong.csv")).refuses(3, &["wrong.csv, line 3"]);
+    run(&format!("{base} --friction-table wrong.csv")).refuses(3, &["wrong.csv: line 3"]);
     run(&format!("{base} --stribeck 1 --linear-weakening 1")).refuses(2, &["cannot be used with"]);
 }
 

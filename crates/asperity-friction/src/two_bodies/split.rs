@@ -5,7 +5,7 @@
 //! semivariance ½E[(F(x, s + h) − F(x, s))²] = φ(1 − ρ(h)) is free of bias; far apart it is φ.
 
 use asperity_base::correlation::{RecordCorrelation, RecordModel, fit_record};
-use asperity_base::stats::{Interval, Moments, student_quantile};
+use asperity_base::stats::{Interval, jackknife_reach};
 
 use super::distances::Distances;
 
@@ -50,9 +50,9 @@ pub(super) fn split(values: &[Vec<Vec<f64>>], distances: &Distances, std: f64, w
     let length_m = |sums: &Sums| sums.length_m(distances).unwrap_or(window_m);
     let left: Vec<Sums> = (0..strips.len()).map(|left_out| Sums::mean(&strips, Some(left_out))).collect();
     let interval = |statistic: &dyn Fn(&Sums) -> f64| {
-        let reach = jackknife_reach(&left.iter().map(statistic).collect::<Vec<_>>())?;
+        let reach = jackknife_reach(&left.iter().map(statistic).collect::<Vec<_>>());
         let value = statistic(&whole);
-        Some(Interval { low: (value - reach).max(0.0), high: (value + reach).max(0.0) })
+        (left.len() >= LEAST_STRIPS).then(|| Interval { low: (value - reach).max(0.0), high: (value + reach).max(0.0) })
     };
     let variance = between_parts(&whole).max(0.0);
     TwoBodyFriction {
@@ -148,18 +148,12 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count as f64
 }
 
-/// Returns half of the width of the 95 % jackknife interval of a statistic from its values without each of the strips.
-fn jackknife_reach(without: &[f64]) -> Option<f64> {
-    let freedom = without.len().saturating_sub(1) as f64;
-    (without.len() >= LEAST_STRIPS)
-        .then(|| student_quantile(0.975, freedom) * Moments::new(without).std * freedom.sqrt())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use asperity_base::map::Grid;
     use asperity_base::random;
+    use asperity_base::stats::Moments;
     use asperity_testing::{covered, repetitions};
 
     const CELLS: usize = 400;

@@ -1,6 +1,7 @@
 //! Transition distribution of the Jacobi diffusion as a spectral sum.
 
 use asperity_base::distribution::{Marginal, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use asperity_base::numeric::cubic;
 
 /// Negative logarithm of the size below which terms are dropped.
 const NEGLIGIBLE: f64 = 39.0;
@@ -209,8 +210,7 @@ fn inverse((z0, g0, s0): (f64, f64, f64), (z1, g1, s1): (f64, f64, f64), xi: f64
     let t = ((xi - z0) / width).clamp(0.0, 1.0);
     let rise = g1 - g0;
     let slope = |s: f64| if s > 0.0 && width / s < 3.0 * rise { width / s } else { rise };
-    let (d0, d1) = (slope(s0), slope(s1));
-    g0 + t * (d0 + t * ((3.0 * rise - 2.0 * d0 - d1) + t * (d0 + d1 - 2.0 * rise)))
+    cubic([g0, slope(s0)], [g1, slope(s1)], t)
 }
 
 /// Recursion of the polynomials orthonormal under Beta(a, b), in t = 2x − 1.

@@ -157,6 +157,21 @@ impl ColumnTable {
             .or(similar)
             .or(by_number().map(|number| number - 1))
             .ok_or_else(|| MeasuredError::NoColumn { wanted: wanted.into(), known: self.known() })?;
+        self.chosen(index)
+    }
+
+    /// Returns the values of a column, counted from 0.
+    ///
+    /// # Errors
+    /// A cell is not a number, or has a comma that may separate thousands.
+    ///
+    /// # Panics
+    /// If there is no such column.
+    pub fn values(&self, index: usize) -> Result<&[f64], MeasuredError> {
+        self.chosen(index).map(|chosen| chosen.values)
+    }
+
+    fn chosen(&self, index: usize) -> Result<Chosen<'_>, MeasuredError> {
         let Column { name, unit, values, wrong, comma } = &self.columns[index];
         let (column, own) = (index + 1, || name.clone());
         match (wrong, comma) {

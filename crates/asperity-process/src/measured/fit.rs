@@ -150,6 +150,24 @@ struct StdRatio {
     ends: [f64; 2],
 }
 
+/// Fails if the present values of a record are too few, equal, or a slow curve.
+fn check_variation(values: &[f64], present: usize) -> Result<(), MeasuredError> {
+    if present < 10 {
+        return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
+    }
+    let std = Moments::new(values).std;
+    if std == 0.0 {
+        return Err(StatsError::Constant { statistic: "the distribution of friction", n: present }.into());
+    }
+    // The correlation of a slow curve is meaningless.
+    let rest: Vec<f64> = values.iter().zip(polynomial(values, SLOW_DEGREE)).map(|(mu, curve)| mu - curve).collect();
+    if Moments::new(&rest).std.powi(2) < SLOW_REST * std.powi(2) {
+        let effective = SLOW_DEGREE as f64 + 1.0;
+        return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
+    }
+    Ok(())
+}
+
 /// Returns whether the values are means over a step that does not resolve the correlation.
 fn averages_unresolved(fit: &LengthFit, step_m: f64) -> bool {
     fit.window_m > 0.0 && fit.length_m < ObservedLengths::RESOLVED * step_m
@@ -221,18 +239,7 @@ impl FittedRecord {
         let record = &prepared.record;
         let values = &record.friction[..];
         let (present, pieces) = (record.present(), record.pieces());
-        if present < 10 {
-            return Err(MeasuredError::TooFew { present, what: "are present", wanted: 10 });
-        }
-        if Moments::new(values).std == 0.0 {
-            return Err(StatsError::Constant { statistic: "the distribution of friction", n: present }.into());
-        }
-        // The correlation of a slow curve is meaningless.
-        let rest: Vec<f64> = values.iter().zip(polynomial(values, SLOW_DEGREE)).map(|(mu, curve)| mu - curve).collect();
-        if Moments::new(&rest).std.powi(2) < SLOW_REST * Moments::new(values).std.powi(2) {
-            let effective = SLOW_DEGREE as f64 + 1.0;
-            return Err(MeasuredError::TooShort { present, effective, wanted: LEAST_INDEPENDENT });
-        }
+        check_variation(values, present)?;
         let longest = pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
         let correlation = RecordCorrelation::estimate(&pieces, record.step_m, longest / 2)?;
         let ObservedLengths { families, observation } =
@@ -276,6 +283,26 @@ impl FittedRecord {
             origin: Origin { kind: OriginKind::Record, description: description.into() },
         };
         process.check()?;
+        let mut fitted = Self {
+            process,
+            std_measured: moments.moments.std,
+            moments,
+            marginals,
+            goodness,
+            correlation,
+            families,
+            observation,
+            warnings: vec![],
+        };
+        fitted.warnings = fitted.warnings_about(prepared, ratio);
+        Ok(fitted)
+    }
+
+    /// Returns the warnings about a fit to the record; `ratio` is the standard deviation of the process over that of the values.
+    fn warnings_about(&self, prepared: &PreparedRecord, ratio: f64) -> Vec<String> {
+        let Self { process, moments, goodness, families, observation, .. } = self;
+        let (record, best) = (&prepared.record, families.chosen);
+        let values = &record.friction[..];
         let mut warnings = Vec::new();
         let filtered = prepared.history.band.high_pass_m.is_some();
         if (moments.mean.is_none() && !filtered) || moments.std.is_none() {
@@ -291,11 +318,11 @@ impl FittedRecord {
             );
         }
         warnings.extend(drift::warning(values, record.step_m, moments.moments.std));
-        warnings.extend(notes_on(&families, observation, moments.moments.std, ratio));
+        warnings.extend(notes_on(families, *observation, moments.moments.std, ratio));
         if best.length_m < ObservedLengths::RESOLVED * record.step_m {
             warnings.push(unresolved(&best, record.step_m));
         }
-        if let Some(fit) = goodness.filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
+        if let Some(fit) = goodness.as_ref().filter(|fit| fit.kolmogorov_smirnov.p_value < 0.01) {
             warnings.push(format!(
                 "the distribution does not fit: the largest difference of the distribution functions is {:.3} (p = {:.1e}); \
                  another may fit better",
@@ -311,7 +338,8 @@ impl FittedRecord {
         let negative = values.iter().filter(|mu| **mu < 0.0).count();
         if negative > 0 {
             warnings.push(format!(
-                "{negative} of {present} values are negative, but friction is positive: check for an offset"
+                "{negative} of {} values are negative, but friction is positive: check for an offset",
+                record.present()
             ));
         }
         if let Some(large) = prepared.removed.iter().find(|removal| removal.variance_share > 0.5) {
@@ -321,17 +349,7 @@ impl FittedRecord {
                 large.step.replace('_', "-")
             ));
         }
-        Ok(Self {
-            process,
-            std_measured: moments.moments.std,
-            moments,
-            marginals,
-            goodness,
-            correlation,
-            families,
-            observation,
-            warnings,
-        })
+        warnings
     }
 
     /// Returns the tables of the figures: `friction_record`, `friction_histogram`, `friction_pit`, `friction_qq`,

@@ -2,6 +2,7 @@
 
 use super::MeasuredError;
 use super::columns::{Chosen, ColumnTable};
+use asperity_base::numeric::Line;
 use asperity_base::stats::upper_median;
 
 /// Largest relative deviation of a step from the usual one that is resampled.
@@ -90,45 +91,39 @@ pub(super) fn even(
         column.name,
         100.0 * worst.0
     ));
-    // Interpolates between neighbours, but never across a gap.
+    let points: Vec<(f64, f64)> = rows.iter().map(|row| (column.values[*row], values[*row])).collect();
+    interpolate(&points, &index, |k| start + step * k as f64, &mut even);
+    Ok(Grid { start, step, values: even })
+}
+
+/// Interpolates linearly between neighbouring points (position, value), but never across a gap.
+fn interpolate(points: &[(f64, f64)], index: &[f64], position: impl Fn(usize) -> f64, even: &mut [f64]) {
     let mut place = 0;
     for (k, value) in even.iter_mut().enumerate() {
-        let wanted = start + step * k as f64;
-        while place + 2 < rows.len() && at(place + 1) < wanted {
+        let wanted = position(k);
+        while place + 2 < points.len() && points[place + 1].0 < wanted {
             place += 1;
         }
-        let (low, high) = (at(place), at(place + 1));
+        let ((low, a), (high, b)) = (points[place], points[place + 1]);
         let fraction = (wanted - low) / (high - low);
         let joined = index[place + 1] - index[place] == 1.0;
         if joined && (-1.0..=2.0).contains(&fraction) {
-            let fraction = fraction.clamp(0.0, 1.0);
-            let (a, b) = (values[rows[place]], values[rows[place + 1]]);
-            *value = if fraction == 0.0 {
-                a
-            } else if fraction == 1.0 {
-                b
-            } else {
-                a + fraction * (b - a)
+            *value = match fraction.clamp(0.0, 1.0) {
+                0.0 => a,
+                1.0 => b,
+                fraction => a + fraction * (b - a),
             };
         }
     }
-    Ok(Grid { start, step, values: even })
 }
 
 /// Returns start and step of the least-squares line through positions over their indices.
 fn line_through(index: &[f64], position: impl Fn(usize) -> f64) -> (f64, f64) {
-    let n = index.len() as f64;
-    let mean_index = index.iter().sum::<f64>() / n;
     // Relative to the first position, so that large clock values lose no digits.
     let first = position(0);
-    let mean_position = (0..index.len()).map(|place| position(place) - first).sum::<f64>() / n;
-    let (mut products, mut squares) = (0.0, 0.0);
-    for (place, k) in index.iter().enumerate() {
-        products += (k - mean_index) * (position(place) - first - mean_position);
-        squares += (k - mean_index).powi(2);
-    }
-    let step = products / squares;
-    (first + mean_position - step * mean_index, step)
+    let points: Vec<(f64, f64)> = index.iter().enumerate().map(|(place, k)| (*k, position(place) - first)).collect();
+    let Line { x, y, slope } = Line::through(&points);
+    (first + y - slope * x, slope)
 }
 
 #[cfg(test)]

@@ -61,11 +61,23 @@ struct Judge<'a> {
     scale: f64,
 }
 
+/// A fitted model, its covariance of the random surfaces, and their expected Sdq over that of the scan.
+type JudgedModel = (CovarianceFit, SurfaceCovariance, Option<f64>);
+
 impl Judge<'_> {
     /// Returns the expected Sdq of the random surfaces over Sdq of the scan.
     fn ratio(&self, covariance: &dyn StationaryCovariance) -> Option<f64> {
         let slopes = self.roughness.slopes.as_ref()?;
         Some(self.scale * slopes.ratio(covariance, self.translation.as_ref()))
+    }
+
+    /// Returns a fitted model, as the covariance of the random surfaces with their rms height, and with its ratio.
+    fn model(&self, fit: &CovarianceFit, std_m: f64) -> Result<JudgedModel, SurfaceModelError> {
+        let own = fit.covariance;
+        let scaled = Covariance::new(own.model(), std_m, own.length_x_m(), own.length_y_m())?;
+        let covariance = SurfaceCovariance::Model(scaled);
+        let ratio = self.ratio(&covariance);
+        Ok((fit.clone(), covariance, ratio))
     }
 
     /// Returns the ratio of the Gaussian field before the translation.
@@ -107,21 +119,11 @@ pub(super) fn select(
     let judge = Judge { roughness: &roughness, translation, scale: measured.sq_m() / std_m };
     let spectra: Vec<_> = roughness.spectra.iter().collect();
     let fits = fit_covariance(&spectra, measured.sq_m(), families);
-    let models: Vec<(CovarianceFit, SurfaceCovariance, Option<f64>)> = match &fits {
+    let models = match &fits {
         Err(_) => vec![],
-        Ok(found) => found
-            .fits
-            .iter()
-            .map(|fit| {
-                let own = fit.covariance;
-                let scaled = Covariance::new(own.model(), std_m, own.length_x_m(), own.length_y_m())?;
-                let covariance = SurfaceCovariance::Model(scaled);
-                let ratio = judge.ratio(&covariance);
-                Ok((fit.clone(), covariance, ratio))
-            })
-            .collect::<Result<_, SurfaceModelError>>()?,
+        Ok(found) => found.fits.iter().map(|fit| judge.model(fit, std_m)).collect::<Result<_, _>>()?,
     };
-    let candidate = |(fit, _, ratio): &(CovarianceFit, SurfaceCovariance, Option<f64>)| CovarianceCandidateResult {
+    let candidate = |(fit, _, ratio): &JudgedModel| CovarianceCandidateResult {
         model: fit.covariance.model().name().to_owned(),
         misfit: Some(fit.misfit),
         slope_ratio: *ratio,
@@ -168,18 +170,22 @@ pub(super) fn select(
         chosen.warnings.extend(missing);
     }
     // Fits that follow the scan badly know its length as little as no fit does.
-    if let (false, SurfaceCovariance::Empirical(own)) = (is_said, &chosen.covariance) {
-        let patches = own.report().standard_error.powi(-2);
-        if patches < FEW_PATCHES {
-            let patches = sentence::digits(patches);
-            chosen
-                .warnings
-                .push(format!("covariance of the scan: it rests on only {patches} independent patches of the map"));
-        }
+    if !is_said {
+        chosen.warnings.extend(patches_warning(&chosen.covariance));
     }
     chosen.warnings.extend(noise_warning(measured));
     chosen.shortest_wave_m = shortest_wave_m;
     Ok(chosen)
+}
+
+/// Returns the warning of a covariance of the scan that rests on few patches.
+fn patches_warning(covariance: &SurfaceCovariance) -> Option<String> {
+    let SurfaceCovariance::Empirical(own) = covariance else { return None };
+    let patches = own.report().standard_error.powi(-2);
+    (patches < FEW_PATCHES).then(|| {
+        let patches = sentence::digits(patches);
+        format!("covariance of the scan: it rests on only {patches} independent patches of the map")
+    })
 }
 
 impl SelectedCovariance {
@@ -218,7 +224,7 @@ fn own_covariance(measured: &ScannedSurface, std_m: f64) -> Result<SurfaceCovari
 fn measured_choice(
     measured: &ScannedSurface,
     judge: &Judge<'_>,
-    models: Vec<(CovarianceFit, SurfaceCovariance, Option<f64>)>,
+    models: Vec<JudgedModel>,
     fits: Result<CovarianceFits, FitError>,
     families: &[CorrelationFamily],
     std_m: f64,

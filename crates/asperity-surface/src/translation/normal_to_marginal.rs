@@ -1,6 +1,7 @@
 //! Tabulated map g ↦ F⁻¹(Φ(g)), fast enough for whole maps.
 
 use asperity_base::distribution::Marginal;
+use asperity_base::numeric::cubic;
 
 /// Nodes per unit of the table, and its reach.
 const NODES_PER_UNIT: f64 = 128.0;
@@ -41,7 +42,5 @@ fn interpolate(table: &[f64], position: f64) -> f64 {
     let left = (position.floor() as usize + 2).min(table.len() - 4);
     let t = position - (left as f64 - 2.0);
     let slope = |i: usize| (table[i - 2] - 8.0 * table[i - 1] + 8.0 * table[i + 1] - table[i + 2]) / 12.0;
-    let (a, b, m, n) = (table[left], table[left + 1], slope(left), slope(left + 1));
-    let rise = b - a;
-    a + t * (m + t * ((3.0 * rise - 2.0 * m - n) + t * (m + n - 2.0 * rise)))
+    cubic([table[left], slope(left)], [table[left + 1], slope(left + 1)], t)
 }

@@ -225,15 +225,15 @@ impl Campaign {
         StudyFile::parse(&text, &file).map_err(|error| error.message)
     }
 
-    /// Returns the study of a member, or the reason why its values are refused.
-    fn member(&self, member: usize) -> Result<Study, String> {
+    /// Returns the study of a member, or why its values are refused: the key of the first wrong value, if one is to blame, and the reason.
+    fn member(&self, member: usize) -> Result<Study, (Option<String>, String)> {
         let table = self.table_of(self.factors.iter().zip(self.choices(member)));
-        let mut file = self.parse_table(&table)?;
+        let mut file = self.parse_table(&table).map_err(|reason| (None, reason))?;
         let varies_seed = || self.factors.iter().flat_map(Factor::keys).any(|key| key.name == "seed");
         if let Some(seed) = self.other_seed.filter(|_| !varies_seed()) {
             file.seed = seed;
         }
-        file.check().map_err(|error| error.to_string())
+        file.check().map_err(|value| (Some(format!("{}.{}", value.section, value.key)), value.to_string()))
     }
 
     /// Checks name, type and unit of every value in a list.
@@ -256,7 +256,7 @@ impl Campaign {
     fn check_members(&mut self, reader: &Reader<'_>) -> Result<(), StudyFileError> {
         let folder = self.study_folder();
         let check = |study: Study| (study.friction_key(&folder), study.has(Stage::Vibration));
-        let checked: Vec<Result<(Option<String>, bool), String>> =
+        let checked: Vec<Result<(Option<String>, bool), (Option<String>, String)>> =
             blocks::map(0..self.members(), |member| self.member(member).map(check));
         let mut valid: Vec<Vec<bool>> = self.factors.iter().map(|factor| vec![false; factor.len()]).collect();
         let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
@@ -274,19 +274,16 @@ impl Campaign {
         }
         let mut shared: Vec<Vec<usize>> = groups.into_values().filter(|members| members.len() > 1).collect();
         shared.sort();
-        let refused =
-            checked.iter().enumerate().filter_map(|(member, found)| Some((member, found.as_ref().err()?.clone())));
-        let refused: BTreeMap<usize, String> = refused.collect();
-        for (&member, reason) in &refused {
+        let mut refused = BTreeMap::new();
+        for (member, (wrong_key, reason)) in
+            checked.iter().enumerate().filter_map(|(member, found)| Some((member, found.as_ref().err()?)))
+        {
+            refused.insert(member, reason.clone());
             let choices = self.factors.iter().zip(self.choices(member)).zip(&valid);
             let wrong =
                 choices.filter(|((factor, choice), valid)| matches!(factor, Factor::Listed(_)) && !valid[*choice]);
             let wrong: Vec<&Key> = wrong.flat_map(|((factor, _), _)| factor.keys()).collect();
-            let is_named = |key: &&&Key| {
-                key.name
-                    .rsplit_once('.')
-                    .is_some_and(|(section, key)| reason.starts_with(&format!("[{section}] {key}:")))
-            };
+            let is_named = |key: &&&Key| wrong_key.as_ref() == Some(&key.name);
             if let Some(key) = wrong.iter().find(is_named).or(wrong.first()) {
                 return Err(reader.error(key.line, reason.as_str()));
             }
@@ -339,7 +336,7 @@ impl Campaign {
             let task = Task::new(monitor, "campaign: friction", groups);
             let share = |study: &Study| study.share_friction(&folder, &inner).map_err(|error| self.reason(&error));
             shared = task.try_map(groups, |group| {
-                let study = self.member(self.shared[group][0]);
+                let study = self.member(self.shared[group][0]).map_err(|(_, reason)| reason);
                 let found = on(alone(groups), || study.as_ref().map_err(String::clone).and_then(share));
                 study.map_or(Ok(()), |study| study.refuse_changed(&folder, inputs))?;
                 Ok::<_, StudyError>(found)
@@ -353,7 +350,7 @@ impl Campaign {
         let task = Task::new(monitor, "campaign: members", count);
         task.try_map(count, |member| {
             let refused = self.refused.get(&member).map_or(Ok(()), |reason| Err(reason.clone()));
-            let study = refused.and_then(|()| self.member(member));
+            let study = refused.and_then(|()| self.member(member).map_err(|(_, reason)| reason));
             let answer = |study: &Study| {
                 let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
                 let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;

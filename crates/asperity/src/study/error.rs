@@ -1,5 +1,7 @@
 //! Why a study ended early.
 
+use std::error::Error;
+
 use asperity_formats::FormatError;
 use thiserror::Error;
 
@@ -7,19 +9,19 @@ use crate::chaos::{DriverError, PropagationError, RegressionError, SamplingError
 use crate::contact::ContactError;
 use crate::distribution::DistributionError;
 use crate::friction::FrictionError;
+use crate::friction::measured::MeasuredError;
 use crate::friction::process::ProcessError;
 use crate::map::MapError;
 use crate::monitor::Cancelled;
 use crate::pressure::PressureError;
 use crate::stats::StatsError;
 use crate::study::parse::line_of_key;
-use crate::study::sentence;
 use crate::study::{InvalidValue, StoreError};
 use crate::surface::GeneratorError;
 use crate::surface::filter::FilterError;
 use crate::surface::model::SurfaceModelError;
 use crate::surface::preparation::PreparationError;
-use crate::vibration::{LARGEST_CLIPPED_FRACTION, VibrationError};
+use crate::vibration::{TooManyClipped, VibrationError};
 
 /// Why a study ended early.
 #[derive(Debug, Error)]
@@ -118,16 +120,14 @@ pub enum StudyError {
     },
     /// Too many friction values would be clipped to stay positive.
     #[error(
-        "vibration: with the {upscaling} upscaling, {} % of the friction values would be clipped to stay positive, more than {} %; \
-         lower the standard deviation of friction or its weakening with velocity, or set `allow_clipping = true` in [vibration]",
-        sentence::digits(100.0 * .fraction),
-        100.0 * LARGEST_CLIPPED_FRACTION
+        "vibration: with the {upscaling} upscaling, {error}; lower the standard deviation of friction or its weakening with velocity, \
+         or set `allow_clipping = true` in [vibration]"
     )]
     Clipped {
         /// The upscaling, `paper` or `area`.
         upscaling: &'static str,
-        /// Fraction of the values.
-        fraction: f64,
+        /// Reason.
+        error: TooManyClipped,
         /// Whether the friction stage computed the friction, so that this was not known before the run.
         computed: bool,
     },
@@ -179,6 +179,30 @@ pub enum FailureKind {
     Cancelled,
     /// Anything else.
     Runtime,
+}
+
+impl FailureKind {
+    /// Returns the kind of an error of any stage: an argument is wrong unless the error says otherwise.
+    pub fn of(error: &(dyn Error + 'static)) -> Self {
+        let vibration = error.downcast_ref::<VibrationError>();
+        let pressure = error.downcast_ref::<PressureError>();
+        if let Some(error) = error.downcast_ref::<StudyError>() {
+            error.kind()
+        } else if error.is::<Cancelled>()
+            || matches!(vibration, Some(VibrationError::Cancelled(_)))
+            || matches!(pressure, Some(PressureError::Cancelled(_)))
+            || matches!(error.downcast_ref(), Some(FrictionError::Cancelled(_)))
+        {
+            Self::Cancelled
+        } else if vibration.is_some_and(VibrationError::is_not_converged)
+            || matches!(pressure, Some(PressureError::TooFewValid { .. }))
+            || error.downcast_ref::<MeasuredError>().is_some_and(MeasuredError::is_too_few)
+        {
+            Self::NotConverged
+        } else {
+            Self::Configuration
+        }
+    }
 }
 
 impl StudyError {

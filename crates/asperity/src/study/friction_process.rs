@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use asperity_formats::{read_text, refusal};
+
 use crate::friction::process::{FittedProcess, ProcessError};
 use crate::study::{StudyError, Table};
 
@@ -24,10 +26,6 @@ pub fn simulated_record(process: &FittedProcess, length_m: f64, step_m: f64, see
 /// The file cannot be read, or contains no process.
 pub(super) fn read(path: &Path, name: &Path) -> Result<FittedProcess, StudyError> {
     let failed = |reason: String| StudyError::FrictionProcess { file: name.display().to_string(), reason };
-    let text = asperity_formats::read_text(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => failed("no such file".into()),
-        std::io::ErrorKind::InvalidData => failed("not a text file".into()),
-        _ => failed(error.to_string()),
-    })?;
+    let text = read_text(path).map_err(|error| failed(refusal(&error)))?;
     FittedProcess::from_json(&text).map_err(|error| failed(error.to_string()))
 }

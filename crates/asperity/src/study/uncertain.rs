@@ -6,12 +6,12 @@
 mod keys;
 mod stated;
 
-use serde::{Serialize, Serializer};
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use serde::{Serialize, Serializer};
 use toml::{Table, Value};
 
+use asperity_formats::{read_text, refusal};
 use asperity_results::keys::{Key, LATENT};
 
 use self::keys::{Access, find, show};
@@ -259,11 +259,7 @@ pub fn read_samples(section: &str, name: &str, text: &str) -> Option<UncertainIn
 
 /// Reads the samples of a CSV file.
 fn samples_of_file(key: &Key, file: &Path) -> Result<Vec<f64>, String> {
-    let text = asperity_formats::read_text(file).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => format!("{}: no such file", file.display()),
-        ErrorKind::InvalidData => format!("{}: not a text file", file.display()),
-        _ => format!("{}: {error}", file.display()),
-    })?;
+    let text = read_text(file).map_err(|error| format!("{}: {}", file.display(), refusal(&error)))?;
     samples(key, &text, file)
 }
 

@@ -2,7 +2,7 @@
 
 use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
-use crate::stats::{Interval, Moments, correlation_time, student_quantile};
+use crate::stats::{Interval, Moments, correlation_time, jackknife_reach};
 
 /// Number of jackknife blocks.
 const PIECES: usize = 20;
@@ -64,8 +64,7 @@ pub fn cross_correlation(
     let coefficient = total.correlation();
     let count = pieces.len();
     let left_out: Vec<f64> = pieces.iter().map(|piece| total.plus(piece, -1.0).correlation().atanh()).collect();
-    let spread = Moments::new(&left_out).std * (count as f64 - 1.0).sqrt();
-    let half = student_quantile(0.975, count as f64 - 1.0) * spread;
+    let half = jackknife_reach(&left_out);
     let interval = if half.is_finite() {
         Interval { low: (coefficient.atanh() - half).tanh(), high: (coefficient.atanh() + half).tanh() }
     } else if coefficient.abs() >= 1.0 {

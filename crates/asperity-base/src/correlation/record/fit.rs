@@ -3,7 +3,7 @@
 use super::{RecordCorrelation, RecordModel};
 use crate::correlation::estimate::EstimateError;
 use crate::numeric::{Range, least_squares};
-use crate::stats::{Interval, Moments, student_quantile};
+use crate::stats::{Interval, jackknife_reach};
 
 /// Jackknife: largest and least number of blocks, and the least length of a block in fitted lengths.
 const MOST_PARTS: usize = 20;
@@ -83,7 +83,6 @@ pub fn fitted_length_interval(
         fit_record(&found, fit.model).ok().map(|fit| fit.length_m)
     };
     let lengths: Vec<f64> = (0..parts).map(without).collect::<Option<_>>()?;
-    let freedom = (parts - 1) as f64;
-    let reach = student_quantile(0.975, freedom) * Moments::new(&lengths).std * freedom.sqrt();
+    let reach = jackknife_reach(&lengths);
     Some(Interval { low: (fit.length_m - reach).max(0.0), high: fit.length_m + reach })
 }

@@ -2,6 +2,7 @@
 
 use super::checked_moments;
 use crate::correlation::estimate::EstimateError;
+use crate::numeric::dot;
 use crate::random;
 use crate::stats::{Moments, correlation_time, student_two_sided};
 
@@ -174,9 +175,8 @@ impl DriftTest {
     /// residuals of all blocks about the mean of their record and the contrast.
     fn new(values: &[Vec<f64>], contrast: &[f64], by_record: bool) -> Self {
         let records = values.len() as f64;
-        let norm: f64 = contrast.iter().map(|c| c * c).sum();
-        let coefficients: Vec<f64> =
-            values.iter().map(|means| means.iter().zip(contrast).map(|(y, c)| y * c).sum::<f64>() / norm).collect();
+        let norm = dot(contrast, contrast);
+        let coefficients: Vec<f64> = values.iter().map(|means| dot(means, contrast) / norm).collect();
         let estimate = coefficients.iter().sum::<f64>() / records;
         let (standard_error, degrees_of_freedom) = if by_record {
             (Moments::new(&coefficients).standard_error(), records - 1.0)

@@ -1,7 +1,7 @@
 //! Linearisation of a fitted family of records: scores, information and goodness of fit.
 
 use super::likelihood::{Likelihood, Spectra};
-use crate::numeric::solution;
+use crate::numeric::{dot, solution};
 
 /// Least number of ordinates in a band of the goodness-of-fit test, and largest number of bands.
 const LEAST_IN_BAND: f64 = 12.0;
@@ -110,8 +110,7 @@ impl<'a> Tangent<'a> {
         let explained: Vec<f64> =
             (0..size).map(|k| bands.iter().map(|band| band.row[k] * band.sum / band.number).sum()).collect();
         let squares: f64 = bands.iter().map(|band| band.sum * band.sum / band.number).sum();
-        let taken: f64 = explained.iter().zip(solution(information, &explained)).map(|(a, b)| a * b).sum();
-        let statistic = (squares - taken) / dispersion;
+        let statistic = (squares - dot(&explained, &solution(information, &explained))) / dispersion;
         statistic.is_finite().then_some((statistic, freedom as f64))
     }
 

@@ -5,7 +5,7 @@ use crate::blocks;
 use crate::distribution::fit::Fit;
 use crate::distribution::{DistributionError, standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use crate::fourier::RealFft2;
-use crate::numeric::inverse;
+use crate::numeric::{dot, inverse};
 use crate::random;
 use crate::stats::{Layout, sorted_present};
 
@@ -230,13 +230,8 @@ impl Projection {
 /// Returns the Kolmogorov–Smirnov and Anderson–Darling distances of cell fractions from the normal distribution, with
 /// the effect of a fit removed by `projection`.
 fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
-    let moves: Vec<f64> = projection.map_or_else(Vec::new, |projection| {
-        projection
-            .scores
-            .iter()
-            .map(|score| score.iter().zip(fractions).map(|(s, fraction)| s * fraction).sum())
-            .collect()
-    });
+    let moves: Vec<f64> = projection
+        .map_or_else(Vec::new, |projection| projection.scores.iter().map(|score| dot(score, fractions)).collect());
     let (mut below, mut largest, mut squares) = (0.0, 0.0_f64, 0.0);
     for (i, fraction) in fractions.iter().enumerate().take(CELLS - 1) {
         below += fraction;

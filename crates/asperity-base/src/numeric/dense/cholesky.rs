@@ -4,6 +4,7 @@ use ndarray::{Array2, ArrayViewMut2, s};
 
 use super::triangular::solve_lower;
 use super::{BLOCK, half, subtract_from_lower};
+use crate::numeric::dot;
 use crate::wide::{Kernel, wide};
 
 /// Number of partial sums of a product.
@@ -96,8 +97,7 @@ impl<'a> Kernel<(&'a [f64], &'a mut [f64])> for Substitute {
                     sums[lane] += a[lane] * b[lane];
                 }
             }
-            let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-            x[i] = (x[i] - rest - sums.iter().sum::<f64>()) / row[i];
+            x[i] = (x[i] - dot(a_rest, b_rest) - sums.iter().sum::<f64>()) / row[i];
         }
         for i in (0..n).rev() {
             let row = &lower[i * n..=i * n + i];

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::numeric::dot;
 use crate::wide::{Kernel, wide};
 
 /// Lanczos steps between two estimates.
@@ -34,7 +35,7 @@ pub(super) fn spectral_norm(triangle: &Array2<f64>) -> f64 {
         vector.iter_mut().for_each(|v| *v /= length);
         next.fill(0.0);
         wide::<Square, _>((rows, &vector[..], &mut next[..]));
-        let own = vector.iter().zip(&next).map(|(v, w)| v * w).sum::<f64>();
+        let own = dot(&vector, &next);
         for ((w, v), u) in next.iter_mut().zip(&vector).zip(&before) {
             *w -= own * v + beside.last().unwrap_or(&0.0) * u;
         }
@@ -109,7 +110,7 @@ impl<'a> Kernel<(&'a [f64], &'a [f64], &'a mut [f64])> for Square {
                     lanes[lane] += r[lane] * x[lane];
                 }
             }
-            let product = lanes.iter().sum::<f64>() + rest.iter().zip(x_rest).map(|(r, x)| r * x).sum::<f64>();
+            let product = lanes.iter().sum::<f64>() + dot(rest, x_rest);
             for (sum, r) in sum.iter_mut().zip(row) {
                 *sum += product * r;
             }

@@ -4,6 +4,7 @@ use ndarray::{Array2, s};
 
 use super::reflectors::{Reflectors, reflector};
 use super::{BLOCK, subtract_from_lower};
+use crate::numeric::dot;
 use crate::wide::{Kernel, wide};
 
 /// Number of rows and of partial sums in the product of a matrix with a vector.
@@ -47,7 +48,7 @@ impl Tridiagonal {
                 }
                 let sums = wide::<Project, _>((&update[number + 1..], &*v));
                 wide::<Subtract, _>((&update[number + 1..], &exchanged(&sums), &mut image[..]));
-                let along: f64 = v.iter().zip(&image).map(|(v, p)| v * p).sum();
+                let along = dot(v, &image);
                 for ((row, v), p) in update[number + 1..].iter_mut().zip(&*v).zip(&image) {
                     row[number] = *v;
                     row[BLOCK + number] = 2.0 * (p - along * v);

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::folder::Folder;
 use super::machine::{Damping, Machine};
-use super::random::{Paths, Source, Trajectories};
+use super::random::{Source, Trajectories, note_time};
 use super::series;
 use crate::args;
 use crate::failure::Failure;
@@ -48,8 +48,7 @@ impl Ensemble {
         let settings = EnsembleSettings { drive: self.drive, ..self.trajectories.settings() };
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let has_folder = self.folder.is_requested(&inputs)?;
-        let (belt_velocity, duration, count) = (oscillator.belt_velocity(), settings.duration, settings.trajectories);
-        Paths { belt_velocity, duration, count }.note_time(&process, monitor);
+        note_time(&process, oscillator.belt_velocity() * settings.duration, settings.trajectories, monitor);
         let answer =
             |kind, ensemble| answer(kind, ensemble).with("clipped_fraction", process.model().clipped_fraction());
         let ensemble = vibration::Ensemble::simulate(&oscillator, &process, &settings, monitor)

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use asperity::friction::measured::ColumnTable;
 use asperity::study::{implausible_damping, implausible_friction};
 use asperity::vibration::law::{Exponential, Linear, Stribeck};
 use asperity::vibration::{Forcing, FrictionTable, MotionKind, Oscillator, Parameters, VelocityLaw};
-use asperity_formats::read_text;
+use asperity_formats::read_limited;
 use clap::Args;
 
 use crate::args;
@@ -109,28 +110,20 @@ impl Friction {
     }
 }
 
-/// Reads the points of a friction law: two numbers per line, with an optional heading.
+/// Reads the points of a friction law: a table of two columns.
 fn table(path: &Path) -> Result<Vec<[f64; 2]>, Failure> {
-    let text = read_text(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
-    let mut points = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let cells: Vec<&str> = line.split([',', ';', '\t', ' ']).filter(|cell| !cell.trim().is_empty()).collect();
-        let values: Vec<f64> = cells.iter().filter_map(|cell| cell.trim().parse().ok()).collect();
-        match (cells.len(), values[..].first_chunk::<2>()) {
-            (0, _) => {}
-            (2, Some(point)) => points.push(*point),
-            _ if points.is_empty() && values.is_empty() => {}
-            _ => {
-                let message = format!(
-                    "{}, line {}: found `{line}`, expected a velocity and a friction coefficient",
-                    path.display(),
-                    number + 1
-                );
-                return Err(Failure::new(Kind::Data, message));
-            }
+    let bytes = read_limited(path).map_err(|e| Failure::io(Kind::Data, path.display(), &e))?;
+    let points = |table: ColumnTable| {
+        let (velocities, coefficients) = (table.values(0)?, table.values(1)?);
+        Ok(velocities.iter().zip(coefficients).map(|(v, mu)| [*v, *mu]).collect())
+    };
+    match ColumnTable::read(&bytes) {
+        Ok(table) if table.names().len() != 2 => {
+            let message = format!("{}: expected two columns, a velocity and a friction coefficient", path.display());
+            Err(Failure::new(Kind::Data, message))
         }
+        table => table.and_then(points).map_err(|e| Failure::data(path.display(), &e)),
     }
-    Ok(points)
 }
 
 /// Damping of the oscillator.

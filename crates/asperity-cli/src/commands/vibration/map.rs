@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::machine::{Damping, Machine};
-use super::random::{Clipping, Fluctuation, Paths, Trajectories};
+use super::random::{Clipping, Fluctuation, Trajectories, note_time};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -105,7 +105,7 @@ impl Map {
         let process = monitor.killable(|| FrictionProcess::new(friction.clone()))?.map_err(Failure::usage)?;
         let ensemble = self.trajectories.settings();
         let count = ensemble.trajectories.saturating_mul(x.cells + 1).saturating_mul(y.cells + 1);
-        Paths { belt_velocity, duration: ensemble.duration, count }.note_time(&process, monitor);
+        note_time(&process, belt_velocity * ensemble.duration, count, monitor);
         let settings = MapSettings { x, y, depth: self.depth, ensemble };
         let clipped = settings.clipped_fraction(over, &stated, &friction)?;
         self.clipping.accept(clipped, monitor)?;

@@ -20,7 +20,7 @@ use clap::builder::ArgPredicate;
 
 use super::folder::Folder;
 use super::machine::Friction;
-use super::random::{Fluctuation, Paths};
+use super::random::{Fluctuation, note_time};
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -231,8 +231,7 @@ impl Noise {
             }
         };
         let settling = self.settling;
-        let belt_velocity = model.belt_velocity();
-        Paths { belt_velocity, duration: settling + 2.0 * duration, count: trajectories }.note_time(&process, monitor);
+        note_time(&process, model.belt_velocity() * (settling + 2.0 * duration), trajectories, monitor);
         let least_valid_share = VALID_FRACTION;
         let settings = GrowthSettings { trajectories, duration, settling, seed, least_valid_share };
         let growth = growth_rates(model, model.sliding_friction(), &process, &settings, monitor)?;

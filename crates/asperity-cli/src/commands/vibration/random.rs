@@ -6,7 +6,7 @@ use asperity::distribution::Marginal;
 use asperity::friction::process::{FrictionProcess, Generator, ProcessModel, TranslationKind};
 use asperity::quantity::Length;
 use asperity::study::clipping_warning;
-use asperity::vibration::{EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator, clipped_to_positive};
+use asperity::vibration::{EnsembleSettings, Oscillator, accept_clipping, clipped_to_positive};
 use clap::Args;
 
 use crate::args;
@@ -19,28 +19,19 @@ const SECONDS_A_VALUE: f64 = 1e-7;
 /// Estimated time above which the command reports it in advance, in seconds.
 const LONG_SECONDS: f64 = 120.0;
 
-/// Size of a simulation.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Paths {
-    pub(super) belt_velocity: f64,
-    pub(super) duration: f64,
-    pub(super) count: usize,
-}
-
-impl Paths {
-    /// Prints the estimated time if it is long: a short correlation length requires many steps.
-    pub(super) fn note_time(&self, process: &FrictionProcess, monitor: &Terminal) {
-        let values = self.belt_velocity * self.duration / process.step();
-        let threads = rayon::current_num_threads().min(self.count).max(1);
-        let seconds = SECONDS_A_VALUE * values * self.count as f64 / threads as f64;
-        if seconds > LONG_SECONDS {
-            monitor.note(&format!(
-                "a trajectory reads about {values:.1e} friction values, {:.1e} apart in sliding distance; all of them take about {} on \
-                 {threads} threads",
-                process.step(),
-                duration(seconds)
-            ));
-        }
+/// Prints the estimated time of `count` trajectories over that sliding distance if it is long: a short correlation length requires many
+/// steps.
+pub(super) fn note_time(process: &FrictionProcess, distance: f64, count: usize, monitor: &Terminal) {
+    let values = distance / process.step();
+    let threads = rayon::current_num_threads().min(count).max(1);
+    let seconds = SECONDS_A_VALUE * values * count as f64 / threads as f64;
+    if seconds > LONG_SECONDS {
+        monitor.note(&format!(
+            "a trajectory reads about {values:.1e} friction values, {:.1e} apart in sliding distance; all of them take about {} on \
+             {threads} threads",
+            process.step(),
+            duration(seconds)
+        ));
     }
 }
 
@@ -100,14 +91,11 @@ pub(super) struct Clipping {
 impl Clipping {
     /// Reports the fraction of clipped values. Fails if it is above 5 % and not allowed.
     pub(super) fn accept(&self, fraction: f64, monitor: &Terminal) -> Result<(), Failure> {
-        if fraction > LARGEST_CLIPPED_FRACTION && !self.allow_clipping {
-            return Err(Failure::usage(format_args!(
-                "{:.3} % of the friction values would be clipped to stay positive, more than {} %; lower the standard deviation \
-                 of friction or its weakening with velocity, or add --allow-clipping",
-                100.0 * fraction,
-                100.0 * LARGEST_CLIPPED_FRACTION
-            )));
-        }
+        accept_clipping(fraction, self.allow_clipping).map_err(|error| {
+            Failure::usage(format_args!(
+                "{error}; lower the standard deviation of friction or its weakening with velocity, or add --allow-clipping"
+            ))
+        })?;
         clipping_warning(fraction).iter().for_each(|warning| monitor.warn(warning));
         Ok(())
     }

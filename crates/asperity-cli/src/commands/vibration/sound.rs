@@ -10,7 +10,7 @@ use clap::Args;
 
 use super::folder::Folder;
 use super::machine::{Damping, Machine};
-use super::random::{Paths, Source};
+use super::random::{Source, note_time};
 use super::wav::Wav;
 use crate::args;
 use crate::failure::Failure;
@@ -65,8 +65,7 @@ impl Sound {
         let inputs: Vec<_> = self.machine.friction.inputs().into_iter().chain(self.source.inputs()).collect();
         let has_folder = self.folder.is_requested(&inputs)?;
         self.wav.check(&inputs)?;
-        let (belt_velocity, duration, count) = (oscillator.belt_velocity(), self.duration, self.trajectories);
-        Paths { belt_velocity, duration, count }.note_time(&process, monitor);
+        note_time(&process, oscillator.belt_velocity() * self.duration, self.trajectories, monitor);
         // Includes the phase portraits and transforms of the velocities.
         let points = self.duration / TAU * settings.points_per_period as f64;
         require_memory(POINT_BYTES * points * self.trajectories as f64, "the record of the velocities")?;

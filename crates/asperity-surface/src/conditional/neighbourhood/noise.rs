@@ -5,7 +5,7 @@ use ndarray::Array2;
 use crate::conditional::lags::Lags;
 use asperity_base::blocks;
 use asperity_base::map::Grid;
-use asperity_base::numeric::Cholesky;
+use asperity_base::numeric::{Cholesky, dot};
 
 /// Candidate variances of the noise over the variance of the heights, from [`LEAST_NOISE`] up by factors of ten.
 const DECADES: i32 = 8;
@@ -58,6 +58,6 @@ fn likelihood(lags: &Lags, patch: &[(isize, isize, f64)], noise: f64, variance: 
     });
     let Some(factor) = Cholesky::new(between) else { return f64::NEG_INFINITY };
     let values: Vec<f64> = patch.iter().map(|point| point.2).collect();
-    let misfit = values.iter().zip(factor.solve(&values)).map(|(value, weight)| value * weight).sum::<f64>() / variance;
+    let misfit = dot(&values, &factor.solve(&values)) / variance;
     -0.5 * (misfit + factor.log_determinant())
 }

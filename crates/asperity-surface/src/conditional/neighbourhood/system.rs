@@ -1,6 +1,6 @@
 //! Kriging weights of one neighbourhood.
 
-use asperity_base::numeric::Cholesky;
+use asperity_base::numeric::{Cholesky, dot};
 use ndarray::{Array2, s};
 
 use super::NeighbourhoodSurface;
@@ -31,7 +31,7 @@ impl NeighbourhoodSurface {
                 *value = self.lags.at(column - x, row - y);
             }
             for (weights, out) in weights.iter().zip(out) {
-                *out = fraction * weights.iter().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
+                *out = fraction * dot(weights, &correlations);
             }
         }
         corrections

@@ -107,7 +107,7 @@ mod tests {
     use crate::distribution::{standard_normal_cdf, standard_normal_quantile};
     use crate::monitor::Silent;
     use crate::random::{standard_normal, stream};
-    use crate::stats::{Moments, student_quantile};
+    use crate::stats::{Moments, student_95};
     use asperity_testing::{covered, repetitions};
 
     const REPLICATES: usize = 8;
@@ -117,7 +117,7 @@ mod tests {
         let means: Vec<f64> =
             terms.chunks(terms.len() / REPLICATES).map(|own| own.iter().sum::<f64>() / own.len() as f64).collect();
         let found = Moments::new(&means);
-        let half_width = student_quantile(0.975, (REPLICATES - 1) as f64) * found.sample_std();
+        let half_width = student_95(REPLICATES) * found.sample_std();
         [found.mean, half_width / (REPLICATES as f64).sqrt()]
     }
 
@@ -162,7 +162,7 @@ mod tests {
             let error = (0.95 * 0.05 / repetitions as f64).sqrt();
             assert!(fraction > 0.95 - 3.0 * error, "{fraction} in {case}");
             all_covered &= fraction == 1.0;
-            let factor = student_quantile(0.975, (REPLICATES - 1) as f64);
+            let factor = student_95(REPLICATES);
             let all = factor * factor * probability * (1.0 - probability);
             let as_many = all / (square_half_widths / repetitions as f64);
             assert!(as_many > ensembles, "as narrow as those of {as_many} in {case}");

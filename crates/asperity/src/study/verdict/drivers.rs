@@ -9,6 +9,7 @@ use crate::random;
 use crate::stats::quantile_sorted;
 use crate::study::StudyError;
 use crate::study::result::{Driver, Guess, Pair, Quantiles};
+use asperity_base::numeric::dot;
 
 /// Largest number of samples to which the margin is fitted.
 const MOST_SAMPLES: usize = 4096;
@@ -160,10 +161,6 @@ impl MarginModel {
             (Quantiles { q05, q50, q95 }, guesses.collect())
         }))
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Returns the change of the margin M per standard normal variable ξ such that the machines that vibrate under fluctuating friction are

@@ -7,7 +7,7 @@
 //! Owen, *J. Complexity* **14** (1998) 466, <https://doi.org/10.1006/jcom.1998.0487>.
 
 use crate::chaos::{Design, SamplingError, SamplingMethod};
-use crate::stats::{Interval, Moments, student_quantile};
+use crate::stats::{Interval, Moments, student_95};
 
 /// Randomisations of the Sobol' points.
 pub(super) const REPLICATES: usize = 8;
@@ -35,7 +35,7 @@ pub(super) fn designs(variables: usize, count: usize, seed: u64, stream: &str) -
 /// due to rounding.
 pub(super) fn half_width(means: &[f64], rounding: f64) -> f64 {
     let std = Moments::new(means).sample_std().hypot(rounding);
-    student_quantile(0.975, (means.len() - 1) as f64) * std / (means.len() as f64).sqrt()
+    student_95(means.len()) * std / (means.len() as f64).sqrt()
 }
 
 /// Mean of a value between 0 and 1 over machines, with half the width of its 95 % interval.

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use crate::chaos::{Expansion, Observed, Propagation, Resamples};
 use crate::friction::WindowFriction;
 use crate::friction::replicates::{LevelMoments, MomentReplicates};
-use crate::stats::{NORMAL_95, student_quantile};
+use crate::stats::{NORMAL_95, student_95};
 use crate::study::output::StageOutput;
 use crate::study::result::LearntFriction;
 use crate::study::uncertain::Point;
@@ -144,7 +144,7 @@ fn expand_moment(
     let propagated = propagation.respond(&observed, &Resamples { count: 20, ..Resamples::new(seed) })?;
     let unexplained = propagated.leave_one_out.sqrt() * propagated.std.value;
     // A standard error of few strips follows Student's distribution.
-    let few = if strips > 1 { student_quantile(0.975, (strips - 1) as f64) / NORMAL_95 } else { 1.0 };
+    let few = if strips > 1 { student_95(strips) / NORMAL_95 } else { 1.0 };
     Ok(Some((propagated.expansion, [few * propagated.noise.standard_error, unexplained])))
 }
 

@@ -20,6 +20,7 @@ use crate::study::uncertain::Place;
 use crate::surface::pooling::{Mean, Reading, pool};
 use crate::surface::scanned::{MapStatistics, ScannedSurface};
 use crate::surface::uncertainty::{Estimate, JointErrors};
+use asperity_base::numeric::dot;
 
 /// Key of the error of the statistics of the scans of a body.
 const SCAN: &str = "scan";
@@ -147,10 +148,6 @@ fn pooled(scans: &[&MapStatistics], own: &[f64], gradient: &StatisticErrors) -> 
 fn mean_of(joint: &[JointErrors]) -> JointErrors {
     let count = joint.len() as f64;
     std::array::from_fn(|i| std::array::from_fn(|j| joint.iter().map(|own| own[i][j]).sum::<f64>() / count))
-}
-
-fn dot(a: &StatisticErrors, b: &StatisticErrors) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn product(covariance: &JointErrors, vector: &StatisticErrors) -> StatisticErrors {

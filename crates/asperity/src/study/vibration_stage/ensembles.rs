@@ -14,9 +14,9 @@ use crate::study::result::{DampingResult, EnsembleResult, PointsResult};
 use crate::study::run_machine::RunMachine;
 use crate::study::{StudyError, Table, sentence};
 use crate::vibration::{
-    CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, LARGEST_CLIPPED_FRACTION, Oscillator,
-    TrajectorySettings, VibrationError, clipped_to_positive, crossings_without_fluctuation, cycle_portrait,
-    deterministic_slips, limit_cycle, trajectory_portrait,
+    CONSTANT_STD, DampingSweep, Drive, Ensemble, EnsembleSettings, Oscillator, TrajectorySettings, VibrationError,
+    accept_clipping, clipped_to_positive, crossings_without_fluctuation, cycle_portrait, deterministic_slips,
+    limit_cycle, trajectory_portrait,
 };
 
 /// Points of a plotted limit cycle and trajectory, and the duration τ of the trajectory.
@@ -94,10 +94,10 @@ impl<'a> Ensembles<'a> {
     /// # Errors
     /// It exceeds the limit of the study, under the main upscaling. The other upscaling serves for comparison and only warns.
     pub(super) fn accepted(&self, fraction: f64, upscaling: Upscaling) -> Result<f64, StudyError> {
-        let leads = upscaling == self.study.upscaling;
-        if leads && fraction > LARGEST_CLIPPED_FRACTION && !self.study.allow_clipping {
-            return Err(StudyError::Clipped { upscaling: upscaling.name(), fraction, computed: self.window.computed });
-        }
+        let allowed = self.study.allow_clipping || upscaling != self.study.upscaling;
+        let clipped =
+            |error| StudyError::Clipped { upscaling: upscaling.name(), error, computed: self.window.computed };
+        accept_clipping(fraction, allowed).map_err(clipped)?;
         Ok(fraction)
     }
 
