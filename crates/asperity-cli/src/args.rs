@@ -6,6 +6,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 use asperity::choice::Choice;
+use asperity::keys::Key;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 
@@ -182,6 +183,33 @@ pub(crate) fn positive(text: &str) -> Result<f64, Refusal> {
 /// Parses a dimensionless number of zero or more.
 pub(crate) fn non_negative(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x >= 0.0, "it must not be negative")
+}
+
+/// Parses a dimensionless number within the bounds of an input of a study.
+pub(crate) fn of_input(input: &str) -> impl Fn(&str) -> Result<f64, Refusal> + Clone + Send + Sync + 'static {
+    // The coefficient of which the input is a share is positive.
+    let bounds = Key::find(input).filter(|key| key.coefficient.is_none()).and_then(|key| key.bounds);
+    move |text| match bounds {
+        Some(bounds) if (bounds.low, bounds.high) != (0.0, f64::INFINITY) => {
+            within(finite(text)?, |x| bounds.contain(x), &format!("expected {}", bounds.expected))
+        }
+        Some(bounds) if bounds.contain(0.0) => non_negative(text),
+        Some(_) | None => positive(text),
+    }
+}
+
+/// Returns the name of the flag of an input, with underscores.
+pub(crate) fn name(input: &'static str) -> &'static str {
+    let own = input.rsplit('.').next().unwrap_or(input);
+    Key::find(input).and_then(|key| key.coefficient).map_or(own, |[name, _]| name)
+}
+
+/// Returns the label of an input, and a note after it.
+pub(crate) fn help(input: &str, note: &str) -> String {
+    let of_key = |key: &Key| key.coefficient.map_or(key.label, |[_, label]| label);
+    let label = Key::find(input).map_or("", of_key);
+    let (first, rest) = label.split_at(label.chars().next().map_or(0, char::len_utf8));
+    format!("{}{rest}{note}", first.to_uppercase())
 }
 
 /// Parses a number of bytes with its unit, such as `4 GB`.
