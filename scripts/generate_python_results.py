@@ -1,4 +1,4 @@
-"""Write python/asperity/results.py from the JSON Schema of results; with --check, compare it instead."""
+"""Write results.py and laws.py of python/asperity from JSON Schemas; with --check, compare them instead."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from asperity import _core
 
-TARGET = pathlib.Path(__file__).parents[1] / "python" / "asperity" / "results.py"
+PACKAGE = pathlib.Path(__file__).parents[1] / "python" / "asperity"
 HEAD = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
 
 The attributes are the keys of ``results.json``: SI units, with the unit in the name. An undefined number is None, and
@@ -25,6 +25,13 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from asperity._record import Record, WithCompanions
+'''
+LAWS_HEAD = '''"""Velocity laws of an oscillator. Made by scripts/generate_python_results.py; do not edit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 '''
 SCALARS = {"number": "float", "integer": "int", "string": "str", "boolean": "bool", "null": "None"}
 Schema = dict[str, Any]
@@ -102,8 +109,37 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
     return source + (f"\n    _nested: ClassVar[Mapping[str, type[Record]]] = {{{nested}}}\n" if nested else "")
 
 
-def module() -> str:
-    """Return the source of the module; each class follows those that it uses."""
+def argument(schema: Schema) -> str:
+    """Return the type of an argument."""
+    if schema["type"] != "array":
+        return annotation(schema)
+    inner = argument(schema["items"])
+    is_pair = schema.get("minItems") == schema.get("maxItems") == 2  # noqa: PLR2004
+    return f"tuple[{inner}, {inner}]" if is_pair else f"Sequence[{inner}]"
+
+
+def arguments(name: str, schema: Schema) -> str:
+    """Return the source of a class of keyword arguments."""
+    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}:\n"
+    source += text(schema["description"].partition("\n\n")[0], "    ") + "\n"
+    for key, value in schema["properties"].items():
+        source += f"    {key}: {argument(value)}\n" + text(value["description"], "    ")
+    return source
+
+
+def laws() -> str:
+    """Return the source of the module of velocity laws: a class for each, named like the law in one word."""
+    definitions: dict[str, Schema] = json.loads(_core.parameters_schema())["$defs"]
+    source, names = LAWS_HEAD, []
+    for option in definitions["VelocityLaw"]["oneOf"]:
+        ((name, value),) = option["properties"].items()
+        names.append(name.capitalize())
+        source += arguments(names[-1], definitions[name_of(value["$ref"])])
+    return source + f"\n\nVelocityLaw = {' | '.join(names)}\n" + arguments("Forcing", definitions["Forcing"])
+
+
+def results() -> str:
+    """Return the source of the module of results; each class follows those that it uses."""
     schema = json.loads(_core.results_schema())
     definitions: dict[str, Schema] = schema["$defs"]
     source, done = HEAD, set[str]()
@@ -123,13 +159,15 @@ def module() -> str:
 
     for name in definitions:
         add(name)
-    ruff = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(TARGET), "-"]
-    return subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
+    return source
 
 
 if __name__ == "__main__":
-    made = module()
-    if "--check" not in sys.argv:
-        TARGET.write_text(made, encoding="utf-8")
-    elif TARGET.read_text(encoding="utf-8") != made:
-        sys.exit(f"{TARGET} is not current; run python {__file__}")
+    for name, source in (("results.py", results()), ("laws.py", laws())):
+        target = PACKAGE / name
+        ruff = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(target), "-"]
+        made = subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
+        if "--check" not in sys.argv:
+            target.write_text(made, encoding="utf-8")
+        elif target.read_text(encoding="utf-8") != made:
+            sys.exit(f"{target} is not current; run python {__file__}")
