@@ -35,7 +35,7 @@ choice! {
         Linear = "linear",
         /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
         Exponential = "exponential",
-        /// Monotone cubics between the points of `friction_table`.
+        /// monotone cubics between the points of `friction_table`.
         Table = "table",
     }
 }

@@ -10,7 +10,7 @@ use super::{BatchForm, Curve, Law, VelocityLaw, VelocityLawKind};
 use crate::polynomial::{RECIPROCAL, cross};
 use crate::{VibrationError, positive};
 
-/// Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v_0}.
+/// Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Exponential {
@@ -18,7 +18,7 @@ pub struct Exponential {
     pub kinetic: f64,
     /// 0 < μ_∞ ≤ μ_k, the coefficient at high velocity.
     pub high_speed: f64,
-    /// v_0 > 0, the Stribeck velocity.
+    /// v₀ > 0, the Stribeck velocity.
     pub stribeck_velocity: f64,
 }
 
