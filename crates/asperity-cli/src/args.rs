@@ -254,11 +254,6 @@ pub(crate) fn outliers(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x >= 1.0, "it must be at least 1 standard deviation")
 }
 
-/// Parses Poisson's ratio of an isotropic solid, above −1 and at most ½.
-pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
-    within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")
-}
-
 fn within(x: f64, allowed: impl Fn(f64) -> bool, requirement: &str) -> Result<f64, Refusal> {
     if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {requirement}").into()) }
 }
@@ -286,6 +281,7 @@ mod tests {
         assert!(positive("0").is_err() && positive("-1").is_err());
         assert!(non_negative("0").is_ok() && non_negative("-1e-300").is_err());
         assert!(percent("100").is_ok() && percent("100.1").is_err());
+        let poisson_ratio = of_input("material.poisson_ratio");
         assert!(poisson_ratio("0.5").is_ok() && poisson_ratio("0.51").is_err() && poisson_ratio("-1").is_err());
         assert!(tolerance("1e-300").is_ok() && tolerance("1").is_err() && tolerance("0").is_err());
         assert!(non_negative_quantity::<Length>("-1um").is_err() && non_negative_quantity::<Length>("0um").is_ok());
