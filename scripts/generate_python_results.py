@@ -1,4 +1,4 @@
-"""Write the modules of results of python/asperity from their JSON Schemas; with --check, compare them instead."""
+"""Write modules of results and laws of python/asperity from JSON Schemas; with --check, compare them instead."""
 
 from __future__ import annotations
 
@@ -40,6 +40,13 @@ They are dimensionless: X = x·c/N, τ = ω₀t. An undefined number is None, an
 METHODS = {"Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
 # Objects that are dictionaries.
 DICTIONARIES = {"FailedTrajectory": "Any", "MapCell": "Any", "MapResolution": "float"}
+LAWS_HEAD = '''"""Velocity laws of an oscillator. Made by scripts/generate_python_results.py; do not edit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+'''
 SCALARS = {"number": "float", "integer": "int", "string": "str", "boolean": "bool", "null": "None"}
 Schema = dict[str, Any]
 
@@ -119,6 +126,35 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
     return source + (f"\n    _nested: ClassVar[Mapping[str, type[Record]]] = {{{nested}}}\n" if nested else "")
 
 
+def argument(schema: Schema) -> str:
+    """Return the type of an argument."""
+    if schema["type"] != "array":
+        return annotation(schema)
+    inner = argument(schema["items"])
+    is_pair = schema.get("minItems") == schema.get("maxItems") == 2  # noqa: PLR2004
+    return f"tuple[{inner}, {inner}]" if is_pair else f"Sequence[{inner}]"
+
+
+def arguments(name: str, schema: Schema) -> str:
+    """Return the source of a class of keyword arguments."""
+    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}:\n"
+    source += text(schema["description"].partition("\n\n")[0], "    ") + "\n"
+    for key, value in schema["properties"].items():
+        source += f"    {key}: {argument(value)}\n" + text(value["description"], "    ")
+    return source
+
+
+def laws() -> str:
+    """Return the source of the module of velocity laws: a class for each, named like the law in one word."""
+    definitions: dict[str, Schema] = json.loads(_core.parameters_schema())["$defs"]
+    source, names = LAWS_HEAD, []
+    for option in definitions["VelocityLaw"]["oneOf"]:
+        ((name, value),) = option["properties"].items()
+        names.append(name.capitalize())
+        source += arguments(names[-1], definitions[name_of(value["$ref"])])
+    return source + f"\n\nVelocityLaw = {' | '.join(names)}\n" + arguments("Forcing", definitions["Forcing"])
+
+
 def module(head: str, schema: Schema, tail: str = "") -> str:
     """Return the source of a module; each class follows those that it uses."""
     definitions: dict[str, Schema] = schema["$defs"]
@@ -139,8 +175,11 @@ def module(head: str, schema: Schema, tail: str = "") -> str:
 
     for name in definitions:
         add(name)
-    source += tail
-    # Without the imports that the module does not need.
+    return source + tail
+
+
+def formatted(source: str) -> str:
+    """Return the source of a module as ruff writes it, without the imports that it does not need."""
     for command in (["check", "--fix", "--quiet", "--select", "F401,I"], ["format"]):
         ruff = [sys.executable, "-m", "ruff", *command, "--stdin-filename", str(FOLDER / "results.py"), "-"]
         source = subprocess.run(ruff, input=source, capture_output=True, check=True, text=True).stdout
@@ -151,8 +190,10 @@ if __name__ == "__main__":
     modules = {
         "results.py": module(STUDY, json.loads(_core.results_schema())),
         "vibration_results.py": module(VIBRATION, json.loads(_core.vibration_schema()), "\nKind = MotionKind\n"),
+        "laws.py": laws(),
     }
-    for name, made in modules.items():
+    for name, source in modules.items():
+        made = formatted(source)
         if "--check" not in sys.argv:
             (FOLDER / name).write_text(made, encoding="utf-8")
         elif (FOLDER / name).read_text(encoding="utf-8") != made:

@@ -66,10 +66,17 @@ async function machine() {
   writeFileSync(`${CARRIED}/oscillator.wasm.gz`, gzipSync(readFileSync(MODULE), { level: 9 }));
 }
 
+/** Inputs of a study, from the bindings. */
+async function inputs() {
+  const { initSync, inputs } = await import("./build/asperity_wasm.js");
+  initSync({ module: readFileSync("build/asperity_wasm_bg.wasm") });
+  return inputs();
+}
+
 async function page() {
   const [, version] = readFileSync("../Cargo.toml", "utf8").match(/^version = "(.*)"$/m);
   const worker = await script("src/explorer/worker.ts", { "import.meta.url": '""' });
-  const main = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version) });
+  const main = await script("src/explorer/page.ts", { WORKER: JSON.stringify(worker), VERSION: JSON.stringify(version), INPUTS: await inputs() });
   const style = (await build({ ...COMMON, entryPoints: ["src/explorer/style.css"], write: false })).outputFiles[0].text.trim();
   const module = gzipSync(readFileSync("build/asperity_wasm_bg.wasm"), { level: 9 }).toString("base64");
   const policy = [

@@ -15,6 +15,7 @@ from asperity.contact import ContactSolution, solve_contact
 from asperity.errors import FormatError, NotConvergedError, ResourceError
 from asperity.friction import FrictionProcess, fit_friction_record, friction_process
 from asperity.interop import uncertain
+from asperity.laws import Coulomb, Exponential, Forcing, Linear, Stribeck, Tabulated
 from asperity.random import (
     Covariance,
     KarhunenLoeve,
@@ -25,19 +26,7 @@ from asperity.random import (
     artificial_surface,
 )
 from asperity.surface import HeightMap
-from asperity.vibration import (
-    Coulomb,
-    Exponential,
-    Forcing,
-    Linear,
-    Oscillator,
-    Stribeck,
-    Tabulated,
-    critical_damping,
-    ensemble,
-    limit_cycle,
-    stability_map,
-)
+from asperity.vibration import Oscillator, critical_damping, ensemble, limit_cycle, stability_map
 
 if TYPE_CHECKING:
     from asperity.study import pressure_distribution, run_campaign, run_study, verdict

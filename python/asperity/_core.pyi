@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "vibration_schema"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "vibration_schema"]
 
 @final
 class Expansion:
@@ -151,6 +151,11 @@ def merge_parts(request: Incomplete, parts: SupportsGetItem[int, str | PathLike[
 def module_program(library: str | PathLike[str]) -> Any:
     """
     Returns the file of this module and its libraries on this machine, which determine the last bits of results.
+    """
+
+def parameters_schema() -> str:
+    """
+    Returns the JSON Schema of the parameters of an oscillator, from which the dataclasses of the velocity laws are generated.
     """
 
 def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:

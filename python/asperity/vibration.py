@@ -3,76 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from asperity import _core
 from asperity._progress import Progress, callback
+from asperity.laws import Forcing, VelocityLaw
 from asperity.vibration_results import CriticalDamping, Ensemble, LimitCycle, StabilityMap
 
 Axis = tuple[float, float, int]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Stribeck:
-    """Velocity weakening μ = μ_k/(1 + a|v|)."""
-
-    kinetic: float
-    """μ_k, the coefficient at vanishing sliding velocity."""
-    decay: float
-    """a ≥ 0, per unit of dimensionless velocity."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Coulomb:
-    """Constant coefficient."""
-
-    kinetic: float
-    """μ_k."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Linear:
-    """Linear weakening μ = μ_k − b|v|."""
-
-    kinetic: float
-    """μ_k, the coefficient at vanishing sliding velocity."""
-    slope: float
-    """b ≥ 0, per unit of dimensionless velocity."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Exponential:
-    """Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}."""
-
-    kinetic: float
-    """μ_k, the coefficient at vanishing sliding velocity."""
-    high_speed: float
-    """0 < μ_∞ ≤ μ_k, the coefficient at high velocity."""
-    stribeck_velocity: float
-    """v₀ > 0."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Tabulated:
-    """Monotone cubics between points (velocity, coefficient)."""
-
-    points: Sequence[tuple[float, float]]
-    """Points by rising velocity, the first at 0."""
-
-
-VelocityLaw = Stribeck | Coulomb | Linear | Exponential | Tabulated
-
-
-@dataclass(frozen=True, kw_only=True)
-class Forcing:
-    """Harmonic force q cos ητ on the mass."""
-
-    amplitude: float
-    """q = Q/N."""
-    frequency: float
-    """η = Ω/ω₀ > 0."""
 
 
 @dataclass(frozen=True, kw_only=True)

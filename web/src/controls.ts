@@ -3,6 +3,8 @@
 export interface Slider {
   kind: "slider";
   label: string;
+  /** Input of a study that it states, `section.name`. */
+  input?: string;
   /** Unit that people read; empty for a plain number. */
   unit: string;
   /** SI value of one unit. */

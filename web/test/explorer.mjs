@@ -185,7 +185,7 @@ const tests = {
     const before = await state();
     await page.focus("input[type=range][aria-label='Variability of friction']");
     for (let i = 0; i < 10; i++) await page.keyboard.press("ArrowRight");
-    await page.focus("input[type=range][aria-label='Damping ratio ζ']");
+    await page.focus("input[type=range][aria-label='Damping ratio']");
     for (let i = 0; i < 10; i++) await page.keyboard.press("ArrowLeft");
     await settled(page);
     const after = await state();
@@ -243,7 +243,7 @@ const tests = {
     const page = await open("#from_surface=no&trajectories=50&duration=1");
     const cycle = "limit cycle without fluctuation";
     await page.locator(`#portrait [data-entry='${cycle}']`).press("Enter");
-    const damping = page.locator("input[type=range][aria-label='Damping ratio ζ']");
+    const damping = page.locator("input[type=range][aria-label='Damping ratio']");
     for (let i = 0; i < 5; i++) await damping.press("ArrowLeft");
     await settled(page);
     assert.equal(await page.getAttribute(`#portrait [data-entry='${cycle}']`, "aria-pressed"), "false");

@@ -1,5 +1,7 @@
 //! Inputs of a study that a law reads, and the law that follows from them.
 
+use thiserror::Error;
+
 /// Statement of a law of the type L in a study.
 #[derive(Debug)]
 pub struct Statement<L> {
@@ -14,12 +16,18 @@ pub trait Stated {
     /// Returns the number of an input, or its default.
     fn number(&self, input: &str) -> Option<f64>;
 
+    /// Returns the kinetic friction coefficient; a study states other coefficients relative to it.
+    fn kinetic(&self) -> f64 {
+        1.0
+    }
+
     /// Returns the points of an input that is a table.
     fn points(&self, input: &str) -> Option<Vec<[f64; 2]>>;
 }
 
 /// A law that cannot be made.
-#[derive(Debug)]
+#[derive(Debug, Error)]
+#[error("{reason}")]
 pub struct StatementError {
     /// Input that is missing or wrong.
     pub input: &'static str,

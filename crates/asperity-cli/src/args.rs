@@ -6,6 +6,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 use asperity::choice::Choice;
+use asperity::keys::Key;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 
@@ -184,6 +185,33 @@ pub(crate) fn non_negative(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x >= 0.0, "it must not be negative")
 }
 
+/// Parses a dimensionless number within the bounds of an input of a study.
+pub(crate) fn of_input(input: &str) -> impl Fn(&str) -> Result<f64, Refusal> + Clone + Send + Sync + 'static {
+    // The coefficient of which the input is a share is positive.
+    let bounds = Key::find(input).filter(|key| key.coefficient.is_none()).and_then(|key| key.bounds);
+    move |text| match bounds {
+        Some(bounds) if (bounds.low, bounds.high) != (0.0, f64::INFINITY) => {
+            within(finite(text)?, |x| bounds.contain(x), &format!("expected {}", bounds.expected))
+        }
+        Some(bounds) if bounds.contain(0.0) => non_negative(text),
+        Some(_) | None => positive(text),
+    }
+}
+
+/// Returns the name of the flag of an input, with underscores.
+pub(crate) fn name(input: &'static str) -> &'static str {
+    let own = input.rsplit('.').next().unwrap_or(input);
+    Key::find(input).and_then(|key| key.coefficient).map_or(own, |[name, _]| name)
+}
+
+/// Returns the label of an input, and a note after it.
+pub(crate) fn help(input: &str, note: &str) -> String {
+    let of_key = |key: &Key| key.coefficient.map_or(key.label, |[_, label]| label);
+    let label = Key::find(input).map_or("", of_key);
+    let (first, rest) = label.split_at(label.chars().next().map_or(0, char::len_utf8));
+    format!("{}{rest}{note}", first.to_uppercase())
+}
+
 /// Parses a number of bytes with its unit, such as `4 GB`.
 pub(crate) fn bytes(text: &str) -> Result<f64, Refusal> {
     const UNITS: [(&str, f64); 7] = [
@@ -226,11 +254,6 @@ pub(crate) fn outliers(text: &str) -> Result<f64, Refusal> {
     within(finite(text)?, |x| x >= 1.0, "it must be at least 1 standard deviation")
 }
 
-/// Parses Poisson's ratio of an isotropic solid, above −1 and at most ½.
-pub(crate) fn poisson_ratio(text: &str) -> Result<f64, Refusal> {
-    within(finite(text)?, |x| x > -1.0 && x <= 0.5, "it must be above -1 and at most 0.5")
-}
-
 fn within(x: f64, allowed: impl Fn(f64) -> bool, requirement: &str) -> Result<f64, Refusal> {
     if allowed(x) { Ok(x) } else { Err(format!("{x} is out of range: {requirement}").into()) }
 }
@@ -258,6 +281,7 @@ mod tests {
         assert!(positive("0").is_err() && positive("-1").is_err());
         assert!(non_negative("0").is_ok() && non_negative("-1e-300").is_err());
         assert!(percent("100").is_ok() && percent("100.1").is_err());
+        let poisson_ratio = of_input("material.poisson_ratio");
         assert!(poisson_ratio("0.5").is_ok() && poisson_ratio("0.51").is_err() && poisson_ratio("-1").is_err());
         assert!(tolerance("1e-300").is_ok() && tolerance("1").is_err() && tolerance("0").is_err());
         assert!(non_negative_quantity::<Length>("-1um").is_err() && non_negative_quantity::<Length>("0um").is_ok());

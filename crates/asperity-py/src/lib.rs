@@ -38,7 +38,9 @@ mod _core {
     #[pymodule_export]
     use crate::surface::{acf, height_map, level, psd, read_map, statistics};
     #[pymodule_export]
-    use crate::vibration::{Oscillator, critical_damping, ensemble, limit_cycle, stability_map, vibration_schema};
+    use crate::vibration::{
+        Oscillator, critical_damping, ensemble, limit_cycle, parameters_schema, stability_map, vibration_schema,
+    };
 
     #[pymodule_init]
     fn init() {

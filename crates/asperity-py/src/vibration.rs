@@ -2,7 +2,7 @@
 
 use std::mem;
 
-use asperity::choice::{ByName, Choice};
+use asperity::choice::{ByName, Choice, SchemaGenerator};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::clipping_warning;
 use asperity::vibration::{
@@ -94,6 +94,12 @@ enum Answer {
 pub(crate) fn vibration_schema() -> String {
     let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(tidy);
     settings.into_generator().into_root_schema_for::<Answer>().to_value().to_string()
+}
+
+/// Returns the JSON Schema of the parameters of an oscillator, from which the dataclasses of the velocity laws are generated.
+#[pyfunction]
+pub(crate) fn parameters_schema() -> String {
+    SchemaGenerator::default().into_root_schema_for::<Parameters>().to_value().to_string()
 }
 
 /// Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.

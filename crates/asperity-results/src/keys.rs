@@ -30,6 +30,8 @@ pub struct Key {
     pub default: Option<KeyDefault>,
     /// Power of the unit of velocity N/(mω₀) that a number is proportional to if its value in SI stays the same.
     pub velocity_power: i32,
+    /// Name and label of the friction coefficient that it is the share of; programs without a study state that coefficient.
+    pub coefficient: Option<[&'static str; 2]>,
 }
 
 /// Possible values of a number in SI.
@@ -135,6 +137,7 @@ const fn word(link: Link, label: &'static str) -> Key {
         needs: None,
         default: None,
         velocity_power: 0,
+        coefficient: None,
     }
 }
 
@@ -157,6 +160,10 @@ impl Key {
 
     const fn times_velocity(self, velocity_power: i32) -> Self {
         Self { velocity_power, ..self }
+    }
+
+    const fn share_of(self, name: &'static str, label: &'static str) -> Self {
+        Self { coefficient: Some([name, label]), ..self }
     }
 
     /// Returns its name with the section, `vibration.damping_ratio`.
@@ -186,20 +193,56 @@ fn element(path: &str, position: &str) -> Option<&'static str> {
     Key::find(path)?.elements?.get(position.parse::<usize>().ok()?).copied()
 }
 
+/// Calls a macro with the inputs of the velocity laws after `$given`: name, type and description of the key in a study file, and one row
+/// of the table or, for a number that may have a unit, two.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! velocity_law_keys {
+    ([$($macro:tt)*] $given:tt) => {
+        $($macro)*! { $given
+            stribeck: Stribeck,
+                "Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity or in s/m; 4.2 when left out.";
+                [number("", NOT_NEGATIVE, Fall, "Stribeck coefficient")
+                    .usual_in_paper(Number(STRIBECK), Some([2.1, 8.4])).times_velocity(1)]
+                [number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")]
+            linear_weakening: f64,
+                "Slope b of the linear law, per unit of dimensionless velocity.";
+                [number("", NOT_NEGATIVE, Fall, "weakening of friction with speed").times_velocity(1)]
+            stribeck_velocity: Velocity,
+                "Velocity v₀ of the exponential law.";
+                [number("m/s", POSITIVE, Fall, "Stribeck speed")]
+            high_speed_share: f64,
+                "Ratio of the friction coefficient at high velocity to the kinetic one, for the exponential law.";
+                [number("", RATIO, Fall, "friction at high speed over kinetic friction")
+                    .share_of("high_speed_friction", "friction coefficient at high speed")]
+        }
+    };
+}
+
 /// Makes an array of what `$row!` makes of each input, in the order of the chain. An input with a unit has another row if it may be a
 /// number without unit.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! study_keys {
     ($row:ident) => {
+        $crate::velocity_law_keys! { [$crate::all_study_keys] { $row } }
+    };
+}
+
+/// See [`study_keys`].
+#[doc(hidden)]
+#[macro_export]
+macro_rules! all_study_keys {
+    ({ $row:ident } $($name:ident: $type:ty, $about:tt; $([$($facts:tt)*])+)*) => {
         [
             $row!(surface.body: word(Model, "rough body")),
             $row!(surface.rms_height: number("m", HEIGHT, Surface, "rms height")),
             $row!(surface.correlation_length: number("m", POSITIVE, Surface, "correlation length")
                 .elements(["correlation length along x", "correlation length along y"])),
-            $row!(surface.hurst: number("", HURST, Surface, "Hurst exponent")),
-            $row!(surface.smoothness: number("", POSITIVE, Surface, "smoothness")),
-            $row!(surface.fractal_dimension: number("", FRACTAL, Surface, "fractal dimension")),
+            $row!(surface.hurst: number("", HURST, Surface, "Hurst exponent").only_with("covariance", "self_affine")),
+            $row!(surface.smoothness: number("", POSITIVE, Surface, "smoothness").only_with("covariance", "matern")),
+            $row!(surface.fractal_dimension: number("", FRACTAL, Surface, "fractal dimension")
+                .only_with("generator", "weierstrass_mandelbrot")),
             $row!(surface.cut_off: number("m", POSITIVE, Surface, "shortest wave")),
             $row!(material.youngs_modulus: number("Pa", POSITIVE, Contact, "Young’s modulus")),
             $row!(material.poisson_ratio: number("", POISSON_RATIO, Contact, "Poisson’s ratio").usual(Number(0.3))),
@@ -218,14 +261,10 @@ macro_rules! study_keys {
             $row!(vibration.friction_std: number("", NOT_NEGATIVE, Fall, "standard deviation of friction")),
             $row!(vibration.friction_correlation_length: number("m", POSITIVE, Fall, "friction correlation length")),
             $row!(vibration.velocity_law: word(Fall, "velocity law").usual_in_paper(Word("stribeck"), None)),
-            $row!(vibration.stribeck: number("", NOT_NEGATIVE, Fall, "Stribeck coefficient")
-                .usual_in_paper(Number(STRIBECK), Some([2.1, 8.4])).times_velocity(1)),
-            $row!(vibration.stribeck: number("s/m", NOT_NEGATIVE, Fall, "Stribeck coefficient")),
-            $row!(vibration.linear_weakening: number("", NOT_NEGATIVE, Fall, "weakening of friction with speed").times_velocity(1)),
-            $row!(vibration.stribeck_velocity: number("m/s", POSITIVE, Fall, "Stribeck speed")),
-            $row!(vibration.high_speed_share: number("", RATIO, Fall, "friction at high speed over kinetic friction")),
+            $($($row!(vibration.$name: $($facts)*),)+)*
             $row!(vibration.kinetic_share: number("", RATIO, Fall, "kinetic over static friction")
-                .usual_in_paper(Number(KINETIC_SHARE), Some([0.9, 1.0]))),
+                .usual_in_paper(Number(KINETIC_SHARE), Some([0.9, 1.0]))
+                .share_of("kinetic_friction", "kinetic friction coefficient")),
             $row!(vibration.spring_angles: number("", ANY, Machine, "angles of the springs in degrees")
                 .elements(["angle of the first spring in degrees", "angle of the second spring in degrees"])
                 .only_with("model", "mode_coupling").usual(Pair([150.0, 30.0]))),

@@ -15,6 +15,7 @@ pub use table::FrictionTable;
 
 use asperity_base::choice;
 use asperity_base::statement::{Statement, StatementError};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::curve::Straight;
@@ -27,20 +28,20 @@ choice! {
     /// Dependence of friction on the sliding velocity.
     #[derive(Default)]
     pub enum VelocityLawKind: "velocity law" {
-        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law).
+        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law; Coulomb's for a = 0).
         #[default]
         Stribeck = "stribeck",
         /// μ_k − b|v| with `linear_weakening` b.
         Linear = "linear",
         /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
         Exponential = "exponential",
-        /// Monotone cubics between the points of `friction_table`.
+        /// monotone cubics between the points of `friction_table`.
         Table = "table",
     }
 }
 
 impl VelocityLawKind {
-    /// Returns how a study states it, with a kinetic friction coefficient of 1, in dimensionless units.
+    /// Returns how a study or the flags of a program state it, in dimensionless units.
     #[doc(hidden)]
     pub fn statement(self) -> &'static Statement<VelocityLaw> {
         match self {
@@ -200,7 +201,7 @@ impl BatchForm {
 macro_rules! laws {
     ($dollar:tt $(#[$about:meta])* pub enum $name:ident; $($(#[$doc:meta])* $variant:ident($law:ty),)+) => {
         $(#[$about])*
-        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(rename_all = "snake_case")]
         pub enum $name {
             $($(#[$doc])* $variant($law),)+

@@ -1,6 +1,7 @@
 //! Mass on the belt in dimensionless form, and its scales.
 
 use crate::law::Stribeck;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{VelocityLaw, VibrationError, positive};
@@ -35,7 +36,7 @@ impl Range {
 }
 
 /// Harmonic force q cos ητ on the mass.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Forcing {
     /// q = Q/N.
@@ -45,7 +46,7 @@ pub struct Forcing {
 }
 
 /// Parameters of an [`Oscillator`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
     /// μ_st, the stick limit.

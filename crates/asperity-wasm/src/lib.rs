@@ -27,7 +27,7 @@ mod surface;
 pub use answer::Answer;
 pub use oscillator::{cycle, dimensionless, ensemble, limits, portrait, reattachment};
 #[cfg(feature = "surface")]
-pub use surface::Surface;
+pub use surface::{Surface, inputs};
 
 use std::panic;
 

@@ -7,6 +7,7 @@ mod settings;
 use std::cell::OnceCell;
 
 use asperity::correlation::{CorrelationFamily, radial_spectrum};
+use asperity::keys::{KEYS, Key, label};
 use asperity::map::{BoundaryKind, Grid, HeightMap};
 use asperity::study::{TwinOptions, Twins, draw_map, surface_statistics};
 use asperity::surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest};
@@ -15,11 +16,28 @@ use asperity::surface::scanned::ScannedSurface;
 use asperity::translation::TranslationKind;
 use asperity_formats::{Format, Scan, read_bytes_with};
 use asperity_report::live;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use wasm_bindgen::prelude::*;
 
 use crate::answer::{Answer, Failure, read};
 use settings::{ScanSettings, StatedSurface};
+
+/// Returns the inputs of a study as JSON: the `label` and the `default` of each, if it is a number, by
+/// `section.name`, for lists also of their elements.
+#[wasm_bindgen]
+pub fn inputs() -> String {
+    let entry = |(name, default): (String, Option<f64>)| {
+        let label = label(&name);
+        (name, json!({ "label": label, "default": default }))
+    };
+    let of_key = |key: &'static Key| {
+        let elements = key.elements.into_iter().flatten().enumerate();
+        let elements = elements.map(|(place, _)| (format!("{}[{place}]", key.path()), None));
+        elements.chain([(key.path(), key.default.and_then(|default| default.value.number()))])
+    };
+    let inputs: Map<String, Value> = KEYS.iter().flat_map(of_key).map(entry).collect();
+    Value::from(inputs).to_string()
+}
 
 /// Measured or stated rough surface.
 #[wasm_bindgen]

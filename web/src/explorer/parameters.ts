@@ -2,9 +2,18 @@
 
 import { accepted, type Choice, type Entry, type Parameter, type Slider, type Switch, type Value } from "../controls";
 
-const slider = (label: string, unit: string, si: number, low: number, high: number, value: number, log = true): Slider => ({
+/** Inputs of a study, by `section.name`: their names for readers, and their defaults. */
+declare const INPUTS: Record<string, { label: string; default: number | null }>;
+
+/** Returns the label of an input of a study, or of a parameter that has its own. */
+function named(name: string): { label: string; input?: string } {
+  const input = INPUTS[name];
+  return input ? { label: input.label.charAt(0).toUpperCase() + input.label.slice(1), input: name } : { label: name };
+}
+
+const slider = (name: string, unit: string, si: number, low: number, high: number, value: number, log = true): Slider => ({
   kind: "slider",
-  label,
+  ...named(name),
   unit,
   si,
   low,
@@ -13,9 +22,9 @@ const slider = (label: string, unit: string, si: number, low: number, high: numb
   value,
 });
 
-const entry = (label: string, unit: string, si: number, low: number, high: number, value: number): Entry => ({
+const entry = (name: string, unit: string, si: number, low: number, high: number, value = INPUTS[name]?.default ?? NaN): Entry => ({
   kind: "number",
-  label,
+  ...named(name),
   unit,
   si,
   low,
@@ -25,10 +34,10 @@ const entry = (label: string, unit: string, si: number, low: number, high: numbe
 
 /** Groups of parameters in the order of the page. Those of `more` are shown on request. */
 export const PARAMETERS = {
-  rms_height: slider("Rms height", "µm", 1e-6, 0.05, 20, 1),
-  length_x: slider("Roll-off length along x", "µm", 1e-6, 2, 100, 20),
-  length_y: slider("Roll-off length along y", "µm", 1e-6, 2, 100, 20),
-  hurst: slider("Hurst exponent", "", 1, 0.05, 0.95, 0.8, false),
+  rms_height: slider("surface.rms_height", "µm", 1e-6, 0.05, 20, 1),
+  length_x: slider("surface.correlation_length[0]", "µm", 1e-6, 2, 100, 20),
+  length_y: slider("surface.correlation_length[1]", "µm", 1e-6, 2, 100, 20),
+  hurst: slider("surface.hurst", "", 1, 0.05, 0.95, 0.8, false),
   size: entry("Side of the map", "µm", 1e-6, 10, 10000, 256),
   level: {
     kind: "choice",
@@ -52,22 +61,22 @@ export const PARAMETERS = {
   } as Choice,
   pressure: slider("Mean pressure", "MPa", 1e6, 0.5, 2000, 20),
   penetration: slider("Penetration below the highest point", "µm", 1e-6, 0.02, 20, 1),
-  hardness: slider("Hardness", "GPa", 1e9, 0.02, 20, 2),
+  hardness: slider("material.hardness", "GPa", 1e9, 0.02, 20, 2),
   elastic: { kind: "switch", label: "Elastic: no hardness", value: false } as Switch,
   press_twin: { kind: "switch", label: "Press the random twin instead of the map", value: false } as Switch,
-  youngs_modulus: entry("Young's modulus", "GPa", 1e9, 0.001, 2000, 210),
-  poisson_ratio: entry("Poisson's ratio", "", 1, 0, 0.5, 0.3),
-  shear_strength: entry("Shear strength of the contacts", "MPa", 1e6, 0.01, 10000, 385),
-  belt_velocity: slider("Belt speed", "mm/s", 1e-3, 0.5, 5000, 23.7),
-  damping: slider("Damping ratio ζ", "", 1, 0, 0.8, 0.17, false),
+  youngs_modulus: entry("material.youngs_modulus", "GPa", 1e9, 0.001, 2000, 210),
+  poisson_ratio: entry("material.poisson_ratio", "", 1, 0, 0.5),
+  shear_strength: entry("material.shear_strength", "MPa", 1e6, 0.01, 10000, 385),
+  belt_velocity: slider("vibration.belt_velocity", "mm/s", 1e-3, 0.5, 5000, 23.7),
+  damping: slider("vibration.damping_ratio", "", 1, 0, 0.8, 0.17, false),
   variability: slider("Variability of friction", "%", 1e-2, 0.01, 20, 1),
   from_surface: { kind: "switch", label: "Friction of the surface", value: true } as Switch,
-  static_friction: slider("Friction coefficient", "", 1, 0.01, 1.5, 0.1, false),
-  friction_length: slider("Correlation length of friction", "µm", 1e-6, 5, 5000, 250),
-  normal_force: entry("Normal force", "N", 1, 0.001, 1e7, 2500),
-  mass: entry("Mass", "kg", 1, 1e-6, 1e6, 1),
-  frequency: entry("Natural frequency", "Hz", 1, 0.01, 1e5, 50.3),
-  stribeck: entry("Stribeck coefficient", "s/m", 1, 0, 1000, 0.531),
+  static_friction: slider("vibration.static_friction", "", 1, 0.01, 1.5, 0.1, false),
+  friction_length: slider("vibration.friction_correlation_length", "µm", 1e-6, 5, 5000, 250),
+  normal_force: entry("vibration.normal_force", "N", 1, 0.001, 1e7, 2500),
+  mass: entry("vibration.mass", "kg", 1, 1e-6, 1e6, 1),
+  frequency: entry("vibration.natural_frequency", "Hz", 1, 0.01, 1e5, 50.3),
+  stribeck: entry("vibration.stribeck", "s/m", 1, 0, 1000, 0.531),
   trajectories: { ...entry("Runs of the ensemble", "", 1, 2, 10000, 100), whole: true } as Entry,
   duration: entry("Duration of a run", "s", 1, 0.001, 10000, 2),
   seed: { ...entry("Seed", "", 1, 0, 2 ** 32, 1), whole: true } as Entry,

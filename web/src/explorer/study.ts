@@ -1,6 +1,7 @@
 // Writes the parameters as a study file for `asperity run`.
 
-import { si, type Values } from "./parameters";
+import { type Parameter } from "../controls";
+import { type Key, PARAMETERS, si, type Values } from "./parameters";
 
 /** Points of a strip, and of the window that slides along it. */
 export const STRIP_POINTS: [number, number] = [1024, 128];
@@ -38,6 +39,15 @@ function float(value: number): string {
   return /[.e]/.test(text) ? text : `${text}.0`;
 }
 
+/** States the parameters that are inputs, each with its unit in ASCII. */
+function inputs(values: Values, ...keys: Key[]): string[] {
+  return keys.map((key) => {
+    const { input = key, unit = "" } = PARAMETERS[key] as Parameter & { input?: string; unit?: string };
+    const name = input.slice(input.indexOf(".") + 1);
+    return `${name} = ${unit ? quoted(`${values[key]} ${unit.replace("µ", "u")}`) : float(Number(values[key]))}`;
+  });
+}
+
 const um = (metre: number) => quoted(`${Number((metre * 1e6).toPrecision(12))} um`);
 
 /** Returns the text of the study. */
@@ -59,18 +69,14 @@ export function study(values: Values, { scan, pitch_m: [dx, dy], boundary, mean_
         ]
       : [
           'covariance = "self_affine"',
-          `rms_height = "${values.rms_height} um"`,
+          ...inputs(values, "rms_height", "hurst"),
           `correlation_length = ["${values.length_x} um", "${values.length_y} um"]`,
-          `hurst = ${values.hurst}`,
           'marginal = "normal"',
         ]),
     'generator = "spectral"',
     "",
     "[material]",
-    `youngs_modulus = "${values.youngs_modulus} GPa"`,
-    `poisson_ratio = ${float(Number(values.poisson_ratio))}`,
-    ...(values.elastic ? [] : [`hardness = "${values.hardness} GPa"`]),
-    `shear_strength = "${values.shear_strength} MPa"`,
+    ...inputs(values, "youngs_modulus", "poisson_ratio", "shear_strength", ...(values.elastic ? [] : ["hardness" as const])),
     "",
     "[pressure]",
     `size = ${size([64, 64])}`,
@@ -94,19 +100,13 @@ export function study(values: Values, { scan, pitch_m: [dx, dy], boundary, mean_
         ]
       : []),
     "[vibration]",
-    `mass = "${values.mass} kg"`,
-    `natural_frequency = "${values.frequency} Hz"`,
-    `damping_ratio = ${float(Number(values.damping))}`,
-    `normal_force = "${values.normal_force} N"`,
+    ...inputs(values, "mass", "frequency", "damping", "normal_force", "belt_velocity", "stribeck"),
     `nominal_area = "${Number(((si(values, "normal_force") / (mean_pressure_pa ?? si(values, "pressure"))) * 1e6).toPrecision(12))} mm^2"`,
-    `belt_velocity = "${values.belt_velocity} mm/s"`,
-    `stribeck = "${values.stribeck} s/m"`,
     ...(values.from_surface
       ? []
       : [
-          `static_friction = ${float(Number(values.static_friction))}`,
+          ...inputs(values, "static_friction", "friction_length"),
           `friction_std = ${float(Number((Number(values.static_friction) * si(values, "variability")).toPrecision(12)))}`,
-          `friction_correlation_length = "${values.friction_length} um"`,
           'friction_marginal = "beta:2.1,5"',
           'upscaling = "paper"',
         ]),

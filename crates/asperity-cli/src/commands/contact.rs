@@ -57,7 +57,7 @@ pub(crate) struct Contact {
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     youngs_modulus: Pressure,
     /// Poisson's ratio of the surface.
-    #[arg(long, value_name = "X", default_value_t = Elastic::POISSON_RATIO, value_parser = args::poisson_ratio,
+    #[arg(long, value_name = "X", default_value_t = Elastic::POISSON_RATIO, value_parser = args::of_input("material.poisson_ratio"),
           allow_hyphen_values = true)]
     poisson_ratio: f64,
     #[command(flatten)]

@@ -15,6 +15,7 @@ mod random;
 mod series;
 mod sound;
 mod trajectory;
+mod velocity_law;
 mod wav;
 
 use asperity::study::FailureKind;

@@ -1,13 +1,14 @@
 //! Friction that is the same at all velocities.
 
 use asperity_base::sentence::digits;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BatchForm, Law};
 use crate::VibrationError;
 
 /// Constant coefficient.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Coulomb {
     /// μ_k.

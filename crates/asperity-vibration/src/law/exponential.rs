@@ -2,6 +2,7 @@
 
 use asperity_base::sentence::digits;
 use asperity_base::statement::Statement;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::curve::{CurveShape, Recurrence, Straight};
@@ -9,15 +10,15 @@ use super::{BatchForm, Curve, Law, VelocityLaw, VelocityLawKind};
 use crate::polynomial::{RECIPROCAL, cross};
 use crate::{VibrationError, positive};
 
-/// Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v_0}.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Exponential {
     /// μ_k, the coefficient at vanishing sliding velocity.
     pub kinetic: f64,
     /// 0 < μ_∞ ≤ μ_k, the coefficient at high velocity.
     pub high_speed: f64,
-    /// v_0 > 0, the Stribeck velocity.
+    /// v₀ > 0, the Stribeck velocity.
     pub stribeck_velocity: f64,
 }
 
@@ -29,7 +30,8 @@ impl Exponential {
         inputs: &[VELOCITY, SHARE],
         law: |stated| {
             let number = |input| stated.number(input).ok_or_else(|| VelocityLawKind::Exponential.requires(input));
-            Ok(Self { kinetic: 1.0, stribeck_velocity: number(VELOCITY)?, high_speed: number(SHARE)? }.into())
+            let (stribeck_velocity, high_speed) = (number(VELOCITY)?, number(SHARE)?);
+            Ok(Self { kinetic: stated.kinetic(), high_speed, stribeck_velocity }.into())
         },
     };
 }

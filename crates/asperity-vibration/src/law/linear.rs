@@ -2,13 +2,14 @@
 
 use asperity_base::sentence::digits;
 use asperity_base::statement::Statement;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BatchForm, Law, VelocityLaw, VelocityLawKind};
 use crate::VibrationError;
 
 /// Linear weakening μ = μ_k − b|v|. The law is invalid from |v| = μ_k/b on, which is reported as an error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Linear {
     /// μ_k, the coefficient at vanishing sliding velocity.
@@ -24,7 +25,7 @@ impl Linear {
         inputs: &[SLOPE],
         law: |stated| {
             let slope = stated.number(SLOPE).ok_or_else(|| VelocityLawKind::Linear.requires(SLOPE))?;
-            Ok(Self { kinetic: 1.0, slope }.into())
+            Ok(Self { kinetic: stated.kinetic(), slope }.into())
         },
     };
 }

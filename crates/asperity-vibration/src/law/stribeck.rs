@@ -2,6 +2,7 @@
 
 use asperity_base::sentence::digits;
 use asperity_base::statement::Statement;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::curve::{CurveShape, Recurrence, Straight};
@@ -10,7 +11,7 @@ use crate::VibrationError;
 use crate::polynomial::cross;
 
 /// Velocity weakening μ = μ_k/(1 + a|v|), the law of Gaus et al. 2016 (there μ_k is the static coefficient).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stribeck {
     /// μ_k, the coefficient at vanishing sliding velocity.
@@ -26,7 +27,7 @@ impl Stribeck {
         inputs: &[DECAY],
         law: |stated| {
             let decay = stated.number(DECAY).ok_or_else(|| VelocityLawKind::Stribeck.requires(DECAY))?;
-            Ok(Self { kinetic: 1.0, decay }.into())
+            Ok(Self { kinetic: stated.kinetic(), decay }.into())
         },
     };
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use asperity_base::statement::{Statement, StatementError};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::curve::{CurveShape, Recurrence};
@@ -20,16 +21,17 @@ use crate::{VibrationError, positive};
 /// # References
 /// Fritsch & Carlson, *SIAM Journal on Numerical Analysis* **17** (1980) 238, <https://doi.org/10.1137/0717021>, with the slopes of
 /// Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* **5** (1984) 300, <https://doi.org/10.1137/0905021>.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Points", into = "Points")]
 pub struct FrictionTable {
     /// One piece per point; the last one has no end.
     pieces: Arc<[Piece]>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Points {
+    /// Points (|v|, μ) by rising velocity, the first at 0.
     points: Vec<[f64; 2]>,
 }
 
@@ -96,9 +98,7 @@ impl FrictionTable {
         inputs: &[POINTS],
         law: |stated| {
             let points = stated.points(POINTS).ok_or_else(|| VelocityLawKind::Table.requires(POINTS))?;
-            let kinetic = points.first().map_or(1.0, |[_, coefficient]| *coefficient);
-            let relative: Vec<_> = points.iter().map(|[speed, coefficient]| [*speed, coefficient / kinetic]).collect();
-            let table = Self::new(&relative);
+            let table = Self::new(&points);
             Ok(table.map_err(|error| StatementError { input: POINTS, reason: error.to_string() })?.into())
         },
     };

@@ -142,6 +142,7 @@ mod tests {
     use crate::friction::law::WindowLawKind;
     use crate::map::HEIGHT_RANGE_M;
     use crate::study::file::MachineModel;
+    use crate::surface::{CovarianceSource, SurfaceGenerator};
     use crate::vibration::law::VelocityLawKind;
 
     /// Study in which every number of one degree of freedom is stated.
@@ -184,7 +185,13 @@ mod tests {
     #[test]
     fn inputs_need_known_words_and_laws_known_inputs() {
         for (key, name, word) in numbers().filter_map(|(key, _)| key.needs.map(|(name, word)| (key, name, word))) {
-            assert!(name == "model" && word.parse::<MachineModel>().is_ok(), "{key:?}");
+            let is_known = match name {
+                "model" => word.parse::<MachineModel>().is_ok(),
+                "covariance" => word.parse::<CovarianceSource>().is_ok(),
+                "generator" => word.parse::<SurfaceGenerator>().is_ok(),
+                _ => false,
+            };
+            assert!(is_known, "{key:?}");
         }
         let velocity = VelocityLawKind::ALL.iter().flat_map(|law| law.statement().inputs);
         let window = WindowLawKind::ALL.iter().flat_map(|law| law.statement().inputs);

@@ -25,7 +25,7 @@ pub(super) struct Counterface {
     #[arg(long, value_name = "Q", value_parser = args::positive_quantity::<Pressure>, allow_hyphen_values = true)]
     counterface_youngs_modulus: Option<Pressure>,
     /// Poisson's ratio of the counterface; 0.3 when left out.
-    #[arg(long, value_name = "X", value_parser = args::poisson_ratio, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", value_parser = args::of_input("material.poisson_ratio"), allow_hyphen_values = true)]
     #[arg(requires = "counterface_youngs_modulus")]
     counterface_poisson_ratio: Option<f64>,
     /// Do not turn the map of the counterface over; it is already in the coordinates of the surface.

@@ -21,7 +21,7 @@ pub(super) struct Layering {
           requires = "layer_thickness")]
     base_youngs_modulus: Option<Pressure>,
     /// Poisson's ratio of an elastic base; 0.3 when left out.
-    #[arg(long, value_name = "X", value_parser = args::poisson_ratio, allow_hyphen_values = true,
+    #[arg(long, value_name = "X", value_parser = args::of_input("material.poisson_ratio"), allow_hyphen_values = true,
           requires = "base_youngs_modulus", conflicts_with = "rigid_base")]
     base_poisson_ratio: Option<f64>,
 }

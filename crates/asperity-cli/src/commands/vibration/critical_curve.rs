@@ -48,7 +48,7 @@ pub(super) fn check_over(over: CurveParameter, oscillator: &Oscillator, from: f6
             CurveParameter::ForcingAmplitude | CurveParameter::ForcingFrequency => {
                 "the machine has no forcing; give --forcing and --forcing-frequency"
             }
-            _ => "only the laws of --stribeck and --linear-weakening have a weakening rate",
+            _ => "the velocity law has no weakening rate",
         };
         return Err(Failure::usage(format!("--over {over}: {reason}")));
     }

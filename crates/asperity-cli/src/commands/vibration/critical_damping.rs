@@ -3,7 +3,7 @@
 use asperity::vibration::{self, VibrationError, critical_damping, limit_damping};
 use clap::Args;
 
-use super::machine::Machine;
+use super::machine::{DAMPING, Machine};
 use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -16,7 +16,7 @@ pub(crate) struct CriticalDamping {
     #[command(flatten)]
     machine: Machine,
     /// Ignored; the command finds the damping ratio.
-    #[arg(long, hide = true, value_name = "X", value_parser = args::non_negative, allow_hyphen_values = true)]
+    #[arg(long, hide = true, value_name = "X", value_parser = args::of_input(DAMPING), allow_hyphen_values = true)]
     damping_ratio: Option<f64>,
     /// Print one JSON object instead of a table.
     #[arg(long)]

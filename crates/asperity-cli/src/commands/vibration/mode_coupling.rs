@@ -19,8 +19,9 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 
 use super::folder::Folder;
-use super::machine::Friction;
+use super::machine::Belt;
 use super::random::{Fluctuation, note_time};
+use super::velocity_law::Friction;
 use crate::args::{self, Refusal};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
@@ -45,9 +46,8 @@ const THRESHOLD: f64 = 0.5;
 pub(crate) struct ModeCoupling {
     #[command(flatten)]
     friction: Friction,
-    /// Dimensionless belt velocity V.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
-    belt_velocity: f64,
+    #[command(flatten)]
+    belt: Belt,
     /// Largest friction coefficient of the eigenvalues. When left out, 1.25 times the largest coefficient of interest.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
     friction_to: Option<f64>,
@@ -78,7 +78,7 @@ struct Springs {
     #[arg(long, value_name = "K1,K2", value_parser = number_pair, allow_hyphen_values = true)]
     springs: Option<[f64; 2]>,
     /// Stiffness of the contact spring.
-    #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X", value_parser = args::of_input("vibration.contact_spring"), allow_hyphen_values = true)]
     contact_stiffness: Option<f64>,
     /// Damping ratios of the modes without friction, the slow mode first. Without any damping flag there is no damping.
     #[arg(long, value_name = "Z1,Z2", value_parser = number_pair, allow_hyphen_values = true, group = "damping")]
@@ -151,7 +151,7 @@ impl Springs {
 
 impl ModeCoupling {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let parameters = self.springs.parameters(&self.friction, self.belt_velocity)?;
+        let parameters = self.springs.parameters(&self.friction, self.belt.belt_velocity)?;
         let ratios = if let Damping::Modal { ratios } = parameters.damping { ratios } else { [0.0; 2] };
         let model = Model::new(parameters).map_err(Failure::usage)?;
         let warnings =

@@ -1,8 +1,11 @@
 //! Keys of a study that have no effect.
 
+use asperity_results::keys::KEYS;
+use toml::{Table, Value};
+
 use crate::map::BoundaryKind;
 use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection};
-use crate::surface::{CovarianceSource, SurfaceGenerator};
+use crate::surface::SurfaceGenerator;
 
 impl StudyFile {
     /// Returns a sentence for each stated key that has no effect.
@@ -66,15 +69,15 @@ impl SurfaceSection {
     pub(in crate::study) fn keys_without_effect(&self, section: &str) -> Vec<String> {
         let fractal = self.generator == SurfaceGenerator::WeierstrassMandelbrot;
         let measured = self.covariance.is_of_the_scan();
-        [
+        let stated = Table::try_from(self).unwrap_or_default();
+        let unmet = KEYS.iter().filter(|key| key.section == "surface" && stated.contains_key(key.name));
+        let unmet = unmet.filter_map(|key| {
+            let (name, word) = key.needs?;
+            let is_met = stated.get(name).and_then(Value::as_str) == Some(word);
+            (!is_met).then(|| format!("[{section}] {} has no effect without {name} = \"{word}\"", key.name))
+        });
+        let others = [
             ("correlation_length", self.correlation_length.is_some() && measured, "with a measured covariance"),
-            ("hurst", self.hurst.is_some() && self.covariance != CovarianceSource::SelfAffine, "without self_affine"),
-            ("smoothness", self.smoothness.is_some() && self.covariance != CovarianceSource::Matern, "without matern"),
-            (
-                "fractal_dimension",
-                self.fractal_dimension.is_some() && !fractal,
-                "without the generator weierstrass_mandelbrot",
-            ),
             ("cut_off", self.cut_off.is_some() && fractal, "with the generator weierstrass_mandelbrot"),
             ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
             ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
@@ -86,7 +89,7 @@ impl SurfaceSection {
         ]
         .into_iter()
         .filter(|(_, unused, _)| *unused)
-        .map(|(key, _, why)| format!("[{section}] {key} has no effect {why}"))
-        .collect()
+        .map(|(key, _, why)| format!("[{section}] {key} has no effect {why}"));
+        unmet.chain(others).collect()
     }
 }

@@ -5,7 +5,6 @@ use super::vibration_study::{CoupledStudy, FrictionSource, SECTION, VibrationStu
 use crate::map::BoundaryKind;
 use crate::study::StudyFile;
 use crate::study::file::{ContactSpring, MachineModel, VibrationSection};
-use crate::vibration::law::VelocityLawKind;
 use crate::vibration::mode_coupling::CoupledParameters;
 
 impl StudyFile {
@@ -19,10 +18,9 @@ impl StudyFile {
                 None => Ok(None),
             };
         }
-        let law = (v.velocity_law != VelocityLawKind::default()).then_some("velocity_law");
         let of_law = self.unmet(SECTION, "velocity_law", "").map(|(key, _)| key.name);
-        let unusual = v.usual_keys().into_iter().filter(|(_, usual)| !usual).map(|(key, _)| key);
-        if let Some(key) = law.into_iter().chain(of_law).chain(unusual).next() {
+        let unusual = v.unusual_keys().map_err(|error| invalid(SECTION, "model", error.to_string()))?;
+        if let Some(key) = unusual.into_iter().chain(of_law).next() {
             return requires(key, MachineModel::StickSlip);
         }
         let usual = CoupledParameters::default();

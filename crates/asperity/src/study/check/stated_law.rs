@@ -45,9 +45,10 @@ impl Stated for StatedValues<'_> {
         stated.or_else(|| rows().find_map(|(key, _)| key.default?.value.number()))
     }
 
-    /// Returns the points of the only table that a study may state.
+    /// Returns the points of the only table that a study may state, with coefficients relative to the first.
     fn points(&self, _: &str) -> Option<Vec<[f64; 2]>> {
         let table = self.file.vibration.as_ref()?.friction_table.as_ref()?;
-        Some(table.iter().map(|(speed, coefficient)| [speed.0 / self.unit_m_per_s, *coefficient]).collect())
+        let kinetic = table.first().map_or(1.0, |(_, coefficient)| *coefficient);
+        Some(table.iter().map(|(speed, coefficient)| [speed.0 / self.unit_m_per_s, coefficient / kinetic]).collect())
     }
 }

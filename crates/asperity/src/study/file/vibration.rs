@@ -1,11 +1,14 @@
 //! The section `[vibration]`.
 
+use std::error::Error;
 use std::fmt;
 use std::path::PathBuf;
 
 use asperity_base::choice::ByName;
+use asperity_results::keys::KEYS;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use toml::Table;
 
 use super::fixed_list::{fixed_list, optional_fixed_list};
 use super::mode_coupling::{ContactSpring, MachineModel};
@@ -121,6 +124,31 @@ pub struct MapSection {
     pub trajectories: usize,
 }
 
+/// Declares the section with the inputs of the velocity laws between two lists of keys.
+macro_rules! section {
+    (
+        {
+            $(#[$about:meta])*
+            pub struct $section:ident { $($(#[$of_first:meta])* pub $first:ident: $first_type:ty,)* }
+            { $($(#[$of_last:meta])* pub $last:ident: $last_type:ty,)* }
+        }
+        $($name:ident: $type:ty, $doc:tt; $([$($facts:tt)*])+)*
+    ) => {
+        $(#[$about])*
+        pub struct $section {
+            $($(#[$of_first])* pub $first: $first_type,)*
+            $(#[doc = $doc] #[serde(skip_serializing_if = "Option::is_none")] pub $name: Option<$type>,)*
+            $($(#[$of_last])* pub $last: $last_type,)*
+        }
+
+        impl $section {
+            /// Names of all keys.
+            const KEYS: &[&str] = &[$(stringify!($first),)* $(stringify!($name),)* $(stringify!($last),)*];
+        }
+    };
+}
+
+asperity_results::velocity_law_keys! { [section] {
 /// The section `[vibration]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -165,18 +193,7 @@ pub struct VibrationSection {
     /// Dependence of friction on the velocity.
     #[serde(default)]
     pub velocity_law: VelocityLawKind,
-    /// Stribeck coefficient a of μ_k/(1 + a|v|), per unit of dimensionless velocity or in s/m; 4.2 when left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stribeck: Option<Stribeck>,
-    /// Slope b of the linear law, per unit of dimensionless velocity.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub linear_weakening: Option<f64>,
-    /// Velocity v₀ of the exponential law.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stribeck_velocity: Option<Velocity>,
-    /// Ratio of the friction coefficient at high velocity to the kinetic one, for the exponential law.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub high_speed_share: Option<f64>,
+} {
     /// Points (velocity, coefficient) of a friction law, from velocity 0 on; constant beyond the last. Coefficients count relative to the
     /// first, which stands for the kinetic friction coefficient.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -225,30 +242,24 @@ pub struct VibrationSection {
     /// Marginal distribution of the friction coefficient, for studies without a friction stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_marginal: Option<String>,
-}
+} } }
 
 fn is_usual(model: &MachineModel) -> bool {
     *model == MachineModel::default()
 }
 
 impl VibrationSection {
-    /// Returns whether the keys of trajectories of one degree of freedom have their default values, each with its name; but for
-    /// the velocity law and its numbers.
-    pub(in crate::study) fn usual_keys(&self) -> [(&'static str, bool); 12] {
-        [
-            ("friction_table", self.friction_table.is_none()),
-            ("kinetic_share", self.kinetic_share == kinetic_share()),
-            ("forcing", self.forcing.is_none()),
-            ("forcing_frequency", self.forcing_frequency.is_none()),
-            ("generator", self.generator.is_none()),
-            ("drive", self.drive == Drive::default()),
-            ("upscaling", self.upscaling == Upscaling::default()),
-            ("allow_clipping", !self.allow_clipping),
-            ("damping_sweep", self.damping_sweep == damping_sweep()),
-            ("trajectories", self.trajectories == trajectories()),
-            ("duration", self.duration == duration()),
-            ("map", self.map.is_none()),
-        ]
+    /// Returns the keys of one degree of freedom alone that do not have their default values, but for the numbers of the velocity law.
+    pub(in crate::study) fn unusual_keys(&self) -> Result<Vec<&'static str>, Box<dyn Error>> {
+        let own = Table::try_from(self)?;
+        let is_of_both = |name: &str| {
+            let mut rows = KEYS.iter().filter(|key| (key.section, key.name) == ("vibration", name));
+            matches!(name, "level" | "friction_marginal")
+                || rows.any(|key| key.default.is_none() || key.needs.is_some())
+        };
+        let of_both: Table = own.clone().into_iter().filter(|(name, _)| is_of_both(name)).collect();
+        let usual = Table::try_from(of_both.try_into::<Self>()?)?;
+        Ok(Self::KEYS.iter().copied().filter(|name| own.get(*name) != usual.get(*name)).collect())
     }
 }
 
