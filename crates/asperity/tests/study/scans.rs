@@ -180,16 +180,6 @@ fn tiny_noisy_or_long_correlated_scans_are_unusable_or_give_warnings() {
     }
 }
 
-#[test]
-fn a_missing_scan_is_an_input_error_that_names_the_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let error = run_in(folder.path(), &measured(), None).unwrap_err();
-    assert_eq!(error.kind(), FailureKind::Input);
-    assert!(error.to_string().contains("scan.npy"), "{error}");
-    fs::write(folder.path().join("scan.npy"), b"not an array").unwrap();
-    assert_eq!(run_in(folder.path(), &measured(), None).unwrap_err().kind(), FailureKind::Input);
-}
-
 /// Replaces a file by another when a stage begins.
 struct Replaces<'a>(&'a Path, &'a Path);
 

@@ -61,97 +61,6 @@ fn run(text: &str, folder: &Path, threads: usize) -> Outcome {
     pool.install(|| run_in(folder, text, None)).unwrap()
 }
 
-#[test]
-#[ignore = "slow"]
-fn one_and_two_threads_give_the_same_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let one = run(STUDY, folder.path(), 1);
-    let two = run(STUDY, folder.path(), 2);
-    assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&two.results).unwrap());
-    for (name, table) in &one.tables {
-        assert_eq!(table.to_csv().unwrap(), two.tables[name].to_csv().unwrap(), "{name}");
-    }
-    // The tables cover every stage.
-    for name in ["height_fits", "height_psd_radial", "height_psd_x", "height_psd_y"] {
-        assert!(one.tables.contains_key(name), "{name}");
-    }
-    for name in ["height_acf", "pressure_cdf", "friction_levels", "friction_acf", "cycles_over_damping"] {
-        assert!(one.tables.contains_key(name), "{name}");
-    }
-}
-
-#[test]
-#[ignore = "slow"]
-fn another_scan_changes_friction_and_cycles() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let first = run(STUDY, folder.path(), 2).results;
-    write_scan(folder.path(), 0.25e-6, 40e-6);
-    let second = run(STUDY, folder.path(), 2).results;
-    let (first_surface, second_surface) = (first.surface.unwrap(), second.surface.unwrap());
-    // The surfaces are isotropic: both lengths of a fit estimate the same length.
-    let length_m = |surface: asperity::study::result::SurfaceResult| {
-        let covariance = surface.covariance.unwrap();
-        (covariance.decay_length_x_m * covariance.decay_length_y_m).sqrt()
-    };
-    let ratio = length_m(second_surface) / length_m(first_surface);
-    assert!((1.5..2.7).contains(&ratio), "fitted lengths have the ratio {ratio}");
-    let (first_levels, second_levels) = (first.friction.unwrap().levels, second.friction.unwrap().levels);
-    for (a, b) in first_levels.iter().zip(&second_levels) {
-        // A smoother, flatter surface yields less: more area for its load.
-        let (before, after) = (a.at_mean_load.mean, b.at_mean_load.mean);
-        assert!(after > before + 0.001, "{:?}: {after} after {before}", a.percentile);
-        assert_ne!(a.at_mean_load.std, b.at_mean_load.std);
-    }
-    let (first, second) = (first.vibration.unwrap(), second.vibration.unwrap());
-    assert_ne!(first.static_friction, second.static_friction);
-    let counts =
-        |v: &asperity::study::result::VibrationResult| v.paper.damping.iter().map(|d| d.cycles_mean).sum::<f64>();
-    assert_ne!(counts(&first), counts(&second));
-}
-
-#[test]
-#[ignore = "slow"]
-fn both_upscalings_are_computed_and_the_area_has_the_smaller_std() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let results = run(STUDY, folder.path(), 2).results;
-    let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
-    let wanted = vibration.variance_reduction.sqrt();
-    assert!((vibration.area.friction_std / vibration.paper.friction_std / wanted - 1.0).abs() < 1e-12);
-    // Windows of about 200 µm × 50 µm on 833 mm² average at most like independent ones.
-    let independent = (friction.window_m * friction.strip_width_m / 833e-6).sqrt();
-    assert!(wanted < 0.02 && wanted >= independent * (1.0 - 1e-9), "{wanted} and {independent}");
-    assert!((vibration.level_mean_pressure_pa.unwrap() / (30e3 / 833e-6) - 1.0).abs() < 1e-5);
-}
-
-#[test]
-#[ignore = "slow"]
-fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let soft = STUDY.replace("\"2 GPa\"", "\"20 Pa\"").replace("\"385 MPa\"", "\"4 Pa\"").replace("30 kN", "0.001 N");
-    let results = run_in(folder.path(), &soft, Some(Stage::Friction));
-    for level in results.unwrap().results.friction.unwrap().levels.iter().filter(|level| level.percentile.is_some()) {
-        assert!(level.plastic_share > 0.999, "{}", level.plastic_share);
-        let (mean, std) = (level.at_mean_load.mean, level.at_mean_load.std);
-        assert!((mean - 0.2).abs() < 1e-4 && std < 1e-4, "{mean} ± {std}");
-    }
-}
-
-#[test]
-#[ignore = "slow"]
-fn one_stage_runs_with_its_requirements_only() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let study = Study::parse(STUDY, "study.toml").unwrap();
-    let surface = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap().results;
-    assert!(surface.surface.is_some() && surface.pressure.is_none() && surface.friction.is_none());
-    let vibration = study.run(folder.path(), Some(Stage::Vibration), &Silent).unwrap().results;
-    assert!(vibration.pressure.is_none() && vibration.friction.is_some() && vibration.vibration.is_some());
-}
-
 /// Runs the first stage alone on the named scans.
 fn surface_of(folder: &Path, file: &str) -> Result<Outcome, StudyError> {
     run_in(folder, &STUDY.replace("\"scan.x3p\"", file), Some(Stage::Surface))
@@ -210,23 +119,6 @@ fn two_scans_are_pooled_into_one_surface() {
     assert!(bits(&both) == bits(&a) && bits(&both) != bits(&b));
     assert_eq!(both.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
     assert_ne!(b.tables["height_acf"].column("acf_x"), a.tables["height_acf"].column("acf_x"));
-}
-
-#[test]
-#[ignore = "slow"]
-fn the_same_scan_twice_has_the_same_point_statistics() {
-    let folder = two_scans();
-    let [once, twice] = ["\"a.x3p\"", "[\"a.x3p\", \"a.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
-    assert!(twice.results.warnings.iter().any(|warning| warning.contains("a.x3p is listed twice")));
-    let [once, twice] = [once, twice].map(|o| serde_json::to_value(o.results.surface.unwrap()).unwrap());
-    let [once_map, twice_map] = [&once, &twice].map(|s| s.as_object().unwrap());
-    for (key, value) in once_map.iter().filter(|(key, _)| !key.ends_with("_se") && !key.contains("_points")) {
-        if let (Some(value), Some(other)) = (value.as_f64(), twice_map.get(key).and_then(serde_json::Value::as_f64)) {
-            assert!((other - value).abs() <= 1e-12 * value.abs(), "{key}: {value} {other}");
-        }
-    }
-    let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
-    assert!((length(&twice) / length(&once) - 1.0).abs() < 1e-6);
 }
 
 #[test]
@@ -295,41 +187,6 @@ fn friction_may_be_stated() {
     assert!((vibration.correlation_length.unwrap() - 250e-6 * 316.0 * 316.0 / 2500.0).abs() < 1e-12);
     assert!((vibration.critical_damping_ratio.unwrap() - 0.2048301505845).abs() < 1e-8);
     assert!((vibration.cycle.period.unwrap() - 6.372163483739709).abs() < 1e-8);
-}
-
-#[test]
-fn large_fluctuations_are_clipped_with_a_warning() {
-    // Fluctuations as large as the mean would change the sign of friction in fast slips.
-    let text = changed(
-        STATED,
-        &[
-            ("damping_ratio = 0.17", "damping_ratio = 0.05"),
-            ("damping_sweep = [0.1, 0.3, 2]", "damping_sweep = [0.02, 0.3, 2]"),
-            ("trajectories = 4", "trajectories = 20"),
-            ("duration = 60.0", "duration = 200.0"),
-            ("static_friction = 0.1", "static_friction = 0.2"),
-            ("friction_std = 0.001", "friction_std = 0.15"),
-            ("friction_marginal = \"beta:2.1,5\"", "friction_marginal = \"normal\""),
-        ],
-    );
-    let results = run_all(&text).results;
-    assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
-    assert!(results.warnings.iter().any(|warning| warning.contains("clipped to stay positive")));
-}
-
-#[test]
-fn a_missing_or_flat_or_tiny_scan_is_unusable_input() {
-    let folder = tempfile::tempdir().unwrap();
-    let study = Study::parse(STUDY, "study.toml").unwrap();
-    let kind = || study.run(folder.path(), None, &Silent).unwrap_err().kind();
-    assert_eq!(kind(), FailureKind::Input);
-    let scan = |rows, columns| Scan::new(ndarray::Array2::from_elem((rows, columns), 1e-6), Some((1e-6, 1e-6)));
-    for (rows, columns) in [(1, 1), (64, 64)] {
-        asperity_formats::write(&scan(rows, columns), &folder.path().join("scan.x3p")).unwrap();
-        assert_eq!(kind(), FailureKind::Input, "{rows} × {columns}");
-    }
-    fs::write(folder.path().join("scan.x3p"), b"PK\x03\x04 truncated").unwrap();
-    assert_eq!(kind(), FailureKind::Input);
 }
 
 #[test]
