@@ -1,9 +1,7 @@
 use asperity_formats::{Format, FormatError};
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes, unsupported, wrong_field};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Variable parts of an NMS file. The rest is as written by µsoft.
 struct Nms {
@@ -124,15 +122,15 @@ fn a_point_without_intensity_is_missing() {
 #[test]
 fn the_texts_of_the_header_are_kept() {
     let scan = read_bytes(&Nms::default().bytes()).unwrap();
-    let wanted = [
-        ("version", "OM_MS_2.0"),
-        ("title", "Confocal Height Image"),
-        ("date", "2022-02-09T13:25"),
-        ("note", "Röntgen"),
-    ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(
+        &scan,
+        &[
+            ("version", "OM_MS_2.0"),
+            ("title", "Confocal Height Image"),
+            ("date", "2022-02-09T13:25"),
+            ("note", "Röntgen"),
+        ],
+    );
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn the_scan_s_own_covariance_works_in_every_stage_and_reports_its_changes() {
         assert!((own[1] - met[1]).abs() < 0.05 && met[0] == 1.0);
     }
     // Model covariances have no such report, and the results omit the key.
-    let outcome = run(MODEL, Some(Stage::Surface));
+    let outcome = run(&MODEL, Some(Stage::Surface));
     let json: Value = serde_json::from_slice(&json_bytes(&outcome.results).unwrap()).unwrap();
     assert!(json["surface"]["covariance"]["model"] == "squared_exponential");
     assert!(json["surface"]["covariance"].get("empirical").is_none());

@@ -2,51 +2,27 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use asperity::monitor::Silent;
 use asperity::study::{
     FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes, provenance, write_run,
 };
 use asperity_formats::Scan;
-use asperity_testing::AlwaysCancelled;
+use asperity_testing::{AlwaysCancelled, StudyText};
 
-use crate::support::{changed, rough, run_all, run_in};
+use crate::support::{rough, run_all, run_in};
 
-const STUDY: &str = r#"
-seed = 7
-[surface]
-file = "scan.x3p"
-outliers = 6.0
-modes = 40
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-shear_strength = "385 MPa"
-[pressure]
-size = ["100 um", "100 um"]
-points = [24, 24]
-percentile = 50.0
-fine_solves = 60
-reference_samples = 80
-variables = 2
-degree = 1
-[friction]
-strip = ["2 mm", "50 um"]
-points = [512, 16]
-window = "200 um"
-percentiles = [20.0, 60.0]
-realisations = 4
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "30 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-damping_sweep = [0.1, 0.5, 3]
-trajectories = 6
-duration = 100.0
-"#;
+static STUDY: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(7, &["material", "pressure", "friction", "vibration"])
+        .with("pressure", "points = [24, 24]\nfine_solves = 60\nreference_samples = 80\nvariables = 2\ndegree = 1")
+        .with("friction", "strip = [\"2 mm\", \"50 um\"]\npoints = [512, 16]\nwindow = \"200 um\"")
+        .with("friction", "percentiles = [20.0, 60.0]\nrealisations = 4")
+        .with("vibration", "normal_force = \"30 kN\"\ndamping_sweep = [0.1, 0.5, 3]\ntrajectories = 6")
+        .with("vibration", "duration = 100.0")
+        .with("surface", "outliers = 6.0\nmodes = 40\nfile = \"scan.x3p\"")
+        .to_string()
+});
 
 /// Writes a tilted random scan into `folder`, with correlation length `length_m`.
 fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
@@ -140,9 +116,10 @@ fn a_wrong_scan_of_several_is_named() {
         assert_eq!(error.kind(), FailureKind::Input, "{wrong}: {error}");
     }
     let empty = Study::parse(&STUDY.replace("\"scan.x3p\"", "[]"), "study.toml").unwrap_err();
-    assert!(empty.line == 4 && empty.message.contains("empty"), "{empty}");
+    let line = STUDY.lines().count();
+    assert!(empty.line == line && empty.message.contains("empty"), "{empty}");
     let number = Study::parse(&STUDY.replace("\"scan.x3p\"", "3"), "study.toml").unwrap_err();
-    assert!(number.line == 4 && number.message.contains("list of names"), "{number}");
+    assert!(number.line == line && number.message.contains("list of names"), "{number}");
 }
 
 #[test]
@@ -161,28 +138,11 @@ fn limits_of_the_correlation_are_drawn_around_it() {
     }
 }
 
-/// A machine under stated friction.
-const STATED: &str = r#"
-seed = 1
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-damping_sweep = [0.1, 0.3, 2]
-trajectories = 4
-duration = 60.0
-static_friction = 0.1
-friction_std = 0.001
-friction_correlation_length = "250 um"
-friction_marginal = "beta:2.1,5"
-"#;
-
 #[test]
 fn friction_may_be_stated() {
-    let vibration = run_all(STATED).results.vibration.unwrap();
+    let text = StudyText::new(1, &["vibration", "stated friction"])
+        .with("vibration", "damping_sweep = [0.1, 0.3, 2]\ntrajectories = 4\nduration = 60.0");
+    let vibration = run_all(&text.to_string()).results.vibration.unwrap();
     // λ = ℓ c/N with c = m ω₀².
     assert!((vibration.correlation_length.unwrap() - 250e-6 * 316.0 * 316.0 / 2500.0).abs() < 1e-12);
     assert!((vibration.critical_damping_ratio.unwrap() - 0.2048301505845).abs() < 1e-8);
@@ -193,7 +153,7 @@ fn friction_may_be_stated() {
 fn a_cancelled_run_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
-    let error = Study::parse(STUDY, "study.toml").unwrap().run(folder.path(), None, &AlwaysCancelled).unwrap_err();
+    let error = Study::parse(&STUDY, "study.toml").unwrap().run(folder.path(), None, &AlwaysCancelled).unwrap_err();
     assert_eq!(error.kind(), FailureKind::Cancelled, "{error}");
 }
 
@@ -201,7 +161,7 @@ fn a_cancelled_run_is_an_error() {
 fn a_run_folder_appears_complete_and_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
-    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let study = Study::parse(&STUDY, "study.toml").unwrap();
     let outcome = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap();
     let origin = provenance("small", study.seed(), &study.scan_paths(folder.path())).unwrap();
     let out = folder.path().join("runs").join("small");

@@ -1,6 +1,7 @@
 //! Keys of `[vibration]`: velocity laws, force, generators and drives.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use asperity::friction::process::{FrictionProcess, Generator, ProcessModel};
 use asperity::monitor::Silent;
@@ -8,34 +9,26 @@ use asperity::study::Study;
 use asperity::study::result::{MotionKind, VibrationResult};
 use asperity::vibration::law::Stribeck;
 use asperity::vibration::{Drive, Ensemble, EnsembleSettings, Oscillator, Parameters, VelocityLaw};
+use asperity_testing::StudyText;
 
 use crate::support::run_all;
 
 /// The machine of the paper: N/c = .025036 m and N/(mω₀) = 7.911 m/s.
-const MACHINE: &str = r#"
-seed = 3
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-static_friction = 0.1
-friction_std = 0.001
-friction_correlation_length = "250 um"
-friction_marginal = "beta:2.1,5"
-damping_sweep = [0.16, 0.18, 2]
-trajectories = 20
-duration = 60.0
-"#;
+static MACHINE: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(3, &["vibration", "stated friction"])
+        .with("vibration", "damping_sweep = [0.16, 0.18, 2]\ntrajectories = 20\nduration = 60.0")
+        .without("vibration", &["damping_ratio", "dimensionless_belt_velocity"])
+        .to_string()
+});
 const VELOCITY_UNIT: f64 = 2500.0 / 316.0;
 const LENGTH_UNIT: f64 = 2500.0 / (316.0 * 316.0);
 
 fn run(keys: &str) -> VibrationResult {
-    run_all(&format!("{MACHINE}{keys}")).results.vibration.unwrap()
+    run_all(&format!("{}{keys}", *MACHINE)).results.vibration.unwrap()
 }
 
 fn refused(keys: &str) -> String {
-    Study::parse(&format!("{MACHINE}{keys}"), "keys.toml").unwrap_err().to_string()
+    Study::parse(&format!("{}{keys}", *MACHINE), "keys.toml").unwrap_err().to_string()
 }
 
 #[test]
@@ -139,7 +132,7 @@ fn generators_and_drives_agree_with_the_library() {
 
 #[test]
 fn clouds_contain_the_ends_of_trajectories() {
-    let text = format!("{MACHINE}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003");
+    let text = format!("{}damping_ratio = 0.17\ndimensionless_belt_velocity = 0.003", *MACHINE);
     let outcome = run_all(&text);
     let (_, cloud) = outcome.tables.iter().find(|(name, _)| name.as_str() == "phase_cloud").unwrap();
     let column = |name| cloud.column(name).unwrap();
