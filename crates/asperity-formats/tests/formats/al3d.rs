@@ -218,15 +218,9 @@ fn tags_and_comment_are_kept_where_they_are_text() {
     let mut file = Al3d::default();
     file.tags.push(("PlaceHolder", "B\u{91}FI\u{1b}"));
     let scan = read_bytes(&file.bytes()).unwrap();
-    assert_metadata(
-        &scan,
-        &[
-            ("Version", "1"),
-            ("CreatingApplication", "MeasureSuite 5.3.6"),
-            ("Cols", "3"),
-            ("Comment", "edge of a tool"),
-        ],
-    );
+    let wanted =
+        [("Version", "1"), ("CreatingApplication", "MeasureSuite 5.3.6"), ("Cols", "3"), ("Comment", "edge of a tool")];
+    assert_metadata(&scan, &wanted);
     assert_eq!(scan.metadata.get("PlaceHolder"), None);
 }
 

@@ -493,17 +493,15 @@ fn without_the_table_the_first_surface_is_read() {
 #[test]
 fn attributes_are_kept_by_their_names() {
     let scan = read_bytes(&file(&[Map::default()], Some(0), &system())).unwrap();
-    assert_metadata(
-        &scan,
-        &[
-            ("Unit", "NanoMeters"),
-            ("No Data", "1.7976931348623157e308"),
-            ("X Converter", "Category LateralCat, BaseUnit Pixels, Parameters 0 1.5e-6 0 0"),
-            ("Data Context.Data Attributes.System Serial Number", "87266"),
-            ("Data Context.Data Attributes.Camera Width", "1000"),
-            ("Data Context.Data Attributes.Time Stamp", "Seconds 1500000000, Zone -60"),
-        ],
-    );
+    let wanted = [
+        ("Unit", "NanoMeters"),
+        ("No Data", "1.7976931348623157e308"),
+        ("X Converter", "Category LateralCat, BaseUnit Pixels, Parameters 0 1.5e-6 0 0"),
+        ("Data Context.Data Attributes.System Serial Number", "87266"),
+        ("Data Context.Data Attributes.Camera Width", "1000"),
+        ("Data Context.Data Attributes.Time Stamp", "Seconds 1500000000, Zone -60"),
+    ];
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]

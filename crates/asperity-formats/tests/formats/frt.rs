@@ -171,29 +171,27 @@ fn numbers_outside_of_the_valid_range_are_missing() {
 #[test]
 fn blocks_become_metadata() {
     let scan = reading(&Frt::single());
-    assert_metadata(
-        &scan,
-        &[
-            ("description", "hob ground, µ = 0.1"),
-            ("x offset", "0.5"),
-            ("y offset", "0.25"),
-            ("scan direction", "9"),
-            ("x speed", "0.001"),
-            ("y speed", "0.002"),
-            ("measuring range", "2"),
-            ("z scale", "0.00000001"),
-            ("sensor type", "4"),
-            ("xy table type", "5"),
-            ("z table type", "6"),
-            ("z offset", "0.125"),
-            ("measurement started", "2023-03-10T15:57:20Z"),
-            ("measurement time in s", "77"),
-            ("parameter set", "fast"),
-            ("user name", "Anna"),
-            ("user description", "lab"),
-            ("serial number", "S-42"),
-        ],
-    );
+    let wanted = [
+        ("description", "hob ground, µ = 0.1"),
+        ("x offset", "0.5"),
+        ("y offset", "0.25"),
+        ("scan direction", "9"),
+        ("x speed", "0.001"),
+        ("y speed", "0.002"),
+        ("measuring range", "2"),
+        ("z scale", "0.00000001"),
+        ("sensor type", "4"),
+        ("xy table type", "5"),
+        ("z table type", "6"),
+        ("z offset", "0.125"),
+        ("measurement started", "2023-03-10T15:57:20Z"),
+        ("measurement time in s", "77"),
+        ("parameter set", "fast"),
+        ("user name", "Anna"),
+        ("user description", "lab"),
+        ("serial number", "S-42"),
+    ];
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("measurement ended"));
 }
 

@@ -236,34 +236,32 @@ fn inverted_data_are_not_changed_and_give_a_warning() {
 #[test]
 fn the_header_is_kept_in_either_order_of_bytes() {
     let scan = read_bytes(&MetroPro::default().bytes()).unwrap();
-    assert_metadata(
-        &scan,
-        &[
-            ("swinfo_date", "Fri Jun 23 15:37:19 2006"),
-            ("swinfo_vers", "8.1.5"),
-            ("time_stamp", "2011-07-23T16:49:36Z"),
-            ("comment", "flank 3, µm"),
-            ("cn_org_x", "4"),
-            ("wavelength_in", "0.000000625"),
-            ("num_aperture", "0.25"),
-            ("magnification", "20"),
-            ("obj_name", "20X  Mirau"),
-            ("part_name", "gear 7"),
-            ("part_ser_num", "S/N 12"),
-            ("sub_sys_err", "1"),
-            ("phase_avg_cnt", "4"),
-            ("discon_filter", "60"),
-            ("sys_serial", "59407"),
-            ("scan_descr", "100 um bipolar"),
-            ("light_level_pct", "6.5"),
-            ("coords_y_pos", "2.5"),
-            ("sys_err_file_name", "sphere.dat"),
-            ("zoom_descr", "0.5X"),
-            ("material_a", "steel"),
-            ("min_mod_pct", "1"),
-            ("sys_serial2", "59407"),
-        ],
-    );
+    let wanted = [
+        ("swinfo_date", "Fri Jun 23 15:37:19 2006"),
+        ("swinfo_vers", "8.1.5"),
+        ("time_stamp", "2011-07-23T16:49:36Z"),
+        ("comment", "flank 3, µm"),
+        ("cn_org_x", "4"),
+        ("wavelength_in", "0.000000625"),
+        ("num_aperture", "0.25"),
+        ("magnification", "20"),
+        ("obj_name", "20X  Mirau"),
+        ("part_name", "gear 7"),
+        ("part_ser_num", "S/N 12"),
+        ("sub_sys_err", "1"),
+        ("phase_avg_cnt", "4"),
+        ("discon_filter", "60"),
+        ("sys_serial", "59407"),
+        ("scan_descr", "100 um bipolar"),
+        ("light_level_pct", "6.5"),
+        ("coords_y_pos", "2.5"),
+        ("sys_err_file_name", "sphere.dat"),
+        ("zoom_descr", "0.5X"),
+        ("material_a", "steel"),
+        ("min_mod_pct", "1"),
+        ("sys_serial2", "59407"),
+    ];
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("material_b"));
 }
 

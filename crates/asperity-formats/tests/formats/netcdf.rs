@@ -302,16 +302,14 @@ fn rows_of_x_are_not_turned() {
 #[test]
 fn attributes_are_kept_by_their_names() {
     let scan = Classic::default().read();
-    assert_metadata(
-        &scan,
-        &[
-            ("json", "{\"instrument\": {}}"),
-            ("heights:unit", "nm"),
-            ("x:unit", "um"),
-            ("x:length", "3"),
-            ("y:periodic", "1"),
-        ],
-    );
+    let wanted = [
+        ("json", "{\"instrument\": {}}"),
+        ("heights:unit", "nm"),
+        ("x:unit", "um"),
+        ("x:length", "3"),
+        ("y:periodic", "1"),
+    ];
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]

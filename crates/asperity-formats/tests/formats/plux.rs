@@ -136,16 +136,14 @@ fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
 #[test]
 fn items_are_kept_by_their_names_and_the_rest_by_their_paths() {
     let scan = read_bytes(&Plux::default().bytes()).unwrap();
-    assert_metadata(
-        &scan,
-        &[
-            ("Device", "S neox"),
-            ("Technique", "Confocal"),
-            ("GENERAL/AUTHOR", "A. Operator"),
-            ("GENERAL/DATE", "2024-01-02 03:04:05"),
-            ("LAYER_0/POSITION_X", "12.5"),
-        ],
-    );
+    let wanted = [
+        ("Device", "S neox"),
+        ("Technique", "Confocal"),
+        ("GENERAL/AUTHOR", "A. Operator"),
+        ("GENERAL/DATE", "2024-01-02 03:04:05"),
+        ("LAYER_0/POSITION_X", "12.5"),
+    ];
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("INFO/ITEM_0/NAME") && !scan.metadata.contains_key("INFO/ITEM_0/VALUE"));
 }
 

@@ -147,20 +147,18 @@ fn a_unit_ratio_that_contradicts_the_units_gives_a_warning() {
 #[test]
 fn the_comment_and_the_header_are_kept() {
     let scan = read_bytes(&Sur::default().bytes()).unwrap();
-    assert_metadata(
-        &scan,
-        &[
-            ("comment", "hob ground, µ = 0.1"),
-            ("object name", "gear 7"),
-            ("operator name", "A. Operator"),
-            ("acquisition type", "1"),
-            ("date", "2016-12-01T14:30:59"),
-            ("measurement duration", "12.5"),
-            ("z step unit", "nm"),
-            ("z offset", "1000"),
-            ("client zone", "a program"),
-        ],
-    );
+    let wanted = [
+        ("comment", "hob ground, µ = 0.1"),
+        ("object name", "gear 7"),
+        ("operator name", "A. Operator"),
+        ("acquisition type", "1"),
+        ("date", "2016-12-01T14:30:59"),
+        ("measurement duration", "12.5"),
+        ("z step unit", "nm"),
+        ("z offset", "1000"),
+        ("client zone", "a program"),
+    ];
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]
