@@ -181,27 +181,6 @@ fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
 }
 
 #[test]
-fn heights_beyond_the_field_of_a_stated_pixel_size_are_warned_about() {
-    let folder = TempDir::new().unwrap();
-    // Heights in micrometres without a unit: 2 m on a field of 16 µm.
-    let heights = Array2::from_shape_fn((16, 16), |(row, column)| ((row * 5 + column * 3) as f64).sin());
-    npy(folder.path(), "a.npy", heights);
-    for line in [
-        "surface stats a.npy",
-        "surface convert a.npy a.x3p",
-        "contact a.npy --youngs-modulus 1GPa --boundary periodic --percentile 50",
-    ] {
-        let warnings = |more: &str| {
-            let line = format!("{line} --pixel-size 1um {more} --json");
-            run_in(folder.path(), &line).json(0)["warnings"].to_string()
-        };
-        let wanted = "more than the field of view, 16 µm; check the units";
-        assert!(warnings("").contains(wanted), "{line}: {}", warnings(""));
-        assert!(!warnings("--height-unit nm").contains("field of view"), "{line}");
-    }
-}
-
-#[test]
 fn an_unsupported_format_is_named_with_a_remedy() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("scan.sxm"), b":NANONIS_VERSION:\r\n2\r\n").unwrap();

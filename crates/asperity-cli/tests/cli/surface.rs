@@ -314,30 +314,6 @@ fn filling_keeps_measured_heights_and_counts_the_filled_ones() {
 }
 
 #[test]
-#[ignore = "slow"]
-fn a_smooth_map_is_filled_without_error() {
-    // Waves of many points, smooth to the last bit: neighbouring heights are almost linearly dependent.
-    let folder = TempDir::new().unwrap();
-    let wave = |row: usize, column: usize, k: f64| {
-        (0.13 * k * column as f64 + 0.7 * k).sin() * (0.11 * k * row as f64 + 1.3 * k * k).cos()
-    };
-    let mut heights = Array2::from_shape_fn((90, 100), |(row, column)| {
-        1e-7 * (1..6).map(|k| wave(row, column, f64::from(k))).sum::<f64>()
-    });
-    heights.slice_mut(ndarray::s![30..42, 50..70]).fill(f64::NAN);
-    heights.slice_mut(ndarray::s![60..61, 20..22]).fill(f64::NAN);
-    npy(folder.path(), "map.npy", heights.clone());
-    let largest = heights.iter().filter(|z| !z.is_nan()).fold(0.0_f64, |m, z| m.max(z.abs()));
-    for choice in ["measured", "fitted"] {
-        let line = format!("fill map.npy --pixel-size 1um --out {choice}.npy --seed 1 --covariance {choice}");
-        let found = surface(folder.path(), &line);
-        assert_eq!(found.code, 0, "{found:?}");
-        let filled = read(&folder.path().join(format!("{choice}.npy"))).unwrap().heights_m;
-        assert!(filled.iter().all(|z| z.abs() < 1.5 * largest), "{choice}");
-    }
-}
-
-#[test]
 fn a_failed_filling_gives_a_reason_and_leaves_no_file() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", rough_with_a_void());
