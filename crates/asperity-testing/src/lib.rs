@@ -1,4 +1,4 @@
-//! Random maps, records, monitors, counts of intervals, and published test functions and values for tests.
+//! Random maps, records, monitors, studies, counts of intervals, and published test functions and values for tests.
 
 mod choices;
 mod coverage;
@@ -8,6 +8,7 @@ mod maps;
 mod monitors;
 mod published;
 mod records;
+mod study;
 
 pub use choices::Choices;
 pub use coverage::{covered, least_coverage, repetitions};
@@ -17,6 +18,7 @@ pub use maps::{filtered_noise, paraboloid, self_affine};
 pub use monitors::{AlwaysCancelled, CancelAfter};
 pub use published::{CAPPED_HERTZ, CappedHertz, LEINE};
 pub use records::autoregressive;
+pub use study::StudyText;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -387,9 +387,10 @@ impl<const N: usize, const EXPONENTIAL: bool, F: Fluctuation, W: Observer> Batch
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Trajectory;
     use crate::VelocityLaw;
     use crate::law::{Coulomb, Exponential, Linear, Stribeck};
-    use crate::{Parameters, Trajectory};
+    use crate::tests::machine;
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
     #[derive(Debug, Default, Clone, PartialEq)]
@@ -437,8 +438,7 @@ mod tests {
 
     fn machines() -> Vec<(Oscillator, f64)> {
         let of = |static_friction, law, damping_ratio, belt_velocity, std| {
-            let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
-            (Oscillator::new(parameters).unwrap(), std)
+            (machine(static_friction, law, damping_ratio, belt_velocity), std)
         };
         vec![
             of(0.1, VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 4.2 }), 0.17, 0.003, 0.001),
@@ -505,18 +505,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "slow"]
-    fn a_trajectory_has_the_same_bits_in_any_batch() {
-        for (oscillator, std) in machines() {
-            let process = process(std);
-            let together = followed(&oscillator, &process, 60.0, 0..23);
-            for index in [0, 3, 11, 22] {
-                assert_eq!(followed(&oscillator, &process, 60.0, index..index + 1)[0], together[index]);
-            }
-        }
-    }
-
-    #[test]
     fn ending_records_and_negative_friction_fail_as_in_a_single_simulation() {
         let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
         let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
@@ -542,8 +530,7 @@ mod tests {
                 1 => (0.3, exponential(0.3, 0.1, 0.2), 0.02),
                 _ => (0.4, exponential(0.35, 0.2, 0.004), 0.08),
             };
-            let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None };
-            Oscillator::new(parameters).unwrap()
+            machine(static_friction, law, damping_ratio, belt_velocity)
         };
         simulate_many(
             &settings,

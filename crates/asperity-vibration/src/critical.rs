@@ -73,7 +73,8 @@ pub(super) fn limit_above(oscillator: &Oscillator, ends: &CriticalDamping) -> Re
 mod tests {
     use super::*;
     use crate::law::{Coulomb, Exponential, Linear, Stribeck};
-    use crate::{FrictionTable, MotionKind, Parameters, VelocityLaw, limit_cycle, smallest_kick};
+    use crate::tests::machine;
+    use crate::{FrictionTable, MotionKind, VelocityLaw, limit_cycle, smallest_kick};
     use asperity_base::distribution::standard_normal_cdf;
     use asperity_base::numeric::try_root_between;
     use asperity_base::random;
@@ -111,9 +112,7 @@ mod tests {
     fn linear_weakening_ends_at_half_its_slope() {
         for slope in [0.05, 0.3, 1.1] {
             let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope });
-            let parameters =
-                Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
-            let found = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap();
+            let found = critical_damping(&machine(0.4, law, 0.0, 0.1)).unwrap();
             assert!((found.critical_damping_ratio - 0.5 * slope).abs() < 1e-12, "{found:?}");
             assert!((found.hopf_damping_ratio - 0.5 * slope).abs() < 1e-15);
         }
@@ -140,8 +139,7 @@ mod tests {
             let belt_velocity = (0.05 * (1.5 * g[3]).exp()).min(if i % 3 == 2 { 1.0 / decay } else { f64::INFINITY });
             let of = |damping_ratio| {
                 let law = law.clone();
-                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
-                    .unwrap()
+                machine(static_friction, law, damping_ratio, belt_velocity)
             };
             let critical = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
             let slow = bisected(&of(0.0), 2.0 * critical);
@@ -161,9 +159,7 @@ mod tests {
     fn without_weakening_any_damping_ends_the_cycle_but_a_jump_keeps_it() {
         let of = |static_friction| {
             let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
-            let parameters =
-                Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
-            critical_damping(&Oscillator::new(parameters).unwrap()).unwrap().critical_damping_ratio
+            critical_damping(&machine(static_friction, law, 0.0, 0.05)).unwrap().critical_damping_ratio
         };
         assert_eq!(of(0.3), 0.0);
         let with_jump = of(0.4);
@@ -171,9 +167,7 @@ mod tests {
         for (factor, exists) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
             let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
             let damping_ratio = with_jump * factor;
-            let parameters =
-                Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None };
-            let regime = limit_cycle(&Oscillator::new(parameters).unwrap()).unwrap();
+            let regime = limit_cycle(&machine(0.4, law, damping_ratio, 0.05)).unwrap();
             assert_eq!(regime.cycle().is_some(), exists);
         }
     }
@@ -183,8 +177,7 @@ mod tests {
         let coefficient = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
         let points: Vec<_> = (0..=1200).map(|i| 2.5e-4 * f64::from(i)).map(|v| [v, coefficient(v)]).collect();
         let law = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
-        let parameters = Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity, forcing: None };
-        Oscillator::new(parameters).unwrap()
+        machine(0.4, law, 0.0, belt_velocity)
     }
 
     #[test]
@@ -216,9 +209,7 @@ mod tests {
             VelocityLaw::Coulomb(Coulomb { kinetic: 0.09 }),
         ];
         for law in laws {
-            let parameters =
-                Parameters { static_friction: 0.1, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
-            let machine = Oscillator::new(parameters).unwrap();
+            let machine = machine(0.1, law, 0.0, 0.1);
             let wanted = critical_damping(&machine).unwrap().critical_damping_ratio;
             assert_eq!(limit_damping(&machine).unwrap(), wanted);
         }
@@ -228,9 +219,7 @@ mod tests {
             (VelocityLaw::Coulomb(Coulomb { kinetic: 0.25 }), 0.057_829_116_137_66),
             (VelocityLaw::Linear(Linear { kinetic: 0.25, slope: 0.1 }), 0.107_829_116_137_66),
         ] {
-            let parameters =
-                Parameters { static_friction: 0.3, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
-            let found = limit_damping(&Oscillator::new(parameters).unwrap()).unwrap();
+            let found = limit_damping(&machine(0.3, law, 0.0, 0.05)).unwrap();
             assert!((found - wanted).abs() < 1e-12, "{found} instead of {wanted}");
         }
     }
@@ -257,8 +246,7 @@ mod tests {
             let belt_velocity = reach * (0.7 * g[3]).exp();
             let of = |damping_ratio| {
                 let law = law.clone();
-                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
-                    .unwrap()
+                machine(static_friction, law, damping_ratio, belt_velocity)
             };
             let ends = critical_damping(&of(0.0)).unwrap();
             let limit = limit_damping(&of(0.0)).unwrap();
@@ -279,9 +267,7 @@ mod tests {
     fn a_critical_damping_above_the_largest_damping_ratio_is_named() {
         // ζ_H = μ_k·a/(2(1 + aV)²) is 1250.
         let law = VelocityLaw::Stribeck(Stribeck { kinetic: 0.1, decay: 1e5 });
-        let parameters =
-            Parameters { static_friction: 2.1, law, damping_ratio: 0.1, belt_velocity: 1e-5, forcing: None };
-        let error = critical_damping(&Oscillator::new(parameters).unwrap()).unwrap_err();
+        let error = critical_damping(&machine(2.1, law, 0.1, 1e-5)).unwrap_err();
         assert_eq!(error, VibrationError::NotFound { what: "critical damping", reason: "it lies above 1000" });
     }
 }

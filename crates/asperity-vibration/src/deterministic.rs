@@ -35,7 +35,8 @@ pub fn deterministic_slips(
 mod tests {
     use super::*;
     use crate::law::Linear;
-    use crate::{Drive, Forcing, Parameters, Trajectory, VelocityLaw};
+    use crate::tests::machine;
+    use crate::{Drive, Forcing, Trajectory, VelocityLaw};
 
     #[test]
     fn oscillators_in_lockstep_match_single_simulations() {
@@ -52,9 +53,7 @@ mod tests {
         }
         // A linear law has no positive value at the speed of the mass, and a start may be no number.
         let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.3 });
-        let parameters =
-            Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
-        let fast = Oscillator::new(parameters).unwrap();
+        let fast = machine(0.4, law, 0.1, 1.0);
         for settings in [settings, TrajectorySettings { start: Some(f64::NAN), ..settings }] {
             let alone = Trajectory::simulate(&fast, Steady, &settings).map(|t| t.slips);
             assert!(alone.is_err(), "{alone:?}");

@@ -346,19 +346,6 @@ mod tests {
     }
 
     #[test]
-    fn one_thread_and_many_give_the_same_bits() {
-        let process = paper_process(0.001);
-        let settings = EnsembleSettings { sample_capacity: 50, ..EnsembleSettings::new(40, 60.0, 5) };
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| Ensemble::simulate(&oscillator(0.17), &process, &settings, &Silent)).unwrap()
-        };
-        let (one, many) = (with(1), with(4));
-        assert_eq!(one, many);
-        assert_eq!(one.reattachments.sample.len(), 50);
-    }
-
-    #[test]
     fn negative_friction_is_recorded_and_too_many_failures_are_refused() {
         // The least m is −1.844 σ; in some trajectories friction falls below zero at the speeds of this noise.
         let process = paper_process(0.05);

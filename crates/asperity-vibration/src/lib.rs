@@ -54,6 +54,8 @@ mod sound;
 mod stability_map;
 mod structure;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod trajectory;
 mod waveform;
 mod weakening;

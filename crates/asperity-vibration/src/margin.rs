@@ -31,7 +31,8 @@ impl DampingMargins {
 mod tests {
     use super::*;
     use crate::law::Linear;
-    use crate::{Parameters, VelocityLaw, limit_damping};
+    use crate::tests::machine;
+    use crate::{VelocityLaw, limit_damping};
 
     #[test]
     fn a_jump_of_friction_separates_the_margins() {
@@ -39,8 +40,7 @@ mod tests {
         let law = VelocityLaw::Linear(Linear { kinetic: 0.25, slope: 0.1 });
         let of = |damping_ratio| {
             let law = law.clone();
-            Oscillator::new(Parameters { static_friction: 0.3, law, damping_ratio, belt_velocity: 0.05, forcing: None })
-                .unwrap()
+            machine(0.3, law, damping_ratio, 0.05)
         };
         for damping in [0.0, 0.04, 0.08, 0.2] {
             let margins = DampingMargins::new(&of(damping)).unwrap();

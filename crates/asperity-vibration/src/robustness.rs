@@ -11,10 +11,11 @@ mod reader;
 #[cfg(test)]
 mod tests {
     use crate::law::Exponential;
+    use crate::tests::machine;
     use rayon::prelude::*;
 
     use super::super::{
-        Count, Drive, Ensemble, EnsembleSettings, Oscillator, Parameters, Trajectory, TrajectorySettings, VelocityLaw,
+        Count, Drive, Ensemble, EnsembleSettings, Oscillator, Trajectory, TrajectorySettings, VelocityLaw,
     };
     use super::check::{Checked, check};
     use super::draw::{Case, case};
@@ -193,9 +194,7 @@ mod tests {
         // Belts of many Stribeck velocities: the whole weakening acts in the last few hundredths of a slip.
         for (belt_velocity, stribeck_velocity) in [(0.24, 0.012), (0.24, 0.003), (0.05, 0.002), (0.8, 0.005)] {
             let law = VelocityLaw::Exponential(Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity });
-            let parameters =
-                Parameters { static_friction: 0.8, law, damping_ratio: 0.01, belt_velocity, forcing: None };
-            let oscillator = Oscillator::new(parameters).unwrap();
+            let oscillator = machine(0.8, law, 0.01, belt_velocity);
             let settings = TrajectorySettings { duration: 60.0, start: None, drive: Drive::Distance };
             let series = Trajectory::simulate(&oscillator, Steady, &settings).unwrap().events;
             let steady = [Cell { end: 1e9, length: 1e9, left: 0.0, right: 0.0 }];

@@ -131,7 +131,8 @@ fn cycle_rms(oscillator: &Oscillator) -> Result<Option<f64>, VibrationError> {
 mod tests {
     use super::*;
     use crate::law::Coulomb;
-    use crate::{Drive, Parameters, VelocityLaw};
+    use crate::tests::machine;
+    use crate::{Drive, VelocityLaw};
     use asperity_base::monitor::Silent;
     use asperity_process::ProcessModel;
     use asperity_testing::{covered, least_coverage, repetitions};
@@ -149,9 +150,7 @@ mod tests {
     fn the_coulomb_cycle_has_the_mean_square_of_its_arcs() {
         // Slip is X = μ_k + A cos with the duration 2π − 2 atan(Δ/V); stick lasts 2Δ/V at the velocity V.
         let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
-        let parameters =
-            Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.05, forcing: None };
-        let found = cycle_rms(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
+        let found = cycle_rms(&machine(0.4, law, 0.0, 0.05)).unwrap().unwrap();
         let (jump, v) = (0.1_f64, 0.05_f64);
         let (half, square) = (std::f64::consts::PI - (jump / v).atan(), jump * jump + v * v);
         // ∫A² sin² over an angle of 2·half symmetric about the point of the largest backward speed.

@@ -264,7 +264,8 @@ pub fn damping_sweep(
 mod tests {
     use super::*;
     use crate::law::Coulomb;
-    use crate::{Forcing, Parameters, VelocityLaw};
+    use crate::tests::machine;
+    use crate::{Forcing, VelocityLaw};
     use asperity_base::distribution::standard_normal_quantile;
     use asperity_base::monitor::Silent;
     use asperity_base::random;
@@ -369,8 +370,7 @@ mod tests {
         let found = crossings(&forced);
         assert!((found.damping_ratio.unwrap() - 0.270_299_774_5).abs() < 1.4e-4, "{found:?}");
         let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
-        let quiet = Parameters { static_friction: 0.3, law, damping_ratio: 0.1, belt_velocity: 0.1, forcing: None };
-        let found = crossings(&Oscillator::new(quiet).unwrap());
+        let found = crossings(&machine(0.3, law, 0.1, 0.1));
         assert!(found.damping_ratio.is_none() && found.reason.unwrap().contains("no vibration"));
     }
 

@@ -190,7 +190,8 @@ impl Slips {
 mod tests {
     use super::*;
     use crate::law::Linear;
-    use crate::{Parameters, VelocityLaw, limit_cycle, trajectory_portrait};
+    use crate::tests::machine;
+    use crate::{VelocityLaw, limit_cycle, trajectory_portrait};
     use asperity_process::{FrictionProcess, ProcessModel, RecordedProcess, Steady};
 
     #[test]
@@ -270,9 +271,7 @@ mod tests {
         }
         // A linear law has no positive value at the speed of the mass.
         let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.3 });
-        let parameters =
-            Parameters { static_friction: 0.4, law, damping_ratio: 0.1, belt_velocity: 1.0, forcing: None };
-        let fast = limit_cycle(&Oscillator::new(parameters).unwrap());
+        let fast = limit_cycle(&machine(0.4, law, 0.1, 1.0));
         let Err(error @ VibrationError::FrictionNotPositive { .. }) = fast else { panic!("{fast:?}") };
         assert!(error.to_string().contains("slope"), "{error}");
     }

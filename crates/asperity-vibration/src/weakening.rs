@@ -132,9 +132,9 @@ impl Weakening {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Parameters;
     use crate::VelocityLaw;
     use crate::law::{Coulomb, Exponential, Stribeck};
+    use crate::tests::machine;
     use asperity_base::random;
 
     #[test]
@@ -157,9 +157,7 @@ mod tests {
             };
             let (belt_velocity, damping_ratio) = (reach * g[2].exp(), 1.0 + g[3].abs());
             let static_friction = 3.0 * kinetic;
-            let parameters =
-                Parameters { static_friction, law: law.clone(), damping_ratio, belt_velocity, forcing: None };
-            let weakening = Weakening::new(&Oscillator::new(parameters).unwrap());
+            let weakening = Weakening::new(&machine(static_friction, law.clone(), damping_ratio, belt_velocity));
             // A start in the wedge −u ≤ u′ ≤ 0, on either side of the section W = 1.
             let side = if g[4] > 0.0 { 1.0 } else { -1.0 };
             let u = if side > 0.0 { g[4] } else { (-g[4]).min(1.0) };
@@ -186,9 +184,7 @@ mod tests {
         assert!(counts.iter().all(|&n| n > 60), "{counts:?}");
         // Just outside the wedge an orbit of Coulomb friction crosses: u′ = −1.1u at critical damping, and u′ > 0 turns.
         let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
-        let parameters =
-            Parameters { static_friction: 0.3, law, damping_ratio: 1.0, belt_velocity: 1.0, forcing: None };
-        let weakening = Weakening::new(&Oscillator::new(parameters).unwrap());
+        let weakening = Weakening::new(&machine(0.3, law, 1.0, 1.0));
         assert_eq!([-1.1, -1.0, 0.0, 0.1].map(|rate| weakening.creeps(2.0, rate)), [false, true, true, false]);
     }
 }

@@ -74,6 +74,7 @@ fn fit_sorted(family: Family, sorted: &[f64]) -> Result<Fit, DistributionError> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::distribution::special::trigamma;
     use crate::random;
 
     pub(super) fn sample(marginal: &str, n: usize, index: u64) -> Vec<f64> {
@@ -89,6 +90,59 @@ mod tests {
         for marginal in neighbours {
             let log_likelihood: f64 = values.iter().map(|x| marginal.ln_pdf(*x)).sum();
             assert!(log_likelihood <= fit.log_likelihood + 1e-7, "{marginal} is more likely than {}", fit.marginal);
+        }
+    }
+
+    /// Returns the numbers in the text of a distribution of the same form, with zeros for those that are left out.
+    fn numbers(marginal: &Marginal, count: usize) -> Vec<f64> {
+        let text = marginal.to_string();
+        let mut found: Vec<f64> =
+            text.split_once(':').unwrap().1.split(',').map(|part| part.parse().unwrap()).collect();
+        found.resize(count.max(found.len()), 0.0);
+        found
+    }
+
+    #[test]
+    fn parameters_are_found_within_their_standard_errors_and_are_a_local_maximum() {
+        // Standard errors of one value by the inverse Fisher information; for gamma var k = k/(k ψ′ − 1) and var s = s² ψ′/(k ψ′ − 1).
+        let gamma = |k: f64| [k, 4.0 * trigamma(k)].map(|top| (top / (k * trigamma(k) - 1.0)).sqrt()).to_vec();
+        let weibull = |k: f64| vec![0.78 * k, 1.05 * 2.0 / k];
+        let of_2000 = |errors: [f64; 3]| errors.map(|error| error * 2000_f64.sqrt()).to_vec();
+        for (family, planted, n, index, errors) in [
+            (Family::Weibull, "weibull:0.6,2", 2000, 10, weibull(0.6)),
+            (Family::Weibull, "weibull:1,2", 2000, 11, weibull(1.0)),
+            (Family::Weibull, "weibull:4,2", 2000, 12, weibull(4.0)),
+            (Family::ShiftedWeibull, "weibull:2.5,2,-7", 2000, 20, of_2000([0.0550, 0.0290, 0.0196])),
+            (Family::Gamma, "gamma:0.6,2", 2000, 80, gamma(0.6)),
+            (Family::Gamma, "gamma:2,2", 2000, 81, gamma(2.0)),
+            (Family::Gamma, "gamma:40,2", 2000, 82, gamma(40.0)),
+            (
+                Family::ShiftedGamma,
+                "gamma:4,2,-7",
+                4000,
+                84,
+                vec![f64::INFINITY, f64::INFINITY, 0.25 * 4000_f64.sqrt()],
+            ),
+            (Family::Lognormal, "lognormal:0.4,0.7", 2000, 3, vec![0.7, 0.7 / 2_f64.sqrt()]),
+            (Family::ShiftedLognormal, "lognormal:0.4,0.7,-3", 2000, 4, of_2000([0.0281, 0.0197, 0.0272])),
+        ] {
+            let values = sample(planted, n, index);
+            let fitted = fit(family, &values).unwrap();
+            let free = errors.len();
+            let (found, wanted) = (numbers(&fitted.marginal, free), numbers(&planted.parse().unwrap(), free));
+            for (i, error) in errors.into_iter().enumerate() {
+                assert!((found[i] - wanted[i]).abs() < 4.0 * error / (n as f64).sqrt(), "{planted}: {fitted:?}");
+            }
+            assert!(free == 3 || found.get(2).is_none_or(|shift| *shift == 0.0), "{fitted:?}");
+            assert!(free == 2 || fitted.low_end == End::Fitted, "{fitted:?}");
+            let (name, _) = planted.split_once(':').unwrap();
+            let neighbours = (0..2 * free).map(|i| {
+                let mut moved = found.clone();
+                moved[i / 2] += if i % 2 == 0 { 1e-3 } else { -1e-3 };
+                let list: Vec<String> = moved.iter().map(|number| format!("{number:?}")).collect();
+                format!("{name}:{}", list.join(",")).parse().unwrap()
+            });
+            assert_most_likely(&fitted, &values, &neighbours.collect::<Vec<_>>());
         }
     }
 

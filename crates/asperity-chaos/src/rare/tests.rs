@@ -193,20 +193,6 @@ fn the_samples_give_the_probability_of_a_shifted_limit_state() {
 }
 
 #[test]
-fn results_do_not_depend_on_the_number_of_threads() {
-    let case = four_branches(2, 0.0);
-    let g = |z: &[f64]| Ok::<f64, ()>((case.g)(z));
-    let found = [1, 3].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let settings = Settings { most_evaluations: 2000, ..Settings::new(5) };
-            small_probability(2, &g, &settings, &Silent).unwrap()
-        })
-    });
-    assert_eq!(found[0], found[1]);
-}
-
-#[test]
 fn without_failures_there_is_a_bound() {
     let flat = |_: &[f64]| Ok::<f64, ()>(1.0);
     let far = |z: &[f64]| Ok::<f64, ()>(40.0 - z[0]);

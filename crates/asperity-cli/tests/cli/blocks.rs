@@ -4,58 +4,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 #[cfg(target_os = "linux")]
 use std::process::{Command, Stdio};
+use std::sync::LazyLock;
 #[cfg(target_os = "linux")]
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use tempfile::TempDir;
+use asperity_testing::StudyText;
 
-use crate::support::{BLOCKS, listing, run_in};
+use crate::support::{BLOCKS, folder_with_study, listing, run_in};
 #[cfg(target_os = "linux")]
-use crate::support::{Finished, run_and_signal, send, start_in, wait_for, whole_listing};
+use crate::support::{Finished, run_and_signal, whole_listing};
 
 /// All stages but the verdict, in two seconds.
-const STUDY: &str = r#"seed = 5
-[surface]
-covariance = "exponential"
-marginal = "normal"
-rms_height = "1 um"
-correlation_length = "20 um"
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-shear_strength = "385 MPa"
-[pressure]
-size = ["100 um", "100 um"]
-points = [16, 16]
-percentile = 50.0
-fine_solves = 120
-reference_samples = 250
-variables = 4
-degree = 2
-[friction]
-strip = ["1600 um", "50 um"]
-points = [256, 8]
-window = "100 um"
-percentiles = [50.0]
-realisations = 8
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.4
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-stribeck = 4.2
-damping_sweep = [0.3, 0.5, 3]
-trajectories = 16
-duration = 20.0
-"#;
-
-fn bench(study: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("study.toml"), study).unwrap();
-    folder
-}
+static STUDY: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(5, &["surface", "material", "pressure", "friction", "vibration"])
+        .with("pressure", "fine_solves = 120\nreference_samples = 250\nvariables = 4\ndegree = 2")
+        .with("friction", "percentiles = [50.0]")
+        .with("vibration", "damping_ratio = 0.4\nstribeck = 4.2\ndamping_sweep = [0.3, 0.5, 3]")
+        .with("vibration", "trajectories = 16\nduration = 20.0")
+        .to_string()
+});
 
 /// Returns the study without friction and vibration, which takes half a second.
 fn short() -> &'static str {
@@ -96,7 +63,7 @@ fn whole(at: &Path) -> Vec<(String, Vec<u8>)> {
 #[test]
 #[ignore = "slow"]
 fn parts_make_the_whole() {
-    let folder = bench(STUDY.split("[vibration]").next().unwrap());
+    let folder = folder_with_study(STUDY.split("[vibration]").next().unwrap());
     let at = folder.path();
     let wanted = whole(at);
     for (number, threads) in [(1, 1), (2, 3)] {
@@ -140,7 +107,7 @@ fn parts_make_the_whole() {
 fn a_changed_stage_leaves_the_blocks_of_the_others() {
     // At the median plane friction fluctuates, and the vibration stage has trajectories.
     let study = STUDY.replace("stribeck = 4.2", "stribeck = 4.2\nlevel = 50.0");
-    let folder = bench(&study);
+    let folder = folder_with_study(&study);
     let at = folder.path();
     whole(at);
     let stages = || listing(&at.join("whole").join(BLOCKS)).into_iter().filter(|name| name != "run.json");
@@ -167,7 +134,7 @@ fn a_changed_stage_leaves_the_blocks_of_the_others() {
 #[test]
 #[ignore = "slow"]
 fn a_finished_run_is_resumed_reproduced_and_never_mixed_with_another() {
-    let folder = bench(short());
+    let folder = folder_with_study(short());
     let at = folder.path();
     whole(at);
     // No folder, the finished run, another study.
@@ -192,7 +159,7 @@ fn a_finished_run_is_resumed_reproduced_and_never_mixed_with_another() {
 
 #[test]
 fn parts_of_another_study_or_program_are_not_merged() {
-    let folder = bench(STUDY);
+    let folder = folder_with_study(&STUDY);
     let at = folder.path();
     for (number, seed) in [(1, 5), (2, 6)] {
         let line = format!("run study.toml --only friction --shard {number}/2 --out parts/{number} --seed {seed}");
@@ -222,7 +189,7 @@ fn parts_of_another_study_or_program_are_not_merged() {
 #[test]
 #[ignore = "slow"]
 fn damaged_blocks_are_computed_again() {
-    let folder = bench(STUDY);
+    let folder = folder_with_study(&STUDY);
     let at = folder.path();
     let wanted = whole(at);
     let files = block_files(&at.join("whole").join(BLOCKS));
@@ -252,7 +219,7 @@ fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     // About a tenth of the solutions do not reach a residual below the resolution of a double.
     let strict = short().replace("percentile = 50.0", "percentile = 50.0\ntolerance = 1e-16");
     let strict = strict.replace("reference_samples = 250", "reference_samples = 400");
-    let folder = bench(&format!("valid_share = 0.7\n{strict}"));
+    let folder = folder_with_study(&format!("valid_share = 0.7\n{strict}"));
     let at = folder.path();
     let found = run_in(at, "run study.toml --out runs/strict");
     let words = "samples failed; `asperity status runs/strict` lists them";
@@ -282,7 +249,7 @@ fn failed_samples_are_listed_and_computed_again_and_too_many_are_refused() {
     assert_eq!(run_in(at, "run study.toml --out runs/refused --json").json(4)["converged"], false);
     let status = run_in(at, "status runs/refused --json").json(0);
     assert!(status["failures"].as_array().unwrap().len() > 20 && status["complete"] == false);
-    fs::write(at.join("study.toml"), format!("valid_share = 1.2\n{STUDY}")).unwrap();
+    fs::write(at.join("study.toml"), format!("valid_share = 1.2\n{}", *STUDY)).unwrap();
     run_in(at, "run study.toml --out runs/none").refuses(2, &["study.toml:1: valid_share", "at most 1"]);
 }
 
@@ -305,7 +272,7 @@ fn faulty(
     [first, every, error]: [usize; 3],
 ) -> Finished {
     let shard: &[&str] = if place.starts_with("part-") { &["--shard", "1/2"] } else { &[] };
-    let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
+    Command::new(env!("CARGO_BIN_EXE_asperity"))
         .args(["run", "study.toml", "--out", &format!("{place}/run")])
         .args(shard)
         .current_dir(at)
@@ -317,19 +284,15 @@ fn faulty(
         .env("FAULT_ERROR", error.to_string())
         .stdin(Stdio::null())
         .output()
-        .unwrap();
-    Finished {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+        .unwrap()
+        .into()
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "slow"]
 fn a_run_killed_at_any_write_sync_or_rename_goes_on_with_the_same_results() {
-    let folder = bench(short());
+    let folder = folder_with_study(short());
     let at = folder.path();
     let Some(library) = faults(at) else { return println!("skipped: no C compiler") };
     let wanted = whole(at);
@@ -361,7 +324,7 @@ fn a_failing_disk_ends_a_run_with_one_message_and_keeps_the_finished_blocks() {
     const ERRORS: [(usize, &str); 2] = [(28, "the disk is full"), (5, "Input/output error")];
     const CALLS: [(&str, usize); 7] =
         [("write", 1), ("write", 2), ("write", 3), ("write", 7), ("write", 40), ("fsync", 2), ("rename", 3)];
-    let folder = bench(short());
+    let folder = folder_with_study(short());
     let at = folder.path();
     let Some(library) = faults(at) else { return println!("skipped: no C compiler") };
     let wanted = whole(at);
@@ -387,61 +350,8 @@ fn a_failing_disk_ends_a_run_with_one_message_and_keeps_the_finished_blocks() {
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "slow"]
-fn twenty_runs_killed_at_random_times_go_on_with_the_same_results() {
-    let folder = bench(short());
-    let at = folder.path();
-    let began = Instant::now();
-    let wanted = whole(at);
-    let whole_time = began.elapsed();
-    let (mut state, mut kept) = (0x9e37_79b9_7f4a_7c15_u64, 0);
-    for kill in 0..20 {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let share = (state >> 33) as f64 / (1_u64 << 31) as f64;
-        let started = start_in(at, "run study.toml --out killed/run --resume");
-        std::thread::sleep(whole_time.mul_f64(share));
-        send("-KILL", &started);
-        let killed = wait_for(started);
-        let blocks = at.join("killed").join(BLOCKS);
-        kept += usize::from(blocks.is_dir() && !block_files(&blocks).is_empty());
-        // Some runs go on from several interrupted ones.
-        if kill % 4 < 2 && killed.code != 0 {
-            continue;
-        }
-        let finished = run_in(at, "run study.toml --out killed/run --resume");
-        assert_eq!(finished.code, 0, "{finished:?}");
-        assert_same(&at.join("killed/run"), &wanted, &format!("kill {kill}"));
-        fs::remove_dir_all(at.join("killed")).unwrap();
-    }
-    assert!(kept > 4, "only {kept} of 20 kills left blocks");
-}
-
-#[test]
-#[ignore = "slow"]
-fn threads_parts_and_restarts_give_the_same_bytes() {
-    let folder = bench(STUDY);
-    let at = folder.path();
-    let wanted = whole(at);
-    for (threads, parts, restarts) in [(1, 5, 0), (2, 1, 1), (8, 2, 1)] {
-        let place = format!("t{threads}-{parts}-{restarts}");
-        let folders: Vec<String> = (1..=parts).map(|number| format!("{place}/{number}")).collect();
-        for (number, folder) in (1..).zip(&folders) {
-            let line = format!("run study.toml --shard {number}/{parts} --out {folder} --threads {threads}");
-            for _ in 0..=restarts {
-                assert_eq!(run_in(at, &line).code, 0, "{line}");
-            }
-        }
-        let merge = format!("merge {} --out {place}/all --finish --threads {threads}", folders.join(" "));
-        let found = run_in(at, &merge);
-        assert_eq!(found.code, 0, "{place}: {found:?}");
-        assert_same(&at.join(&place).join("all"), &wanted, &place);
-    }
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-#[ignore = "slow"]
 fn a_signal_or_the_time_limit_ends_a_run_soon_and_keeps_its_blocks() {
-    let folder = bench(STUDY);
+    let folder = folder_with_study(&STUDY);
     let at = folder.path();
     let long = STUDY.replace("reference_samples = 250", "reference_samples = 40000");
     fs::write(at.join("study.toml"), long.replace("points = [16, 16]", "points = [128, 128]")).unwrap();

@@ -8,7 +8,7 @@ use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, close, number, run_in};
+use crate::support::{Finished, close, json_of, number, run_in};
 
 /// A stated surface; `generator = "spectral"`, so that its patches have the whole variance.
 const SURFACE: &str = "seed = 7\n[surface]\ngenerator = \"spectral\"\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n\
@@ -27,8 +27,7 @@ fn run(folder: &Path, name: &str, text: &str) -> (Finished, Value) {
     fs::write(folder.join(format!("{name}.toml")), text).unwrap();
     let ended = run_in(folder, &format!("run {name}.toml --out {name}"));
     assert_eq!(ended.code, 0, "{ended:?}");
-    let results = fs::read(folder.join(name).join("results.json")).unwrap();
-    (ended, serde_json::from_slice(&results).unwrap())
+    (ended, json_of(&folder.join(name).join("results.json")))
 }
 
 /// Returns the results of a study without the sentences, which name the counterface.

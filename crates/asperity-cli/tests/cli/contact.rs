@@ -1,56 +1,26 @@
 //! Tests of `asperity contact`: keys, exit codes, reference numbers and output files.
 
 use std::f64::consts::{PI, TAU};
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::Path;
 #[cfg(target_os = "linux")]
 use std::time::Duration;
 
 #[cfg(target_os = "linux")]
 use crate::support::run_and_interrupt;
-use crate::support::{Finished, close, keys, listing, npy, number, run_in};
-use asperity_formats::{read_bytes, write_vtk_fields};
+use crate::support::{Finished, close, listing, npy, number, run_in};
+use asperity_formats::{read_npz, write_vtk_fields};
 use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-const KEYS: [&str; 26] = [
-    "bgt_contact_fraction",
-    "channel",
-    "clusters",
-    "contact_fraction",
-    "contact_fraction_corrected",
-    "contact_modulus_pa",
-    "converged",
-    "elastic_energy_j",
-    "format",
-    "iterations",
-    "largest_cluster_fraction",
-    "largest_cluster_m2",
-    "load_n",
-    "max_pressure_pa",
-    "mean_compliance_m_per_pa",
-    "mean_gap_m",
-    "mean_pressure_pa",
-    "penetration_m",
-    "persson_contact_fraction",
-    "persson_plastic_fraction",
-    "plastic_fraction",
-    "plastic_work_j",
-    "residual",
-    "rms_gradient",
-    "separation_m",
-    "warnings",
-];
-
 /// One wave of 1 µm amplitude over 256 points of 1 µm along x.
-fn wave() -> Array2<f64> {
+pub(crate) fn wave() -> Array2<f64> {
     Array2::from_shape_fn((4, 256), |(_, column)| 1e-6 * (TAU * (column as f64 + 0.5) / 256.0).cos())
 }
 
 /// A bowl plus a sum of waves, different in both directions.
-fn rough() -> Array2<f64> {
+pub(crate) fn rough() -> Array2<f64> {
     Array2::from_shape_fn((24, 32), |(row, column)| {
         let (x, y) = (column as f64 / 32.0, row as f64 / 24.0);
         1e-7 * ((TAU * x).sin() + (2.0 * TAU * y).cos() + 0.7 * (3.0 * TAU * (x + y)).sin())
@@ -63,7 +33,7 @@ fn folder_with(heights_m: Array2<f64>) -> TempDir {
     folder
 }
 
-fn press(folder: &Path, line: &str) -> Finished {
+pub(crate) fn press(folder: &Path, line: &str) -> Finished {
     let line = format!("contact map.npy --pixel-size 1um {line}");
     run_in(folder, &line)
 }
@@ -77,7 +47,6 @@ fn a_quarter_of_the_full_contact_pressure_flattens_a_third_of_a_wave() {
         "--youngs-modulus 1GPa --poisson-ratio 0 --boundary periodic --mean-pressure {mean_pressure_pa}Pa --json"
     );
     let json = press(folder.path(), &line).json(0);
-    assert_eq!(keys(&json), KEYS);
     close(number(&json, "mean_pressure_pa"), mean_pressure_pa, 1e-7);
     close(number(&json, "load_n"), mean_pressure_pa * 4.0 * 256.0 * 1e-12, 1e-7);
     // Two edges, each located to one cell; the pressure maximum 2√(p̄p*) and the gap are correct to first order in
@@ -91,22 +60,6 @@ fn a_quarter_of_the_full_contact_pressure_flattens_a_third_of_a_wave() {
     assert_eq!(json["converged"], Value::Bool(true));
     assert!(number(&json, "residual") <= 1e-8);
     assert_eq!(number(&json, "plastic_fraction"), 0.0);
-}
-
-#[test]
-fn the_mean_compliance_shifts_the_separation_under_load_and_the_pressure_under_penetration() {
-    let folder = folder_with(wave());
-    let base = "--youngs-modulus 1GPa --poisson-ratio 0 --boundary periodic --json";
-    let run = |line: &str| press(folder.path(), &format!("{base} {line}")).json(0);
-    let rigid = run("--mean-pressure 3MPa");
-    let soft = run("--mean-pressure 3MPa --mean-compliance 0.1um/MPa");
-    close(number(&soft, "max_pressure_pa"), number(&rigid, "max_pressure_pa"), 1e-6);
-    close(number(&rigid, "separation_m") - number(&soft, "separation_m"), 3e6 * 1e-13, 1e-6);
-    // The default under penetration is the compliance of the longest wave, max(L)/(πE*).
-    let pressed = run("--penetration 0.5um");
-    close(number(&pressed, "mean_compliance_m_per_pa"), 256e-6 / (PI * 1e9), 1e-12);
-    let softer = run("--penetration 0.5um --mean-compliance 1um/MPa");
-    assert!(number(&softer, "mean_pressure_pa") < number(&pressed, "mean_pressure_pa"));
 }
 
 #[test]
@@ -129,6 +82,11 @@ fn all_controls_give_the_same_solution() {
     }
 }
 
+/// Returns a field of the archive `fields.npz`.
+pub(crate) fn field(folder: &Path, name: &str) -> Array2<f64> {
+    read_npz(&fs::read(folder.join("fields.npz")).unwrap(), name).unwrap()
+}
+
 #[test]
 fn the_archive_contains_the_fields_of_the_answer_and_replaces_the_old_file() {
     let folder = folder_with(rough());
@@ -136,12 +94,7 @@ fn the_archive_contains_the_fields_of_the_answer_and_replaces_the_old_file() {
     let line = "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --out fields.npz --json";
     let json = press(folder.path(), line).json(0);
     assert_eq!(listing(folder.path()), ["fields.npz", "map.npy"]);
-    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
-    let mut field = |name: &str| {
-        let mut bytes = Vec::new();
-        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-        read_bytes(&bytes).unwrap().heights_m
-    };
+    let field = |name: &str| field(folder.path(), name);
     let (pressure_pa, gap_m) = (field("pressure_pa"), field("gap_m"));
     let (displacement_m, plastic_m) = (field("displacement_m"), field("plastic_displacement_m"));
     assert_eq!(pressure_pa.dim(), (24, 32));
@@ -168,13 +121,8 @@ fn a_name_that_ends_in_vti_gives_an_image_with_the_fields_of_the_archive() {
             format!("--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --unload --out {name}");
         assert_eq!(press(folder.path(), &line).code, 0);
     }
-    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
     let names = ["pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m", "clusters", "residual_height_m"];
-    let fields = names.map(|name| {
-        let mut bytes = Vec::new();
-        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-        read_bytes(&bytes).unwrap().heights_m
-    });
+    let fields = names.map(|name| field(folder.path(), name));
     let named: Vec<(&str, &Array2<f64>)> = names.into_iter().zip(&fields).collect();
     let image = fs::read(folder.path().join("fields.VTI")).unwrap();
     assert!(image == write_vtk_fields((1e-6, 1e-6), &named).unwrap());
@@ -186,15 +134,10 @@ fn unloading_gives_the_heights_minus_the_plastic_displacement() {
     let line = "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --json";
     let plain = press(folder.path(), line).json(0);
     let json = press(folder.path(), &format!("{line} --unload --out fields.npz")).json(0);
-    for key in KEYS {
-        assert_eq!(json[key], plain[key], "{key}");
+    for (key, value) in plain.as_object().unwrap() {
+        assert_eq!(&json[key], value, "{key}");
     }
-    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
-    let mut field = |name: &str| {
-        let mut bytes = Vec::new();
-        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-        read_bytes(&bytes).unwrap().heights_m
-    };
+    let field = |name: &str| field(folder.path(), name);
     let (plastic_m, residual_m) = (field("plastic_displacement_m"), field("residual_height_m"));
     assert!(residual_m.iter().zip(&(rough() - &plastic_m)).all(|(a, b)| (a - b).abs() < 1e-20));
     // Every plastic cell of 1 µm² carries the hardness.
@@ -203,16 +146,6 @@ fn unloading_gives_the_heights_minus_the_plastic_displacement() {
     close(number(&json, "residual_rms_height_m"), residual_m.std(0.0), 1e-9);
     let (low, high) = residual_m.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
     close(number(&json, "residual_peak_to_valley_m"), high - low, 1e-12);
-    // The residual surface carries the same load without further flow.
-    npy(folder.path(), "map.npy", residual_m);
-    let line = format!(
-        "--youngs-modulus 210GPa --boundary free --hardness 2GPa --unload --load {:e}N --json",
-        number(&json, "load_n")
-    );
-    let again = press(folder.path(), &line).json(0);
-    close(number(&again, "max_pressure_pa"), 2e9, 1e-6);
-    close(number(&again, "contact_fraction"), number(&json, "contact_fraction"), 1e-12);
-    assert!(number(&again, "max_plastic_displacement_m") < 1e-7 * number(&json, "max_plastic_displacement_m"));
     // Without convergence the results are undefined.
     let line =
         "--youngs-modulus 210GPa --boundary free --percentile 50 --hardness 2GPa --tolerance 1e-30 --unload --json";
@@ -233,17 +166,11 @@ fn the_flags_define_the_layer() {
     // A layer on a base of its own material is a half-space.
     let plain = run("--percentile 20");
     same(&run("--percentile 20 --layer-thickness 10um --base-youngs-modulus 1GPa --base-poisson-ratio 0.25"), &plain);
-    // The mean compliance of a bonded layer is h(1+ν)(1−2ν)/((1−ν)E); on a softer base it exceeds the half-space's.
+    // The mean compliance of a bonded layer is h(1+ν)(1−2ν)/((1−ν)E).
     let rigid = run("--percentile 20 --layer-thickness 10um --rigid-base");
     close(number(&rigid, "mean_compliance_m_per_pa"), 1e-5 * 1.25 * 0.5 / (0.75 * 1e9), 1e-12);
-    let soft = run("--percentile 20 --layer-thickness 10um --base-youngs-modulus 0.1GPa");
-    assert!(number(&rigid, "mean_pressure_pa") > number(&plain, "mean_pressure_pa"));
-    assert!(number(&soft, "mean_pressure_pa") < number(&plain, "mean_pressure_pa"));
-    // To press a wave flat, the pressure needs its amplitude over the compliance of a thin layer, 1 − O(qh)², plus the
-    // mean.
-    let flat = run("--mean-pressure 0.7GPa --layer-thickness 2um --rigid-base");
-    assert_eq!(number(&flat, "contact_fraction"), 1.0);
-    close(number(&flat, "max_pressure_pa"), 0.7e9 + 1e-6 * 0.75e9 / (2e-6 * 1.25 * 0.5), 0.01);
+    // The default is the compliance of the longest wave, max(L)/(πE*).
+    close(number(&plain, "mean_compliance_m_per_pa"), 256e-6 * (1.0 - 0.25 * 0.25) / (PI * 1e9), 1e-12);
     for (line, words) in [
         ("--percentile 20 --layer-thickness 10um", vec!["--rigid-base", "--base-youngs-modulus"]),
         ("--percentile 20 --rigid-base", vec!["--layer-thickness"]),
@@ -271,7 +198,8 @@ fn equal_commands_give_equal_bytes_for_any_number_of_threads() {
     let folder = folder_with(rough());
     let run = |threads: &str, out: &str| {
         let line = format!(
-            "--threads {threads} --youngs-modulus 210GPa --boundary periodic --percentile 20 --out {out} --json"
+            "--threads {threads} --youngs-modulus 210GPa --boundary periodic --percentile 20 --hardness 9GPa --stiffness \
+             --out {out} --json"
         );
         (press(folder.path(), &line).stdout, fs::read(folder.path().join(out)).unwrap())
     };
@@ -284,23 +212,9 @@ fn an_unreachable_tolerance_gives_converged_false_in_json() {
     let found =
         press(folder.path(), "--youngs-modulus 210GPa --boundary free --percentile 50 --tolerance 1e-30 --json");
     let json = found.json(4);
-    assert_eq!(keys(&json), KEYS);
     assert_eq!(json["converged"], Value::Bool(false));
     assert!(number(&json, "residual") > 1e-30);
     assert!(found.stderr.contains("not converged") && found.stderr.contains("1.0e-30"), "{found:?}");
-}
-
-#[test]
-fn absurd_loads_do_not_panic() {
-    let folder = folder_with(rough());
-    for press_by in ["--mean-pressure 1e30Pa", "--load 1e30N", "--penetration 1e30m", "--mean-gap 1e30m"] {
-        for boundary in ["free", "periodic"] {
-            let line = format!("--youngs-modulus 210GPa --boundary {boundary} {press_by} --json");
-            let found = press(folder.path(), &line);
-            let json = found.json(if found.code == 4 { 4 } else { 0 });
-            assert_eq!(json["converged"], found.code == 0, "{line}: {found:?}");
-        }
-    }
 }
 
 #[test]

@@ -1,28 +1,13 @@
 //! Tests of `asperity contact`: clusters, energies, stiffness, theories, and rough or elastic counterfaces.
 
-use std::f64::consts::{PI, SQRT_2, TAU};
-use std::fs::{self, File};
-use std::io::Read;
-use std::path::Path;
+use std::f64::consts::{PI, SQRT_2};
+use std::fs;
 
-use crate::support::{Finished, asperity, asperity_in, close, listing, npy, number, run_in};
-use asperity_formats::read_bytes;
+use crate::contact::{field, press, rough, wave};
+use crate::support::{asperity_in, close, listing, npy, number, run_in};
 use ndarray::{Array2, s};
 use serde_json::Value;
 use tempfile::TempDir;
-
-/// One wave of 1 µm amplitude over 256 points of 1 µm along x.
-fn wave() -> Array2<f64> {
-    Array2::from_shape_fn((4, 256), |(_, column)| 1e-6 * (TAU * (column as f64 + 0.5) / 256.0).cos())
-}
-
-/// Sums of waves, without symmetry.
-fn rough() -> Array2<f64> {
-    Array2::from_shape_fn((24, 32), |(row, column)| {
-        let (x, y) = (column as f64 / 32.0, row as f64 / 24.0);
-        1e-7 * ((TAU * x).sin() + (2.0 * TAU * y).cos() + 0.7 * (3.0 * TAU * (x + y)).sin())
-    })
-}
 
 fn folder_with(maps: &[(&str, Array2<f64>)]) -> TempDir {
     let folder = TempDir::new().unwrap();
@@ -30,11 +15,6 @@ fn folder_with(maps: &[(&str, Array2<f64>)]) -> TempDir {
         npy(folder.path(), name, heights_m.clone());
     }
     folder
-}
-
-fn press(folder: &Path, line: &str) -> Finished {
-    let line = format!("contact map.npy --pixel-size 1um {line}");
-    run_in(folder, &line)
 }
 
 #[test]
@@ -86,29 +66,11 @@ fn the_gradient_of_a_free_map_is_its_sdq() {
 }
 
 #[test]
-fn the_answer_does_not_depend_on_the_number_of_threads() {
-    let folder = folder_with(&[("map.npy", rough())]);
-    let run = |threads: &str| {
-        let line = "--youngs-modulus 210GPa --boundary periodic --percentile 20 --hardness 9GPa --stiffness --json";
-        press(folder.path(), &format!("{line} --threads {threads}")).stdout
-    };
-    let one = run("1");
-    assert!(one.contains("contact_stiffness_n_per_m"), "{one}");
-    assert_eq!(one, run("2"));
-}
-
-#[test]
 fn the_archive_numbers_the_clusters() {
     let folder = folder_with(&[("map.npy", rough())]);
     let line = "--youngs-modulus 210GPa --boundary free --percentile 20 --hardness 2GPa --out fields.npz --json";
     let json = press(folder.path(), line).json(0);
-    let mut archive = zip::ZipArchive::new(File::open(folder.path().join("fields.npz")).unwrap()).unwrap();
-    let mut field = |name: &str| {
-        let mut bytes = Vec::new();
-        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-        read_bytes(&bytes).unwrap().heights_m
-    };
-    let (pressure_pa, clusters) = (field("pressure_pa"), field("clusters"));
+    let (pressure_pa, clusters) = (field(folder.path(), "pressure_pa"), field(folder.path(), "clusters"));
     assert!(pressure_pa.iter().zip(&clusters).all(|(p, label)| (*p > 0.0) == (*label > 0.0)));
     assert_eq!(clusters.iter().copied().fold(0.0, f64::max), number(&json, "clusters"));
     assert!(number(&json, "clusters") > 1.0 && number(&json, "plastic_work_j") > 0.0);
@@ -183,12 +145,4 @@ fn an_unsuitable_counterface_is_refused() {
         press(folder.path(), &format!("{base} {line}")).refuses(code, &words);
     }
     assert_eq!(listing(folder.path()), ["cast.npy", "holed.npy", "map.npy", "note.txt", "small.npy"]);
-}
-
-#[test]
-fn the_help_explains_the_results() {
-    let help = asperity("contact --help").stdout;
-    for words in ["share edges", "stated mean compliance", "forward differences", "turned over", "approach"] {
-        assert!(help.contains(words), "{words}: {help}");
-    }
 }

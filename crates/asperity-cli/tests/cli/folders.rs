@@ -12,9 +12,7 @@ use crate::support::{run_and_signal, send, start, start_in, wait_for, wait_until
 
 const STUDY: &str = "seed = 5\n[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
                      correlation_length = \"20 um\"\n";
-const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
-                             covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
-                             correlation_length = \"4 um\"\ngenerator = \"spectral\"\n";
+const SPECIFICATION: &str = crate::outputs::SPECIFICATION;
 const PROCESS: &str = r#"{
   "format": "asperity friction process", "version": 1, "mean": 0.2, "std": 0.01,
   "marginal": {"beta": {"a": 2.1, "b": 5.0, "low": 0.18, "high": 0.24}},
@@ -91,6 +89,11 @@ fn force_on_the_folder_of_all_runs_keeps_every_run() {
     run_in(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "give a folder"]);
     run_in(at, &format!("run study.toml --out {}", "n".repeat(256))).refuses(2, &["--out", "too long"]);
     run_in(at, "run study.toml --out . --force").refuses(2, &["--out .", "study.toml"]);
+    #[cfg(unix)]
+    {
+        let _listener = std::os::unix::net::UnixListener::bind(at.join("socket")).unwrap();
+        run_in(at, "run study.toml --out socket --force").refuses(2, &["--out socket", "give a folder"]);
+    }
     run_in(at, "run runs/one/study.toml --out runs/one --force").refuses(2, &["runs/one", "input"]);
     assert!(at.join("runs/one/COMPLETE").is_file() && at.join("runs/two/COMPLETE").is_file());
     // A run folder inside a run folder is not part of it.
@@ -405,12 +408,7 @@ fn on_disk(at: &Path, options: &str, before: &str, line: &str) -> Option<Finishe
         return None;
     }
     let script = format!("{mount} && {before} \"$0\" {line}; code=$?; ls -A disk; exit $code");
-    let output = shell(&script).unwrap();
-    Some(Finished {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    })
+    Some(shell(&script).unwrap().into())
 }
 
 #[cfg(target_os = "linux")]

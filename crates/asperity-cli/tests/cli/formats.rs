@@ -1,17 +1,14 @@
 //! Tests of `asperity formats`, and of files of many formats in other commands.
 
 use std::fs;
+use std::path::Path;
 
 use asperity_formats::read;
-use ndarray::{Array2, array};
+use ndarray::Array2;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{asperity, asperity_in, listing, npy, number};
-
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
+use crate::support::{asperity, listing, npy, number, run_in};
 
 #[test]
 fn the_table_lists_every_format_and_its_test_files() {
@@ -42,38 +39,14 @@ fn map() -> Array2<f64> {
     heights
 }
 
-#[test]
-fn every_writable_format_preserves_a_map() {
-    let folder = TempDir::new().unwrap();
-    npy(folder.path(), "map.npy", map());
-    for (name, steps) in [
-        ("a.x3p", 0.0),
-        ("a.sur", 1.0 / 2_f64.powi(30)),
-        ("a.sdf", 0.0),
-        ("a.gwy", 0.0),
-        ("a.txt", 0.0),
-        ("a.csv", 0.0),
-    ] {
-        let convert = format!("surface convert map.npy {name} --pixel-size 2um,3um");
-        let found = asperity_in(folder.path(), &words(&convert));
-        assert_eq!(found.code, 0, "{name}: {found:?}");
-        let scan = read(&folder.path().join(name)).unwrap();
-        let (dx_m, dy_m) = scan.pitch_m.unwrap();
-        // SUR stores pitches as f32.
-        assert!((dx_m / 2e-6 - 1.0).abs() < 1e-7 && (dy_m / 3e-6 - 1.0).abs() < 1e-7, "{name}: {dx_m} × {dy_m}");
-        let tolerance_m = 2e-6 * steps + 1e-21;
-        for (found, wanted) in scan.heights_m.iter().zip(&map()) {
-            assert!(
-                found.is_nan() && wanted.is_nan() || (found - wanted).abs() <= tolerance_m,
-                "{name}: {found} {wanted}"
-            );
-        }
-        let stats = asperity_in(folder.path(), &words(&format!("surface stats {name} --json"))).json(0);
-        assert_eq!((number(&stats, "nx"), number(&stats, "ny"), number(&stats, "missing_points")), (9.0, 7.0, 2.0));
+/// Writes an archive `two.npz` of the maps `a` and `b` from these files.
+fn two_maps(folder: &Path, files: [&str; 2]) {
+    let mut archive = zip::ZipWriter::new(fs::File::create(folder.join("two.npz")).unwrap());
+    for (name, file) in ["a.npy", "b.npy"].into_iter().zip(files) {
+        archive.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut archive, &fs::read(folder.join(file)).unwrap()).unwrap();
     }
-    let image = asperity_in(folder.path(), &words("surface convert map.npy a.vti --pixel-size 2um,3um"));
-    assert_eq!(image.code, 0, "{image:?}");
-    assert!(fs::read_to_string(folder.path().join("a.vti")).unwrap().contains("ImageData"));
+    archive.finish().unwrap();
 }
 
 #[test]
@@ -82,15 +55,15 @@ fn channel_selects_a_map_by_name_or_number() {
     npy(folder.path(), "map.npy", Array2::from_shape_fn((16, 16), |(row, column)| 1e-7 * (row * column % 7) as f64));
     let press =
         "contact map.npy --pixel-size 1um --youngs-modulus 1GPa --boundary periodic --mean-pressure 1MPa --out f.npz";
-    assert_eq!(asperity_in(folder.path(), &words(press)).code, 0);
-    let first = asperity_in(folder.path(), &words("surface convert f.npz a.npy"));
+    assert_eq!(run_in(folder.path(), press).code, 0);
+    let first = run_in(folder.path(), "surface convert f.npz a.npy");
     assert!(first.stderr.contains("warning: f.npz: the file holds 3 height maps"), "{first:?}");
     assert!(first.stderr.contains("arrays other than heights were left out: pressure_pa, clusters"), "{first:?}");
-    let gap = asperity_in(folder.path(), &words("surface convert f.npz b.npy --channel gap_m"));
+    let gap = run_in(folder.path(), "surface convert f.npz b.npy --channel gap_m");
     assert!(gap.code == 0 && !gap.stderr.contains("height maps"), "{gap:?}");
     let names = ["displacement_m", "gap_m", "plastic_displacement_m"];
     let place = names.iter().position(|name| *name == "gap_m").unwrap() + 1;
-    let by_number = asperity_in(folder.path(), &words(&format!("surface convert f.npz c.npy --channel {place}")));
+    let by_number = run_in(folder.path(), &format!("surface convert f.npz c.npy --channel {place}"));
     assert_eq!(by_number.code, 0, "{by_number:?}");
     let heights = |name: &str| read(&folder.path().join(name)).unwrap().heights_m;
     assert_eq!(heights("b.npy"), heights("c.npy"));
@@ -98,7 +71,7 @@ fn channel_selects_a_map_by_name_or_number() {
     assert_ne!(heights("a.npy"), heights("b.npy"));
     let before = listing(folder.path());
     for wrong in ["pressure_pa", "4", "0"] {
-        asperity_in(folder.path(), &words(&format!("surface convert f.npz d.npy --channel {wrong}")))
+        run_in(folder.path(), &format!("surface convert f.npz d.npy --channel {wrong}"))
             .refuses(2, &["f.npz", "gap_m", wrong]);
     }
     assert_eq!(listing(folder.path()), before);
@@ -115,19 +88,14 @@ fn a_study_selects_the_map_of_a_file() {
     };
     npy(folder.path(), "a.npy", rough(1));
     npy(folder.path(), "b.npy", rough(5) * 3.0);
-    let mut archive = zip::ZipWriter::new(fs::File::create(folder.path().join("two.npz")).unwrap());
-    for name in ["a", "b"] {
-        archive.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
-        std::io::Write::write_all(&mut archive, &fs::read(folder.path().join(format!("{name}.npy"))).unwrap()).unwrap();
-    }
-    archive.finish().unwrap();
+    two_maps(folder.path(), ["a.npy", "b.npy"]);
     let study = |channel: &str| {
         let text = format!(
             "seed = 1\n[surface]\nfile = \"two.npz\"\nchannel = \"{channel}\"\npixel_size = [\"1 um\", \"1 um\"]\n\
              covariance = \"exponential\"\ncorrelation_length = [\"3 um\", \"3 um\"]\n"
         );
         fs::write(folder.path().join("study.toml"), text).unwrap();
-        asperity_in(folder.path(), &words("run study.toml --out out --force --json"))
+        run_in(folder.path(), "run study.toml --out out --force --json")
     };
     let sq = |channel: &str| number(&study(channel).json(0)["surface"], "Sq_m");
     let (first, second) = (sq("a"), sq("b"));
@@ -137,38 +105,11 @@ fn a_study_selects_the_map_of_a_file() {
 }
 
 #[test]
-fn a_file_in_a_gzip_stream_is_read_and_a_damaged_one_refused() {
-    let folder = TempDir::new().unwrap();
-    // Stored without compression (RFC 1951 block of type 0 in RFC 1952); the checksum belongs to `1e-6 2e-6
-    // 2e-6 1e-6
-    // `.
-    let text = b"1e-6 2e-6\n2e-6 1e-6\n";
-    let mut bytes = vec![0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255, 1];
-    bytes.extend((text.len() as u16).to_le_bytes());
-    bytes.extend((!(text.len() as u16)).to_le_bytes());
-    bytes.extend(text);
-    bytes.extend(crc32(text).to_le_bytes());
-    bytes.extend((text.len() as u32).to_le_bytes());
-    fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
-    let found = asperity_in(folder.path(), &words("surface convert map.txt.gz map.npy"));
-    assert_eq!(found.code, 0, "{found:?}");
-    assert_eq!(read(&folder.path().join("map.npy")).unwrap().heights_m, array![[1e-6, 2e-6], [2e-6, 1e-6]]);
-    bytes[20] ^= 1;
-    fs::write(folder.path().join("map.txt.gz"), &bytes).unwrap();
-    asperity_in(folder.path(), &words("surface stats map.txt.gz --pixel-size 1um")).refuses(3, &["map.txt.gz", "gzip"]);
-}
-
-#[test]
 fn json_names_the_format_the_channel_and_the_warnings_also_when_quiet() {
     let folder = TempDir::new().unwrap();
-    let run = |line: &str| asperity_in(folder.path(), &words(line));
+    let run = |line: &str| run_in(folder.path(), line);
     npy(folder.path(), "a.npy", map());
-    let mut archive = zip::ZipWriter::new(fs::File::create(folder.path().join("two.npz")).unwrap());
-    for name in ["a", "b"] {
-        archive.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
-        std::io::Write::write_all(&mut archive, &fs::read(folder.path().join("a.npy")).unwrap()).unwrap();
-    }
-    archive.finish().unwrap();
+    two_maps(folder.path(), ["a.npy"; 2]);
     for quiet in ["", " --quiet"] {
         let found = run(&format!("surface stats two.npz --pixel-size 1um --json{quiet}"));
         let json = found.json(0);
@@ -208,7 +149,7 @@ fn every_json_object_carries_its_warnings() {
         &format!("vibration cycle {machine} --damping-ratio 0.17 --json"),
         &format!("vibration forced-cycles {machine} --damping-ratio 0.17 --forcing 0.01 --forcing-frequency 1 --json"),
     ] {
-        let found = asperity_in(folder.path(), &words(line));
+        let found = run_in(folder.path(), line);
         assert!(found.code == 0, "{line}: {found:?}");
         assert!(found.json(0)["warnings"].is_array(), "{line}: {found:?}");
     }
@@ -217,7 +158,7 @@ fn every_json_object_carries_its_warnings() {
 #[test]
 fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
     let folder = TempDir::new().unwrap();
-    let run = |line: &str| asperity_in(folder.path(), &words(line));
+    let run = |line: &str| run_in(folder.path(), line);
     fs::write(folder.path().join("plain.txt"), "1 2 3\n2 4 1\n5 1 2\n").unwrap();
     fs::write(folder.path().join("named.txt"), "# unit: nm\n1 2 3\n2 4 1\n5 1 2\n").unwrap();
     let sq = |line: &str| number(&run(&format!("surface stats {line} --pixel-size 20um --json")).json(0), "Sz_m");
@@ -240,57 +181,9 @@ fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
 }
 
 #[test]
-fn heights_beyond_the_field_of_a_stated_pixel_size_are_warned_about() {
-    let folder = TempDir::new().unwrap();
-    // Heights in micrometres without a unit: 2 m on a field of 16 µm.
-    let heights = Array2::from_shape_fn((16, 16), |(row, column)| ((row * 5 + column * 3) as f64).sin());
-    npy(folder.path(), "a.npy", heights);
-    for line in [
-        "surface stats a.npy",
-        "surface convert a.npy a.x3p",
-        "contact a.npy --youngs-modulus 1GPa --boundary periodic --percentile 50",
-    ] {
-        let warnings = |more: &str| {
-            let line = format!("{line} --pixel-size 1um {more} --json");
-            asperity_in(folder.path(), &words(&line)).json(0)["warnings"].to_string()
-        };
-        let wanted = "more than the field of view, 16 µm; check the units";
-        assert!(warnings("").contains(wanted), "{line}: {}", warnings(""));
-        assert!(!warnings("--height-unit nm").contains("field of view"), "{line}");
-    }
-}
-
-#[test]
-fn convert_levels_a_map_on_request() {
-    let folder = TempDir::new().unwrap();
-    let run = |line: &str| asperity_in(folder.path(), &words(line));
-    // A checkerboard of ±1 µm is nearly orthogonal to a plane; the plane is removed, missing points stay.
-    let mut heights = Array2::from_shape_fn((8, 8), |(row, column)| {
-        1e-6 * (1.0 - 2.0 * ((row + column) % 2) as f64) + 3e-6 * row as f64 - 5e-6 * column as f64 + 1e-3
-    });
-    heights[[2, 3]] = f64::NAN;
-    npy(folder.path(), "map.npy", heights.clone());
-    let line = "surface convert map.npy out.npy --pixel-size 1um";
-    assert_eq!(run(&format!("{line} --level plane")).code, 0);
-    let left = read(&folder.path().join("out.npy")).unwrap().heights_m;
-    assert!(left[[2, 3]].is_nan() && left.iter().filter(|z| z.is_nan()).count() == 1);
-    assert!(left.iter().filter(|z| !z.is_nan()).all(|z| (z.abs() / 1e-6 - 1.0).abs() < 0.2), "{left}");
-    assert_eq!(run(line).code, 0);
-    let same = read(&folder.path().join("out.npy")).unwrap().heights_m;
-    assert!(same.iter().zip(&heights).all(|(a, b)| a == b || b.is_nan()));
-    run("surface convert map.npy out.npy --level plane").refuses(2, &["map.npy", "pixel size"]);
-}
-
-#[test]
 fn an_unsupported_format_is_named_with_a_remedy() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("scan.sxm"), b":NANONIS_VERSION:\r\n2\r\n").unwrap();
-    asperity_in(folder.path(), &words("surface stats scan.sxm"))
+    run_in(folder.path(), "surface stats scan.sxm")
         .refuses(3, &["scan.sxm: this is a Nanonis SXM file", "Gwyddion can save it as GWY"]);
-}
-
-/// CRC-32 of gzip, bit by bit.
-fn crc32(bytes: &[u8]) -> u32 {
-    let step = |crc: u32, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
-    !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), step))
 }

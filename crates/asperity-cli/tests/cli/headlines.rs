@@ -5,19 +5,19 @@ use std::fs;
 use std::path::Path;
 
 use asperity_formats::{Scan, read, write_x3p};
+use asperity_testing::StudyText;
 use ndarray::{Array2, Axis, s};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, asperity, close, number, run_in};
+use crate::support::{Finished, asperity, close, json_of, number, run_in};
 
 /// Runs a study into the folder `run` and returns the output of the program and `results.json`.
 fn study(folder: &Path, text: &str) -> (Finished, Value) {
     fs::write(folder.join("study.toml"), text).unwrap();
     let ended = run_in(folder, "run study.toml --out run");
     assert_eq!(ended.code, 0, "{ended:?}");
-    let results = fs::read(folder.join("run/results.json")).unwrap();
-    (ended, serde_json::from_slice(&results).unwrap())
+    (ended, json_of(&folder.join("run/results.json")))
 }
 
 /// Generates `count` maps of a specification and returns their heights in metre.
@@ -147,12 +147,10 @@ fn random_maps_like_a_scan_of_fine_roughness_on_long_waves_keep_its_slopes() {
 
 /// A study of the paper's machine with a stated friction process.
 fn machine(friction_std: f64, more: &str) -> String {
-    format!(
-        "seed = 3\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\n\
-         normal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\n\
-         static_friction = 0.1\nfriction_std = {friction_std:e}\nfriction_correlation_length = \"250 um\"\n\
-         friction_marginal = \"beta:2.1,5\"\nupscaling = \"paper\"\n{more}"
-    )
+    StudyText::new(3, &["vibration", "stated friction"])
+        .with("vibration", &format!("friction_std = {friction_std:e}\nstribeck = 4.2\nupscaling = \"paper\""))
+        .with("vibration", more)
+        .to_string()
 }
 
 /// [`machine`] without damping and scatter for commands without units: λ = ℓc/N with N/c = 2500 N/(1 kg·316² s⁻²).
@@ -204,35 +202,17 @@ fn independent_ensembles_at_the_crossings_vibrate_as_often_as_their_levels() {
 }
 
 /// A lightly loaded pad: at its nominal pressure most windows hold a contact or none.
-const PAD: &str = r#"seed = 12
-[surface]
-covariance = "squared_exponential"
-marginal = "normal"
-rms_height = "0.5 um"
-correlation_length = ["12 um", "12 um"]
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-shear_strength = "385 MPa"
-[friction]
-strip = ["320 um", "32 um"]
-points = [160, 16]
-window = "32 um"
-percentiles = [20.0]
-realisations = 4
-tolerance = 1e-5
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "2.5 kN"
-nominal_area = "200 mm^2"
-dimensionless_belt_velocity = 0.003
-stribeck = 4.2
-trajectories = 4
-duration = 20.0
-damping_sweep = [0.1, 0.2, 2]
-"#;
+fn pad() -> String {
+    let friction = "strip = [\"320 um\", \"32 um\"]\npoints = [160, 16]\nwindow = \"32 um\"\nrealisations = 4";
+    StudyText::new(12, &["surface", "material", "friction", "vibration"])
+        .with("surface", "covariance = \"squared_exponential\"\nrms_height = \"0.5 um\"")
+        .with("surface", "correlation_length = [\"12 um\", \"12 um\"]")
+        .with("friction", friction)
+        .with("friction", "percentiles = [20.0]\ntolerance = 1e-5")
+        .with("vibration", "nominal_area = \"200 mm^2\"\nstribeck = 4.2\ntrajectories = 4\nduration = 20.0")
+        .with("vibration", "damping_sweep = [0.1, 0.2, 2]")
+        .to_string()
+}
 
 /// First number after `label`.
 fn stated(text: &str, label: &str) -> f64 {
@@ -244,7 +224,7 @@ fn stated(text: &str, label: &str) -> f64 {
 #[test]
 fn card_terminal_results_and_machine_have_one_friction_coefficient() {
     let folder = TempDir::new().unwrap();
-    let (ended, results) = study(folder.path(), PAD);
+    let (ended, results) = study(folder.path(), &pad());
     let text = |name: &str| fs::read_to_string(folder.path().join("run").join(name)).unwrap();
     let process: Value = serde_json::from_str(&text("friction_process.json")).unwrap();
     let vibration = &results["vibration"];
@@ -317,12 +297,11 @@ fn contours_of_a_wide_transition_are_where_independent_ensembles_vibrate_as_ofte
 
 /// A patch that touches its flat at about half of its points.
 fn patch(hardness: &str, fine_solves: usize) -> String {
-    format!(
-        "seed = 1\n[surface]\nrms_height = \"1 um\"\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n\
-         correlation_length = [\"20 um\", \"20 um\"]\nmodes = 30\n[material]\nyoungs_modulus = \"210 GPa\"\n\
-         hardness = \"{hardness}\"\n[pressure]\nsize = [\"100 um\", \"100 um\"]\npoints = [16, 16]\npercentile = 50.0\n\
-         fine_solves = {fine_solves}\nreference_samples = 100\nvariables = 3\ndegree = 3\n"
-    )
+    StudyText::new(1, &["surface", "material", "pressure"])
+        .with("surface", "covariance = \"squared_exponential\"\nmodes = 30")
+        .with("material", &format!("hardness = \"{hardness}\""))
+        .with("pressure", &format!("fine_solves = {fine_solves}\nreference_samples = 100\nvariables = 3\ndegree = 3"))
+        .to_string()
 }
 
 #[test]

@@ -4,10 +4,12 @@
 use std::fs;
 use std::path::Path;
 
+use asperity_testing::StudyText;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, run_in};
+use crate::support::{Finished, json_of, run_in};
+use crate::verdict::{contains, pair};
 
 const MACHINE: &str = "seed = 1\n[vibration]\nmodel = \"mode_coupling\"\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\n\
                        normal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.5\n";
@@ -24,22 +26,11 @@ fn run(friction: &str, lines: &str) -> Finished {
 }
 
 fn verdict(friction: &str, lines: &str) -> Value {
-    let ended = run(friction, lines);
-    assert_eq!(ended.code, 0, "{ended:?}");
-    serde_json::from_str(&ended.stdout).unwrap()
-}
-
-fn pair(value: &Value) -> [f64; 2] {
-    [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()]
-}
-
-fn contains(interval: &Value, wanted: f64) {
-    let [low, high] = pair(interval);
-    assert!(low <= wanted && wanted <= high, "{low} to {high} does not contain {wanted}");
+    run(friction, lines).json(0)
 }
 
 fn results(folder: &Path, run: &str) -> Value {
-    serde_json::from_slice(&fs::read(folder.join(run).join("results.json")).unwrap()).unwrap()
+    json_of(&folder.join(run).join("results.json"))
 }
 
 #[test]
@@ -97,8 +88,7 @@ fn damping_moves_the_critical_friction_by_the_closed_form() {
             page.contains("Does it squeal by mode coupling?") && page.contains("Modes over the friction coefficient")
         );
         // The study of the run folder states the default springs and runs again.
-        let again = run_in(folder.path(), "verdict run/study.toml --json");
-        let exact: Value = serde_json::from_str(&again.stdout).unwrap();
+        let exact = run_in(folder.path(), "verdict run/study.toml --json").json(0);
         assert_eq!(exact["probability"], if unstable { 1.0 } else { 0.0 });
         assert!((exact["nominal"]["damping_margin"].as_f64().unwrap() - (critical - 0.8)).abs() < 1e-12);
         let wanted = if unstable { "The machine squeals by mode coupling" } else { "The machine does not squeal" };
@@ -212,12 +202,15 @@ fn springs_and_angles_may_be_uncertain() {
 #[ignore = "slow"]
 fn the_contact_spring_of_the_surface_is_the_computed_stiffness_over_the_nominal_area() {
     let folder = TempDir::new().unwrap();
-    let text = "seed = 5\n[surface]\nrms_height = \"1 um ± 0.05 um\"\ncorrelation_length = [\"20 um\", \"20 um\"]\n\
-                covariance = \"exponential\"\nmarginal = \"normal\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
-                shear_strength = \"385 MPa\"\n[friction]\nstrip = [\"600 um\", \"40 um\"]\npoints = [256, 16]\n\
-                window = \"60 um\"\npercentiles = [25.0]\nrealisations = 8\n[vibration]\nmodel = \"mode_coupling\"\n\
-                mass = \"1 kg\"\nnatural_frequency = \"60000 rad/s\"\nnormal_force = \"2.5 kN\"\nnominal_area = \"1 mm^2\"\n\
-                belt_velocity = \"1 m/s\"\ndamping_ratio = 0.02\ncontact_spring = \"surface\"\n";
+    let friction = "strip = [\"600 um\", \"40 um\"]\nwindow = \"60 um\"\npoints = [256, 16]\npercentiles = [25.0]";
+    let text = StudyText::new(5, &["surface", "material", "friction", "vibration"])
+        .with("surface", "rms_height = \"1 um ± 0.05 um\"")
+        .with("friction", friction)
+        .with("vibration", "model = \"mode_coupling\"\nnatural_frequency = \"60000 rad/s\"\nnominal_area = \"1 mm^2\"")
+        .with("vibration", "belt_velocity = \"1 m/s\"\ndamping_ratio = 0.02\ncontact_spring = \"surface\"")
+        .without("material", &["hardness"])
+        .without("vibration", &["dimensionless_belt_velocity"])
+        .to_string();
     fs::write(folder.path().join("study.toml"), text).unwrap();
     let ended = run_in(folder.path(), "run study.toml --out run");
     assert_eq!(ended.code, 0, "{ended:?}");

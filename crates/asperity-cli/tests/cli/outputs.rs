@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::support::{Finished, listing, run_in, written};
 
-const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
+pub(crate) const SPECIFICATION: &str = "seed = 3\nsize = [\"32 um\", \"24 um\"]\npoints = [32, 24]\n[surface]\n\
                              covariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
                              correlation_length = \"4 um\"\ngenerator = \"spectral\"\n";
 

@@ -2,33 +2,26 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
+use asperity_testing::StudyText;
 use ndarray::Array2;
 use tempfile::TempDir;
 
-use crate::support::{npy, run_in};
+use crate::support::{json_of, npy, run_in};
 
 /// Statistics of two bodies.
 const BODIES: &str = "seed = 1\n[surface]\nfile = \"a.npy\"\npixel_size = \"1 um\"\n\
                       [counterface]\nfile = \"b.npy\"\npixel_size = \"1 um\"\n";
 /// Statistics of the scans of a folder.
 const CAMPAIGN: &str = "study = \"one.toml\"\nscans = \"lot/*.npy\"\n";
-const MACHINE: &str = r#"seed = 5
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.4
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-static_friction = 0.4
-friction_std = 0.01
-friction_marginal = "normal"
-friction_correlation_length = "10 um"
-damping_sweep = [0.3, 0.5, 2]
-trajectories = 16
-duration = 20.0
-"#;
+static MACHINE: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(5, &["vibration", "stated friction"])
+        .with("vibration", "damping_ratio = 0.4\nstatic_friction = 0.4\nfriction_std = 0.01")
+        .with("vibration", "friction_marginal = \"normal\"\nfriction_correlation_length = \"10 um\"")
+        .with("vibration", "damping_sweep = [0.3, 0.5, 2]\ntrajectories = 16\nduration = 20.0")
+        .to_string()
+});
 
 /// Writes a wavy map.
 fn scan(file: &Path, wave: f64) {
@@ -52,7 +45,7 @@ fn bench() -> TempDir {
         scan(&at.join("lot").join(name), wave);
     }
     let one = BODIES.split("[counterface]").next().unwrap();
-    for (name, text) in [("two.toml", BODIES), ("one.toml", one), ("lots.toml", CAMPAIGN), ("machine.toml", MACHINE)] {
+    for (name, text) in [("two.toml", BODIES), ("one.toml", one), ("lots.toml", CAMPAIGN), ("machine.toml", &MACHINE)] {
         fs::write(at.join(name), text).unwrap();
     }
     folder
@@ -129,25 +122,31 @@ fn the_memory_estimate_is_between_the_peak_and_one_and_a_half_times_the_peak() {
     let folder = bench();
     let at = folder.path();
     scan(&at.join("a.npy"), 0.5);
-    let surface = "[surface]\ncovariance = \"exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\n";
-    let material = "[material]\nyoungs_modulus = \"10 GPa\"\nhardness = \"1 GPa\"\nshear_strength = \"40 MPa\"\n";
+    let bodies = |section: &'static str, lines: String| {
+        StudyText::new(1, &["surface", "material"])
+            .with("material", "youngs_modulus = \"10 GPa\"\nhardness = \"1 GPa\"\nshear_strength = \"40 MPa\"")
+            .with(section, &lines)
+            .to_string()
+    };
     let pressure = |points: usize, solves: usize, boundary: &str| {
-        format!(
-            "seed = 1\n{surface}{material}[pressure]\nsize = [\"100 um\", \"100 um\"]\npoints = [{points}, {points}]\npercentile = 50.0\n\
-             boundary = \"{boundary}\"\nfine_solves = {solves}\nreference_samples = {}\nvariables = 8\ndegree = 2\n",
+        let lines = format!(
+            "size = [\"100 um\", \"100 um\"]\npoints = [{points}, {points}]\npercentile = 50.0\nboundary = \"{boundary}\"\n\
+             fine_solves = {solves}\nreference_samples = {}\nvariables = 8\ndegree = 2",
             10 * solves
-        )
+        );
+        bodies("pressure", lines)
     };
     let friction = |nx: usize, ny: usize, boundary: &str| {
-        format!(
-            "seed = 1\n{surface}{material}[friction]\nstrip = [\"{} um\", \"{} um\"]\npoints = [{nx}, {ny}]\nwindow = \"100 um\"\n\
-             boundary = \"{boundary}\"\npercentiles = [50.0]\nrealisations = 8\n",
+        let lines = format!(
+            "strip = [\"{} um\", \"{} um\"]\npoints = [{nx}, {ny}]\nwindow = \"100 um\"\nboundary = \"{boundary}\"\n\
+             percentiles = [50.0]\nrealisations = 8",
             2 * nx,
             2 * ny
-        )
+        );
+        bodies("friction", lines)
     };
     let studies = [
-        ("machine", MACHINE.to_owned()),
+        ("machine", MACHINE.clone()),
         ("pressure", pressure(32, 200, "periodic")),
         ("a large patch", pressure(128, 20, "free")),
         ("friction", friction(4096, 96, "periodic")),
@@ -165,8 +164,7 @@ fn the_memory_estimate_is_between_the_peak_and_one_and_a_half_times_the_peak() {
         };
         let estimated = most(&estimate["estimate"], "memory_bytes");
         assert_eq!(run_in(at, "run study.toml --out run --threads 2 --force").code, 0, "{name}");
-        let provenance = fs::read(at.join("run/provenance.json")).unwrap();
-        let provenance: serde_json::Value = serde_json::from_slice(&provenance).unwrap();
+        let provenance = json_of(&at.join("run/provenance.json"));
         // Where the system does not report it, there is nothing to compare.
         if provenance["stages"].as_object().unwrap().values().all(|stage| stage["peak_memory_bytes"].is_number()) {
             let measured = most(&provenance["stages"], "peak_memory_bytes");

@@ -5,46 +5,24 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use asperity_testing::StudyText;
 use tempfile::TempDir;
 
 use crate::support::{asperity_in, listing, run_in};
 
 /// A surface with the distribution of its pressure, in half a second.
-const STUDY: &str = r#"seed = 5
-[surface]
-covariance = "exponential"
-marginal = "normal"
-rms_height = "1 um"
-correlation_length = "20 um"
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-[pressure]
-size = ["100 um", "100 um"]
-points = [16, 16]
-percentile = 50.0
-fine_solves = 200
-reference_samples = 400
-variables = 4
-degree = 2
-"#;
+fn pressed() -> String {
+    StudyText::new(5, &["surface", "material", "pressure"])
+        .with("pressure", "fine_solves = 200\nreference_samples = 400\nvariables = 4\ndegree = 2")
+        .to_string()
+}
 
 /// Constant friction, stated: a study without a block.
-const WITHOUT_BLOCKS: &str = r#"seed = 5
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.4
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-stribeck = 4.2
-static_friction = 0.1
-friction_std = 0.0
-damping_sweep = [0.3, 0.5, 3]
-trajectories = 4
-duration = 50.0
-"#;
+fn without_blocks() -> String {
+    StudyText::new(5, &["vibration", "stated friction"])
+        .with("vibration", "friction_std = 0.0\ndamping_sweep = [0.3, 0.5, 3]\ntrajectories = 4\nduration = 50.0")
+        .to_string()
+}
 
 /// Runs all jobs at once in the order of submission, prints their numbers as Slurm does on several clusters, and logs its
 /// arguments.
@@ -82,7 +60,7 @@ fn the_jobs_of_a_script_give_the_bytes_of_one_run_whatever_the_paths() {
     let folder = TempDir::new().unwrap();
     let at = folder.path().join("it's a $HOME of \"studies\"");
     fs::create_dir_all(&at).unwrap();
-    fs::write(at.join("my study.toml"), STUDY).unwrap();
+    fs::write(at.join("my study.toml"), pressed()).unwrap();
     assert_eq!(asperity_in(&at, &["run", "my study.toml", "--out", "one run/whole"]).code, 0);
     let options = ["--tasks", "3", "--rounds", "2", "--time", "90.5 min", "--memory", "1.5 GB", "--cpus", "2"];
     let found = asperity_in(&at, &[&["slurm", "my study.toml"][..], &options].concat());
@@ -119,7 +97,7 @@ fn the_jobs_of_a_script_give_the_bytes_of_one_run_whatever_the_paths() {
 fn parts_without_a_block_are_merged_also_a_single_one() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    fs::write(at.join("brake.toml"), WITHOUT_BLOCKS).unwrap();
+    fs::write(at.join("brake.toml"), without_blocks()).unwrap();
     for tasks in [1, 5] {
         let line = format!("slurm brake.toml --tasks {tasks} --out runs/of-{tasks} --force");
         assert_eq!(run_in(at, &line).code, 0);
@@ -134,7 +112,7 @@ fn parts_without_a_block_are_merged_also_a_single_one() {
 fn jobs_that_fail_end_the_submission_and_go_on_later() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    fs::write(at.join("brake.toml"), STUDY).unwrap();
+    fs::write(at.join("brake.toml"), pressed()).unwrap();
     assert_eq!(run_in(at, "slurm brake.toml --tasks 2").code, 0);
     fs::rename(at.join("brake.toml"), at.join("away.toml")).unwrap();
     let (output, submissions) = submit(at, "brake.slurm.sh", &[]);
@@ -148,10 +126,10 @@ fn jobs_that_fail_end_the_submission_and_go_on_later() {
 fn a_wrong_study_or_value_writes_no_script_and_a_script_is_not_replaced_unasked() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
-    fs::write(at.join("wrong.toml"), STUDY.replace("rms_height", "rms_hight")).unwrap();
+    fs::write(at.join("wrong.toml"), pressed().replace("rms_height", "rms_hight")).unwrap();
     run_in(at, "slurm wrong.toml --tasks 2").refuses(2, &["wrong.toml:5", "rms_hight"]);
     run_in(at, "slurm none.toml --tasks 2").refuses(3, &["none.toml: no such file"]);
-    fs::write(at.join("brake.toml"), STUDY).unwrap();
+    fs::write(at.join("brake.toml"), pressed()).unwrap();
     run_in(at, "slurm brake.toml").refuses(2, &["--tasks"]);
     for (flag, word) in [("--tasks 0", "at least 1"), ("--tasks 2 --time 4", "unit"), ("--tasks 2 --memory 4", "size")]
     {

@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 #[cfg(target_os = "linux")]
 use std::process::Child;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 #[cfg(target_os = "linux")]
 use std::time::{Duration, Instant};
 
 use asperity_formats::{Scan, write_npy};
 use ndarray::Array2;
 use serde_json::Value;
+use tempfile::TempDir;
 
 /// Name of the manifest in each folder that the program writes.
 pub(crate) const MANIFEST: &str = ".asperity-manifest";
@@ -34,10 +35,16 @@ pub(crate) fn asperity_in<S: AsRef<str>>(at: &Path, arguments: &[S]) -> Finished
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    Finished {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
+    output.into()
+}
+
+impl From<Output> for Finished {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
     }
 }
 
@@ -96,12 +103,7 @@ pub(crate) fn send(signal: &str, started: &Started) {
 /// Waits until `asperity` exits.
 #[cfg(target_os = "linux")]
 pub(crate) fn wait_for(mut started: Started) -> Finished {
-    let output = started.0.take().unwrap().wait_with_output().unwrap();
-    Finished {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    started.0.take().unwrap().wait_with_output().unwrap().into()
 }
 
 /// Runs `asperity`, interrupts it, and measures the time until it exits.
@@ -207,4 +209,16 @@ pub(crate) fn whole_listing(folder: &Path) -> Vec<String> {
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
+}
+
+/// Returns a folder with a study as `study.toml`.
+pub(crate) fn folder_with_study(text: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("study.toml"), text).unwrap();
+    folder
+}
+
+/// Returns the JSON object in a file.
+pub(crate) fn json_of(file: &Path) -> Value {
+    serde_json::from_slice(&fs::read(file).unwrap()).unwrap()
 }

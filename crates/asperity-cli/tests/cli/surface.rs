@@ -83,6 +83,7 @@ fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
         ("convert empty.npy out.npy", 3, vec!["empty.npy"]),
         ("convert words.txt out.npy", 3, vec!["words.txt", "line 1", "two"]),
         ("convert . out.npy", 3, vec!["."]),
+        ("convert map.npy out.npy --level plane", 2, vec!["map.npy", "pixel size"]),
         ("convert map.npy out.x3p", 2, vec!["out.x3p", "pixel size"]),
         ("convert map.npy out.tiff", 2, vec!["out.tiff", ".tiff", ".x3p"]),
         ("convert map.npy out", 2, vec!["out"]),
@@ -94,25 +95,6 @@ fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
         surface(folder.path(), line).refuses(code, &words);
     }
     assert_eq!(listing(folder.path()), before);
-}
-
-#[test]
-fn the_exponential_eigenvalues_equal_the_closed_form() {
-    // Unit interval, ℓ = 1; midpoint Nyström converges with order 2, so 400 points leave about 1e-5.
-    // The self-affine correlation of H = 1/2 is the exponential one.
-    for covariance in ["exponential", "matern --smoothness 0.5", "self-affine --hurst 0.5"] {
-        let line = format!(
-            "surface modes --covariance {covariance} --correlation-length 1m --size 1m --points 400 --modes 4 --json"
-        );
-        let json = asperity(&line).json(0);
-        let found: Vec<f64> = json["eigenvalues"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-        assert_eq!(found.len(), 4);
-        for (found, exact) in found.iter().zip([0.738_810_809_4, 0.138_003_775_4, 0.045_088_487_3, 0.021_328_931_3]) {
-            assert!((found - exact).abs() < 5e-6, "{covariance}: {found} is not {exact}");
-        }
-        close(number(&json, "captured_variance"), found.iter().sum::<f64>(), 1e-12);
-        assert_eq!(json["eigenvalue_unit"], "m");
-    }
 }
 
 #[test]
@@ -178,36 +160,6 @@ fn the_parameters_of_a_sine_have_their_closed_forms() {
     let slope = 2.0_f64.sqrt() * std::f64::consts::PI * 1e-6 / 40e-6 * phase.sin() / phase;
     // The last column has no forward neighbour; the others cover all phases but one.
     close(number(&json, "Sdq"), slope, 2e-3);
-    for key in "Sp_m Sv_m Sz_m Sdq_7point Sdr Sal_m Str Sk_m Spk_m Svk_m Smrk1 Smrk2 correlation_length_x_m \
-         correlation_length_y_m hurst fractal_dimension"
-        .split_whitespace()
-    {
-        assert!(json.get(key).is_some_and(|v| v.is_null() || v.is_f64()), "{key}: {json}");
-    }
-}
-
-#[test]
-fn levelling_removes_the_form_and_missing_points_are_counted() {
-    let folder = TempDir::new().unwrap();
-    let mut tilted = sine();
-    for ((row, column), z) in tilted.indexed_iter_mut() {
-        *z += 1e-9 * row as f64 + 2e-9 * column as f64;
-    }
-    tilted[[3, 7]] = f64::NAN;
-    npy(folder.path(), "tilted.npy", tilted);
-    let sq = |level: &str| {
-        let line = format!("stats tilted.npy --pixel-size 1um --level {level} --json");
-        let json = surface(folder.path(), &line).json(0);
-        assert_eq!(number(&json, "missing_points"), 1.0);
-        number(&json, "Sq_m")
-    };
-    // A sine is nearly orthogonal to the plane: 3/(π·10)² of its variance is not.
-    close(sq("plane"), 1e-6 / 2.0_f64.sqrt(), 1e-2);
-    assert!(sq("mean") > 1.02e-6 / 2.0_f64.sqrt());
-    assert!(sq("quadratic") <= sq("plane"));
-    close(sq("mean"), sq("none"), 1e-12);
-    let table = surface(folder.path(), "stats tilted.npy --pixel-size 1um");
-    assert!(table.stdout.contains("µm") && table.stdout.contains("missing points"), "{table:?}");
 }
 
 /// A map of white noise, smoothed over 5 × 5 points.
@@ -359,30 +311,6 @@ fn filling_keeps_measured_heights_and_counts_the_filled_ones() {
         "fill map.npy --pixel-size 1um --out one.x3p --seed 3 --extend 4um,2.5um --marginal normal --covariance fitted";
     assert_eq!(surface(folder.path(), line).code, 0);
     assert_eq!(bits(&filled("one.x3p")), bits(&filled("maps/map_0000.x3p")));
-}
-
-#[test]
-#[ignore = "slow"]
-fn a_smooth_map_is_filled_without_error() {
-    // Waves of many points, smooth to the last bit: neighbouring heights are almost linearly dependent.
-    let folder = TempDir::new().unwrap();
-    let wave = |row: usize, column: usize, k: f64| {
-        (0.13 * k * column as f64 + 0.7 * k).sin() * (0.11 * k * row as f64 + 1.3 * k * k).cos()
-    };
-    let mut heights = Array2::from_shape_fn((90, 100), |(row, column)| {
-        1e-7 * (1..6).map(|k| wave(row, column, f64::from(k))).sum::<f64>()
-    });
-    heights.slice_mut(ndarray::s![30..42, 50..70]).fill(f64::NAN);
-    heights.slice_mut(ndarray::s![60..61, 20..22]).fill(f64::NAN);
-    npy(folder.path(), "map.npy", heights.clone());
-    let largest = heights.iter().filter(|z| !z.is_nan()).fold(0.0_f64, |m, z| m.max(z.abs()));
-    for choice in ["measured", "fitted"] {
-        let line = format!("fill map.npy --pixel-size 1um --out {choice}.npy --seed 1 --covariance {choice}");
-        let found = surface(folder.path(), &line);
-        assert_eq!(found.code, 0, "{found:?}");
-        let filled = read(&folder.path().join(format!("{choice}.npy"))).unwrap().heights_m;
-        assert!(filled.iter().all(|z| z.abs() < 1.5 * largest), "{choice}");
-    }
 }
 
 #[test]

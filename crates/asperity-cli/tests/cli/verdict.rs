@@ -2,10 +2,11 @@
 
 use std::fs;
 
+use asperity_testing::StudyText;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{Finished, run_in};
+use crate::support::{Finished, folder_with_study, json_of, run_in};
 
 /// A machine with linear weakening b and no jump of friction: it vibrates if ζ < b/2, from stick and from steady sliding.
 pub(crate) const MACHINE: &str = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
@@ -13,31 +14,28 @@ pub(crate) const MACHINE: &str = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatura
 
 /// Runs `asperity verdict` on a machine with further lines.
 pub(crate) fn run(lines: &str) -> Finished {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
-    run_in(folder.path(), "verdict study.toml --json")
+    run_in(folder_with_study(&format!("{MACHINE}{lines}")).path(), "verdict study.toml --json")
 }
 
 fn verdict(lines: &str) -> Value {
-    let ended = run(lines);
-    assert_eq!(ended.code, 0, "{ended:?}");
-    serde_json::from_str(&ended.stdout).unwrap()
+    run(lines).json(0)
 }
 
 /// The machine with normal b and ζ.
+const LINEAR: &str = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
+                      damping_ratio = \"0.055 ± 0.005\"\n";
+
+/// Returns the verdict of the machine with normal b and another ζ.
 fn linear(damping: &str, more: &str) -> Value {
-    verdict(&format!(
-        "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
-         damping_ratio = {damping}\n{more}"
-    ))
+    verdict(&format!("{}{more}", LINEAR.replace("\"0.055 ± 0.005\"", damping)))
 }
 
-fn pair(value: &Value) -> [f64; 2] {
+pub(crate) fn pair(value: &Value) -> [f64; 2] {
     [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()]
 }
 
 /// Asserts that an interval contains a number.
-fn contains(interval: &Value, wanted: f64) {
+pub(crate) fn contains(interval: &Value, wanted: f64) {
     let [low, high] = pair(interval);
     assert!(low <= wanted && wanted <= high, "{low} to {high} does not contain {wanted}");
 }
@@ -79,34 +77,6 @@ fn a_linear_law_has_the_probability_drivers_and_remedies_of_the_closed_form() {
     // At P = 1 % b is .058 ± .02.
     let warnings = found["warnings"].as_array().unwrap();
     assert!(warnings.len() == 1 && warnings[0].as_str().unwrap().contains("of it lies beyond"), "{warnings:?}");
-}
-
-#[test]
-#[ignore = "slow"]
-fn more_mass_changes_nothing_if_every_machine_keeps_its_damper() {
-    // M = (c − bN)/(2mω₀) with the damper c and the weakening b in SI: its sign does not depend on the mass. With the damping ratio kept,
-    // M ~ N(.055 − .05/m, .005² + (.01/m)²) has the quantile 0 at P = .05 for m = 1.2627 (the mass varies too little to matter).
-    for (hold, wanted) in [("damper", None), ("damping_ratio", Some(1.2627))] {
-        let folder = TempDir::new().unwrap();
-        let lines = format!(
-            "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
-             damping_ratio = \"0.055 ± 0.005\"\n[verdict]\ntargets = [0.05]\n\
-             remedies = [{{ input = \"vibration.mass\", range = [\"1 kg\", \"2 kg\"], hold = \"{hold}\" }}, \
-             {{ input = \"vibration.linear_weakening\", range = [0.1, 0.2] }}]\n"
-        );
-        let machine = MACHINE.replace("\"1 kg\"", "\"1 ± 0.02 kg\"");
-        fs::write(folder.path().join("study.toml"), format!("{machine}{lines}")).unwrap();
-        let found = run_in(folder.path(), "verdict study.toml --json").json(0);
-        let value = &found["remedies"][0]["reach"][0]["value"];
-        match wanted {
-            None => assert!(value.is_null(), "{found}"),
-            Some(wanted) => assert!((value.as_f64().unwrap() - wanted).abs() < 0.01, "{value}"),
-        }
-        // In a row of the map the mass alone changes.
-        let first = &found["map"]["probability"][0];
-        let [light, heavy] = [0, 16].map(|column| first[column].as_f64().unwrap());
-        assert!(if wanted.is_none() { light == heavy } else { light > heavy + 0.1 }, "{hold}: {first}");
-    }
 }
 
 #[test]
@@ -165,12 +135,10 @@ fn a_machine_far_from_the_limit_has_a_small_bound_from_one_replicate() {
 fn coupled_modes_leave_out_the_fluctuation_of_friction_and_state_it() {
     let coupled = |std: &str| {
         let machine = MACHINE.replace("friction_std = 0\n", std);
-        let folder = TempDir::new().unwrap();
         let lines = "model = \"mode_coupling\"\nbelt_velocity = \"0.5 m/s\"\ndamping_ratio = 0.02\n[verdict]\nremedies = [\
                      { input = \"vibration.damping_ratio\", range = [0.01, 0.1] }, \
                      { input = \"vibration.static_friction\", range = [0.5, 0.8] }]\n";
-        fs::write(folder.path().join("study.toml"), format!("{machine}{lines}")).unwrap();
-        run_in(folder.path(), "verdict study.toml --json").json(0)
+        run_in(folder_with_study(&format!("{machine}{lines}")).path(), "verdict study.toml --json").json(0)
     };
     let constant = coupled("friction_std = 0\n");
     let mean =
@@ -198,16 +166,15 @@ fn a_jump_and_a_falling_law_separate_stick_from_steady_sliding() {
     contains(&jump["probability_from_steady_sliding_interval"], 3.9e-6);
     let falling = "dimensionless_belt_velocity = 0.1\nstribeck = 4.2\ndamping_ratio = 0.21\n";
     let machine = MACHINE.replace("static_friction = 0.3", "static_friction = \"0.2 ± 0.02\"");
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("study.toml"), format!("{machine}{falling}")).unwrap();
+    let folder = folder_with_study(&format!("{machine}{falling}"));
     let ended = run_in(folder.path(), "verdict study.toml --json");
-    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let found = ended.json(0);
     contains(&found["probability_interval"], 0.7195);
     contains(&found["probability_from_steady_sliding_interval"], 0.4673);
     // The same verdict is part of a run.
     let run = run_in(folder.path(), "run study.toml --out run --only verdict");
     assert_eq!(run.code, 0, "{run:?}");
-    let results: Value = serde_json::from_slice(&fs::read(folder.path().join("run/results.json")).unwrap()).unwrap();
+    let results = json_of(&folder.path().join("run/results.json"));
     assert_eq!(results["verdict"]["probability"], found["probability"]);
     let resolved = fs::read_to_string(folder.path().join("run/study.toml")).unwrap();
     assert!(resolved.contains("static_friction = \"0.2 ± 0.02\""), "{resolved}");
@@ -242,12 +209,8 @@ fn slip_cycles_of_a_table_end_at_the_loss_of_stability() {
 #[test]
 #[ignore = "slow"]
 fn samples_are_exported_with_their_kind_and_margin() {
-    let folder = TempDir::new().unwrap();
-    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
-                 damping_ratio = \"0.055 ± 0.005\"\n";
-    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
-    let ended = run_in(folder.path(), "verdict study.toml --export-samples samples.csv --json");
-    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let folder = folder_with_study(&format!("{MACHINE}{LINEAR}"));
+    let found = run_in(folder.path(), "verdict study.toml --export-samples samples.csv --json").json(0);
     let text = fs::read_to_string(folder.path().join("samples.csv")).unwrap();
     let mut rows = text.lines();
     let header = "kind,vibration.damping_ratio,vibration.linear_weakening,friction_coefficient,damping_margin";
@@ -269,10 +232,8 @@ fn samples_are_exported_with_their_kind_and_margin() {
 
 #[test]
 fn a_run_prints_the_sentence_of_its_verdict() {
-    let folder = TempDir::new().unwrap();
-    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\n\
-                 damping_ratio = \"0.055 ± 0.005\"\n[verdict]\nevaluations = 1000\n";
-    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
+    let lines = format!("{}[verdict]\nevaluations = 1000\n", LINEAR.replace("\"0.1 ± 0.02\"", "0.1"));
+    let folder = folder_with_study(&format!("{MACHINE}{lines}"));
     let found = run_in(folder.path(), "verdict study.toml --json").json(0);
     let shown = run_in(folder.path(), "run study.toml --out run");
     assert!(shown.code == 0 && shown.stdout.contains(found["sentence"].as_str().unwrap()), "{shown:?}");
@@ -282,21 +243,6 @@ fn a_run_prints_the_sentence_of_its_verdict() {
     assert_eq!(found["assumed"][0]["probability_at"][1], found["probability"]);
     let lines: Vec<&str> = shown.stdout.lines().filter(|line| line.contains("kinetic_share 1 (0.9: ")).collect();
     assert!(lines.len() == 1 && lines[0].trim_start().starts_with("not stated"), "{shown:?}");
-}
-
-#[test]
-fn exact_values_vibrate_or_do_not() {
-    for (damping, vibrates) in [(0.049, true), (0.051, false)] {
-        let found = verdict(&format!(
-            "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = 0.1\ndamping_ratio = {damping}\n"
-        ));
-        let probability = if vibrates { 1.0 } else { 0.0 };
-        assert_eq!(found["probability"], probability);
-        assert_eq!(pair(&found["probability_interval"]), [probability; 2]);
-        assert_eq!(found["nominal"]["vibrates"], vibrates);
-        assert_eq!(found["nominal"]["kind"], if vibrates { "stick_slip" } else { "none" });
-        assert!(found["drivers"].as_array().unwrap().is_empty());
-    }
 }
 
 #[test]
@@ -321,10 +267,9 @@ fn a_vibrating_machine_has_the_frequency_and_the_amplitudes_of_the_closed_form()
 
 #[test]
 fn machines_without_an_answer_are_counted_and_left_out() {
-    let folder = TempDir::new().unwrap();
     let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = { lognormal = [0.1, 1.2] }\n\
                  damping_ratio = 0.5\n[verdict]\nduration = \"2 s\"\n";
-    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}")).unwrap();
+    let folder = folder_with_study(&format!("{MACHINE}{lines}"));
     let found = run_in(folder.path(), "verdict study.toml --export-samples samples.csv --json").json(0);
     let text = fs::read_to_string(folder.path().join("samples.csv")).unwrap();
     let weakening: Vec<f64> = text.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap()).collect();
@@ -382,43 +327,24 @@ fn unknown_values_give_a_range_of_probabilities() {
     assert!((guess["probability_at_q95"].as_f64().unwrap() - wanted[0]).abs() < 0.005, "{guess}");
 }
 
-#[test]
-fn dependent_values_have_shapley_effects_that_sum_to_one() {
-    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
-                 damping_ratio = \"0.055 ± 0.005\"\n[uncertainty]\n\
-                 correlation = [[\"vibration.linear_weakening\", \"vibration.damping_ratio\", 0.6]]\n";
-    let found = verdict(lines);
-    // M = ζ − b/2 has the standard deviation √(σ_ζ² + σ_b²/4 − 2 r σ_ζ σ_b/2), r = 2 sin(π·.6/6).
-    let r = 2.0 * (std::f64::consts::PI * 0.1).sin();
-    let std = (0.005_f64.powi(2) + 0.01_f64.powi(2) - 2.0 * r * 0.005 * 0.01).sqrt();
-    contains(&found["probability_interval"], asperity::distribution::standard_normal_cdf(-0.005 / std));
-    let shapley = |input: usize| found["drivers"][input]["shapley"].as_f64().unwrap();
-    assert!((shapley(0) + shapley(1) - 1.0).abs() < 1e-9, "{found}");
-    // Owen & Prieur 2017, two dependent normal variables with weights β: β²σ²(1 − r²/2) + β₁β₂σ₁σ₂r + β'²σ'²r²/2.
-    let (own, other) = (0.005_f64, -0.01_f64);
-    let wanted = (own * own * (1.0 - r * r / 2.0) + own * other * r + other * other * r * r / 2.0) / (std * std);
-    assert!((shapley(0) - wanted).abs() < 0.01, "{} instead of {wanted}", shapley(0));
-}
-
-/// A machine whose friction comes from the contact of a stated surface.
+/// A machine whose friction comes from the contact of a stated surface, without its Stribeck coefficient.
 fn contact(youngs_modulus: &str, shear_strength: &str, stribeck: &str) -> String {
-    format!(
-        "seed = 5\n[surface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
-         correlation_length = \"20 um\"\ngenerator = \"spectral\"\n[material]\nyoungs_modulus = \"{youngs_modulus}\"\n\
-         hardness = \"100 MPa\"\nshear_strength = \"{shear_strength}\"\n[friction]\nstrip = [\"2 mm\", \"80 um\"]\n\
-         points = [256, 16]\nwindow = \"200 um\"\nrealisations = 4\n[vibration]\nmass = \"1 kg\"\n\
-         natural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\n\
-         dimensionless_belt_velocity = 0.1\nstribeck = {stribeck}\ndamping_ratio = 0.22295350190250\n"
-    )
+    let material =
+        format!("youngs_modulus = \"{youngs_modulus}\"\nhardness = \"100 MPa\"\nshear_strength = \"{shear_strength}\"");
+    let friction = "strip = [\"2 mm\", \"80 um\"]\npoints = [256, 16]\nwindow = \"200 um\"\nrealisations = 4";
+    let machine = format!("damping_ratio = 0.22295350190250\ndimensionless_belt_velocity = 0.1\nstribeck = {stribeck}");
+    StudyText::new(5, &["surface", "material", "friction", "vibration"])
+        .with("surface", "covariance = \"squared_exponential\"\ngenerator = \"spectral\"")
+        .with("material", &material)
+        .with("friction", friction)
+        .with("vibration", &machine)
+        .to_string()
 }
 
 /// Runs the verdict of nearly rigid bodies with this shear strength and Stribeck coefficient.
 fn plastic(shear_strength: &str, stribeck: &str) -> Value {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("study.toml"), contact("1e9 GPa", shear_strength, stribeck)).unwrap();
-    let ended = run_in(folder.path(), "verdict study.toml --json");
-    assert_eq!(ended.code, 0, "{ended:?}");
-    serde_json::from_str(&ended.stdout).unwrap()
+    let folder = folder_with_study(&contact("1e9 GPa", shear_strength, stribeck));
+    run_in(folder.path(), "verdict study.toml --json").json(0)
 }
 
 #[test]
@@ -459,26 +385,14 @@ fn an_uncertain_law_decides_over_computed_friction() {
     }
 }
 
-/// Runs the verdict stage of the linear machine with normal b and ζ in a folder and returns the verdict.
-fn linear_run(folder: &TempDir, more: &str) -> Value {
-    let lines = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\n\
-                 damping_ratio = \"0.055 ± 0.005\"\n";
-    fs::write(folder.path().join("study.toml"), format!("{MACHINE}{lines}{more}")).unwrap();
-    let ended = run_in(folder.path(), "run study.toml --out run --only verdict --json");
-    assert_eq!(ended.code, 0, "{ended:?}");
-    serde_json::from_str::<Value>(&ended.stdout).unwrap()["verdict"].clone()
-}
-
 #[test]
 #[ignore = "slow"]
 fn the_map_of_two_inputs_and_its_contours_are_the_closed_form() {
-    let folder = TempDir::new().unwrap();
-    let found = linear_run(
-        &folder,
-        "[verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.03, 0.15] }, \
-         { input = \"vibration.linear_weakening\", range = [0.08, 0.2] }]\n",
-    );
-    // M = ζ − b/2 is normal about the difference of the central values.
+    let remedies = "[verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.03, 0.15] }, \
+                    { input = \"vibration.linear_weakening\", range = [0.08, 0.2] }]\n";
+    let folder = folder_with_study(&format!("{MACHINE}{LINEAR}{remedies}"));
+    let found = run_in(folder.path(), "run study.toml --out run --only verdict --json").json(0)["verdict"].clone();
+    // M = ζ − b/2 is normal about the difference of the central values; verdict/map.rs compares each probability.
     let std = 0.005_f64.hypot(0.01);
     let map = &found["map"];
     let values = |axis: &str| -> Vec<f64> {
@@ -492,17 +406,6 @@ fn the_map_of_two_inputs_and_its_contours_are_the_closed_form() {
     assert_eq!((damping[0], damping[16], weakening[0], weakening[16]), (0.03, 0.15, 0.08, 0.2));
     assert!((damping[4] - 0.06).abs() < 1e-12 && (weakening[4] - 0.11).abs() < 1e-12, "{map}");
     assert_eq!(map["leaves_out_fluctuation"], false);
-    for (row, weakening) in weakening.iter().enumerate() {
-        for (column, damping) in damping.iter().enumerate() {
-            let probability = map["probability"][row][column].as_f64().unwrap();
-            let wanted = asperity::distribution::standard_normal_cdf((0.5 * weakening - damping) / std);
-            // The largest standard error of 512 independent machines, which Sobol' points undercut.
-            assert!(
-                (probability - wanted).abs() < 0.022,
-                "{probability} instead of {wanted} at {damping}, {weakening}"
-            );
-        }
-    }
     let text = fs::read_to_string(folder.path().join("run/tables/verdict_map_contours.csv")).unwrap();
     let mut rows = text.lines();
     assert_eq!(rows.next(), Some("level,line,vibration.damping_ratio,vibration.linear_weakening"));
@@ -534,37 +437,25 @@ fn the_map_of_two_inputs_and_its_contours_are_the_closed_form() {
         }
     }
     let figure = fs::read_to_string(folder.path().join("run/figures/verdict_map.svg")).unwrap();
-    for text in [
-        "Damping ratio, central value",
-        "Weakening of friction with speed, central value",
-        ">5 %<",
-        ">1 %<",
-        ">50 %<",
-        ">now<",
-    ] {
+    for text in ["Damping ratio, central value", "Weakening of friction with speed, central value", ">5 %<", ">now<"] {
         assert!(figure.contains(text), "{text} is missing");
     }
 }
 
 /// The paper's machine with friction that fluctuates three times as much.
-fn fluctuating(damping: &str, upscaling: &str, verdict: &str) -> Value {
-    let folder = TempDir::new().unwrap();
-    let study = format!(
-        "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-         nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
-         friction_std = 0.003\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
-         damping_ratio = {damping}\nupscaling = \"{upscaling}\"\n[verdict]\nduration = \"0.6 s\"\n{verdict}"
-    );
-    fs::write(folder.path().join("study.toml"), study).unwrap();
-    let ended = run_in(folder.path(), "verdict study.toml --json");
-    assert_eq!(ended.code, 0, "{ended:?}");
-    serde_json::from_str(&ended.stdout).unwrap()
+fn fluctuating(damping: &str, upscaling: &str) -> Value {
+    let machine =
+        format!("damping_ratio = {damping}\nstribeck = 4.2\nfriction_std = 0.003\nupscaling = \"{upscaling}\"");
+    let study = StudyText::new(1, &["vibration", "stated friction"])
+        .with("vibration", &machine)
+        .with("verdict", "duration = \"0.6 s\"");
+    run_in(folder_with_study(&study.to_string()).path(), "verdict study.toml --json").json(0)
 }
 
 #[test]
 fn one_window_is_the_papers_verdict_and_the_nominal_area_that_of_the_area() {
     // Without fluctuation the machine vibrates below ζ = .2048301505845 (published); the fluctuation of one window makes it vibrate above.
-    let [paper, area] = ["paper", "area"].map(|upscaling| fluctuating("0.23", upscaling, ""));
+    let [paper, area] = ["paper", "area"].map(|upscaling| fluctuating("0.23", upscaling));
     let rows = area["area_as_one"].as_array().unwrap();
     assert_eq!(Some(rows), paper["area_as_one"].as_array());
     assert_eq!((&rows[0]["probability"], &rows[7]["probability"]), (&paper["probability"], &area["probability"]));
@@ -584,12 +475,9 @@ fn one_window_is_the_papers_verdict_and_the_nominal_area_that_of_the_area() {
 #[test]
 #[ignore = "slow"]
 fn plastic_contact_says_that_the_roughness_does_not_matter() {
-    let folder = TempDir::new().unwrap();
     let assumptions = |youngs_modulus: &str| {
-        fs::write(folder.path().join("study.toml"), contact(youngs_modulus, "21 MPa", "4.2")).unwrap();
-        let ended = run_in(folder.path(), "verdict study.toml --json");
-        assert_eq!(ended.code, 0, "{ended:?}");
-        serde_json::from_str::<Value>(&ended.stdout).unwrap()["assumptions"].to_string()
+        let folder = folder_with_study(&contact(youngs_modulus, "21 MPa", "4.2"));
+        run_in(folder.path(), "verdict study.toml --json").json(0)["assumptions"].to_string()
     };
     let plastic = assumptions("1e9 GPa");
     assert!(plastic.contains("Friction is τ/H here") && plastic.contains("above τ/H = 0.21."), "{plastic}");
@@ -603,9 +491,7 @@ fn a_check_states_the_machines_and_contact_solutions_of_the_verdict() {
     let folder = TempDir::new().unwrap();
     let estimate = |study: String| {
         fs::write(folder.path().join("study.toml"), study).unwrap();
-        let ended = run_in(folder.path(), "check study.toml --json");
-        assert_eq!(ended.code, 0, "{ended:?}");
-        let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+        let found = run_in(folder.path(), "check study.toml --json").json(0);
         found["estimate"].as_array().unwrap().last().unwrap().clone()
     };
     let law = "dimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = 0.055\n";

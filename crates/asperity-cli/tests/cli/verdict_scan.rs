@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::run_in;
+use crate::support::{json_of, run_in};
 
 /// A rough slider of light elastic contact, whose friction does not fluctuate along the path.
 const STUDY: &str = "seed = 5\n[surface]\nfile = FILES\nlevel = \"none\"\ncovariance = \"measured\"\ngenerator = \"spectral\"\nmarginal = \"normal\"\n\
@@ -47,15 +47,8 @@ fn with_short_strips(study: &str) -> String {
 /// Returns the changes of ln μ per standard deviation of an uncertain value and of the logarithm of the load, from the exported
 /// samples, and the answer.
 fn changes(folder: &Path, input: &str) -> (f64, f64, Value) {
-    let ended = run_in(folder, "verdict study.toml --export-samples samples.csv --json");
-    assert_eq!(ended.code, 0, "{ended:?}");
-    let (own, load) = changes_in(&folder.join("samples.csv"), input);
-    (own, load, serde_json::from_str(&ended.stdout).unwrap())
-}
-
-/// Returns the changes of ln μ per standard deviation of an uncertain value and of the logarithm of the load, from a table of samples.
-fn changes_in(samples: &Path, input: &str) -> (f64, f64) {
-    let text = fs::read_to_string(samples).unwrap();
+    let found = run_in(folder, "verdict study.toml --export-samples samples.csv --json").json(0);
+    let text = fs::read_to_string(folder.join("samples.csv")).unwrap();
     let mut rows = text.lines();
     let header: Vec<&str> = rows.next().unwrap().split(',').collect();
     let place = |name: &str| header.iter().position(|own| *own == name).unwrap_or_else(|| panic!("{name}: {header:?}"));
@@ -75,7 +68,7 @@ fn changes_in(samples: &Path, input: &str) -> (f64, f64) {
     let determinant = moment(0, 0) * moment(1, 1) - moment(0, 1).powi(2);
     let own = (moment(0, 2) * moment(1, 1) - moment(1, 2) * moment(0, 1)) / determinant;
     let load = (moment(1, 2) * moment(0, 0) - moment(0, 2) * moment(0, 1)) / determinant;
-    (own, load)
+    (own, load, found)
 }
 
 /// Returns the standard error of the logarithm of the rms slope of the first scan.
@@ -134,7 +127,7 @@ fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads()
     fs::write(&path, format!("{study}[uncertainty]\nsurface = false\n")).unwrap();
     let ended = run_in(folder.path(), "verdict study.toml --json");
     assert_eq!(ended.stdout, run_in(folder.path(), "verdict study.toml --json --threads 1").stdout);
-    let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let found = ended.json(0);
     assert_eq!(found["drivers"].as_array().unwrap().len(), 3, "{found}");
     assert!(found["probability_over_unknowns"].is_null());
 }
@@ -150,8 +143,7 @@ fn parts_of_a_rough_slider_differ_as_its_windows_do_over_the_area() {
     let rows = ["paper", "area"].map(|upscaling| {
         fs::write(&path, format!("{study}upscaling = \"{upscaling}\"\n[uncertainty]\nsurface = false\n")).unwrap();
         assert_eq!(run_in(folder.path(), &format!("run study.toml --only verdict --out {upscaling}")).code, 0);
-        let results = fs::read_to_string(folder.path().join(upscaling).join("results.json")).unwrap();
-        let results: Value = serde_json::from_str(&results).unwrap();
+        let results = json_of(&folder.path().join(upscaling).join("results.json"));
         let levels = results["friction"]["levels"].as_array().unwrap();
         let level = levels.iter().find(|level| level["leading"] == true).unwrap();
         let std = level["upscaling"][upscaling]["std"].as_f64().unwrap();
@@ -242,8 +234,7 @@ fn friction_differs_between_drawn_counterface_scans_as_each_of_them_states() {
         fs::write(&path, study).unwrap();
         let out = format!("run{index}");
         assert_eq!(run_in(folder.path(), &format!("run study.toml --only friction --out {out}")).code, 0);
-        let results: Value =
-            serde_json::from_slice(&fs::read(folder.path().join(out).join("results.json")).unwrap()).unwrap();
+        let results = json_of(&folder.path().join(out).join("results.json"));
         frictions.push(results["friction"]["operating_point"]["mean"].as_f64().unwrap().ln());
         if index < 3 {
             stated.push(changes(folder.path(), "counterface.scan").0.abs());

@@ -21,22 +21,6 @@ fn record(folder: &Path, values: &[f64]) {
 #[test]
 fn the_paper_s_cycle_has_its_period_and_displacements() {
     let json = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.17 --json")).json(0);
-    assert_eq!(
-        keys(&json),
-        [
-            "displacement_max",
-            "displacement_min",
-            "kick",
-            "kind",
-            "limit_cycle",
-            "period",
-            "reattachment_displacement",
-            "slip_duration",
-            "steady_sliding_unstable",
-            "velocity_min",
-            "warnings"
-        ]
-    );
     assert_eq!(json["limit_cycle"], Value::Bool(true));
     // ζ_H = .2048: below it steady sliding needs no kick.
     assert_eq!((&json["kind"], &json["kick"]), (&"stick_slip".into(), &Value::Null));
@@ -46,16 +30,6 @@ fn the_paper_s_cycle_has_its_period_and_displacements() {
     close(number(&json, "reattachment_displacement"), 0.096_795_689_222_287_6, 1e-12);
     close(number(&json, "displacement_min"), 0.095_239_651_620_418_2, 1e-12);
     close(number(&json, "displacement_max"), 0.101_931_013_749_859_7, 1e-12);
-}
-
-#[test]
-fn a_jump_from_static_to_kinetic_friction_has_its_closed_form() {
-    // Coulomb: T = 2π − 2 atan(Δ/V) + 2Δ/V, X_r = 2μ_k − μ_s.
-    let line = "vibration cycle --static-friction 0.4 --kinetic-friction 0.3 --stribeck 0 --damping-ratio 0 \
-                --belt-velocity 0.05 --json";
-    let json = asperity(line).json(0);
-    close(number(&json, "period"), 8.068_887_871_591_405, 1e-12);
-    close(number(&json, "reattachment_displacement"), 0.2, 1e-12);
 }
 
 #[test]
@@ -76,30 +50,10 @@ fn no_limit_cycle_is_an_answer() {
 #[test]
 fn the_critical_damping_is_the_published_one() {
     let json = asperity(&format!("vibration critical-damping {PAPER} --json")).json(0);
-    assert_eq!(keys(&json), ["critical_damping_ratio", "hopf_damping_ratio", "limit_damping_ratio", "warnings"]);
     assert_eq!(json["limit_damping_ratio"], json["critical_damping_ratio"]);
     close(number(&json, "critical_damping_ratio"), 0.204_830_150_584_523_2, 1e-12);
     // 2ζ_H = aμ_st/(1 + aV)².
     close(number(&json, "hopf_damping_ratio"), 0.5 * 4.2 * 0.1 / (1.0 + 4.2 * 0.003_f64).powi(2), 1e-12);
-}
-
-#[test]
-fn between_the_hopf_point_and_the_fold_the_machine_vibrates_once_started() {
-    let base = "vibration cycle --static-friction 0.1 --stribeck 4.2 --belt-velocity 0.1";
-    // SciPy, DOP853 with bisection.
-    for (damping, kick) in [(0.111, 0.0966), (0.109, 0.0821)] {
-        let found = asperity(&format!("{base} --damping-ratio {damping} --json"));
-        let json = found.json(0);
-        assert_eq!((&json["kind"], &json["limit_cycle"]), (&"stick_slip".into(), &Value::Bool(true)));
-        assert_eq!(json["steady_sliding_unstable"], Value::Bool(false));
-        assert!((number(&json, "kick") - kick).abs() < 2e-4, "{json}");
-        assert!(found.stderr.contains("once started"), "{}", found.stderr);
-    }
-    // An independent integrator: a cycle without stick.
-    let fast = "vibration cycle --static-friction 0.432353 --stribeck 4.2 --belt-velocity 3.1416 --damping-ratio 0.001";
-    let json = asperity(&format!("{fast} --json")).json(0);
-    assert_eq!(json["kind"], "overtaking");
-    assert!((number(&json, "period") - 6.294_67).abs() < 6e-6, "{json}");
 }
 
 #[test]
@@ -187,29 +141,14 @@ fn values_out_of_range_are_usage_errors() {
             "cycle --static-friction 0.1 --kinetic-friction 0.2 --stribeck 4 --damping-ratio 0.1 --belt-velocity 1",
             ["kinetic_friction", "static friction"],
         ),
+        (
+            "cycle --static-friction 1e300 --stribeck 4 --damping-ratio 0.1 --belt-velocity 1",
+            ["static_friction", "between 1e-12 and 1000"],
+        ),
         ("cycle --static-frction 0.1", ["--static-frction", "--static-friction"]),
     ] {
         asperity(&format!("vibration {line} --json")).refuses(2, &words);
     }
-}
-
-#[test]
-fn machines_beyond_double_precision_are_refused_with_the_range() {
-    let base = [("static-friction", "0.1"), ("stribeck", "4.2"), ("belt-velocity", "0.003"), ("damping-ratio", "0.17")];
-    for (flag, value, words) in [
-        ("static-friction", "1e300", ["static_friction", "between 1e-12 and 1000"]),
-        ("stribeck", "1e300", ["weakening", "between 0 and 1e6"]),
-        ("damping-ratio", "1e9", ["damping_ratio", "between 0 and 1000"]),
-        ("belt-velocity", "1e-300", ["belt_velocity", "between 1e-12 and 1e6"]),
-    ] {
-        let line = base.map(|(name, usual)| format!("--{name} {}", if name == flag { value } else { usual })).join(" ");
-        asperity(&format!("vibration cycle {line} --json")).refuses(2, &words);
-        if flag != "damping-ratio" {
-            asperity(&format!("vibration critical-damping {line} --json")).refuses(2, &words);
-        }
-    }
-    let forced = format!("vibration cycle {PAPER} --damping-ratio 0.17 --forcing 0.01 --forcing-frequency 1e9 --json");
-    asperity(&forced).refuses(2, &["forcing_frequency", "between 1e-6 and 1000"]);
 }
 
 #[test]

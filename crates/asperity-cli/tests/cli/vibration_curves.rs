@@ -1,11 +1,8 @@
 //! Tests of the curves, diagrams, maps and modes of `asperity vibration`.
 
-use std::fs;
-
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::support::{PAPER, asperity, close, number, run_in};
+use crate::support::{PAPER, asperity, close, number};
 
 #[test]
 fn the_curve_of_critical_damping_passes_through_published_points_and_the_diagram_jumps_there() {
@@ -49,53 +46,6 @@ fn the_map_falls_from_one_to_zero_and_weak_noise_has_the_sound_of_the_cycle() {
 }
 
 #[test]
-fn a_map_over_loads_scales_every_friction_law_in_si() {
-    let folder = TempDir::new().unwrap();
-    let points = |factor: f64| format!("0 0.1\n{} 0.08\n{} 0.07\n", 0.1 / factor, 0.4 / factor);
-    fs::write(folder.path().join("law.txt"), points(1.0)).unwrap();
-    fs::write(folder.path().join("heavy.txt"), points(2.0)).unwrap();
-    let laws = [
-        ("--stribeck 4.2", "--stribeck 8.4"),
-        ("--linear-weakening 0.3", "--linear-weakening 0.6"),
-        ("--stribeck-velocity 0.2 --high-speed-friction 0.06", "--stribeck-velocity 0.1 --high-speed-friction 0.06"),
-        ("--friction-table law.txt", "--friction-table heavy.txt"),
-    ];
-    let noise = "--friction-std 1e-5 --correlation-length 0.01 --marginal normal";
-    for (law, heavy) in laws {
-        let map = format!(
-            "vibration map --static-friction 0.1 {law} --belt-velocity 0.01 --damping-ratio 0.1 {noise} --belt-velocities 0.01,0.02,1 \
-             --loads 1,2,1 --depth 0 --trajectories 4 --duration 20 --seed 1 --json"
-        );
-        let map = run_in(folder.path(), &map).json(0);
-        let corner = map["points"].as_array().unwrap().iter().find(|p| p["x"] == 0.02 && p["y"] == 2.0).unwrap();
-        let line = format!("vibration critical-damping --static-friction 0.1 {heavy} --belt-velocity 0.01 --json");
-        let wanted = run_in(folder.path(), &line).json(0);
-        close(number(corner, "limit_damping_ratio"), number(&wanted, "limit_damping_ratio"), 1e-12);
-    }
-}
-
-#[test]
-#[ignore = "slow"]
-fn a_motion_that_neither_sticks_nor_slides_steadily_is_reported() {
-    // ζ_c lies far below ζ_H = 375: between them the mass vibrates without sticking.
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("steep.txt"), "0 0.1\n0.001 0.1\n0.0011 0.05\n1 0.04\n").unwrap();
-    let law = "--static-friction 0.1 --friction-table steep.txt --belt-velocity 0.00105";
-    let found = run_in(folder.path(), &format!("vibration cycle {law} --damping-ratio 23 --json"));
-    let answer = found.json(0);
-    assert_eq!((&answer["limit_cycle"], &answer["kind"]), (&Value::Bool(true), &"slip_cycle".into()));
-    assert_eq!(answer["steady_sliding_unstable"], Value::Bool(true));
-    assert_eq!(answer["slip_duration"], answer["period"]);
-    let limit = run_in(folder.path(), &format!("vibration critical-damping {law} --json")).json(0);
-    assert!(number(&limit, "hopf_damping_ratio") > 23.0);
-    assert!(number(&limit, "critical_damping_ratio") < 23.0);
-    // Every start leads to this cycle.
-    let starts = "--displacements 0,0.15,8 --velocities -0.001,0.001,8 --json";
-    let basin = run_in(folder.path(), &format!("vibration basin {law} --damping-ratio 23 {starts}")).json(0);
-    assert_eq!(number(&basin, "slip_cycle_share"), 1.0);
-}
-
-#[test]
 fn flags_of_an_invalid_machine_or_range_are_named() {
     let damping = "--damping-ratio 0.1";
     for (line, words) in [
@@ -121,42 +71,4 @@ fn flags_of_an_invalid_machine_or_range_are_named() {
     ] {
         asperity(&format!("vibration {line}")).refuses(2, &words);
     }
-}
-
-#[test]
-fn a_forced_motion_that_settles_slowly_is_periodic() {
-    let line = "vibration bifurcation --static-friction 0.2 --stribeck 0 --belt-velocity 0.5 --forcing 0.01 --forcing-frequency 0.7 \
-                --damping-ratio 0.002 --over damping-ratio --from 0.002 --to 0.004 --points 2 --json";
-    let diagram = asperity(line).json(0);
-    for point in diagram["upward"].as_array().unwrap() {
-        assert_eq!((&point["multiplicity"], &point["settled"]), (&Value::from(1), &Value::Bool(true)), "{point}");
-    }
-}
-
-#[test]
-fn a_short_scan_of_the_modes_finds_their_critical_friction() {
-    let line = "vibration mode-coupling --static-friction 0.3 --stribeck 0 --belt-velocity 0.5 --json";
-    let whole = asperity(line).json(0);
-    let short = asperity(&format!("{line} --friction-to 0.2")).json(0);
-    close(number(&short, "critical_friction"), number(&whole, "critical_friction"), 1e-12);
-}
-
-#[test]
-fn a_locked_machine_has_the_published_stable_and_unstable_cycle() {
-    // Phases and multipliers from SciPy's DOP853 and finite differences.
-    let free = "--static-friction 0.2 --stribeck 4.2 --belt-velocity 0.1 --damping-ratio 0.1";
-    let line = format!("vibration forced-cycles {free} --forcing 0.02 --forcing-frequency 0.85");
-    let cycles = asperity(&format!("{line} --json")).json(0)["cycles"].as_array().unwrap().clone();
-    assert_eq!(cycles.len(), 2);
-    for (cycle, (phase, multiplier, stable)) in
-        cycles.iter().zip([(0.167_718_780_139, 0.798_109_649_788, true), (5.478_189_762_536, 1.229_339_408_056, false)])
-    {
-        close(number(cycle, "detachment_phase"), phase, 1e-11);
-        close(number(cycle, "multiplier"), multiplier, 1e-10);
-        close(number(cycle, "period"), std::f64::consts::TAU / 0.85, 1e-12);
-        assert_eq!(cycle["stable"], Value::Bool(stable));
-    }
-    let found = asperity(&line);
-    assert!(found.code == 0 && found.stdout.lines().count() == 3, "{}", found.stdout);
-    asperity(&format!("vibration forced-cycles {free}")).refuses(2, &["--forcing"]);
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 #[cfg(target_os = "linux")]
 use std::time::Duration;
 
-use serde_json::Value;
 use tempfile::TempDir;
 
 #[cfg(target_os = "linux")]
@@ -18,70 +17,12 @@ const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal b
 fn an_ensemble_counts_the_published_cycles() {
     let line = format!("vibration ensemble {PAPER} --damping-ratio 0.17 {NOISE} --trajectories 200 --seed 4 --json");
     let json = asperity(&line).json(0);
-    for key in [
-        "cycles_deterministic",
-        "difference_mean_interval",
-        "entry_rate",
-        "entry_rate_interval",
-        "exit_rate",
-        "exit_rate_interval",
-        "kind",
-        "kind_shares",
-        "left_share",
-        "left_share_interval",
-        "micro_slips_mean",
-        "period_mean",
-        "period_std",
-        "reattachment_normality_p",
-        "reattachment_skewness",
-        "release_mean",
-        "release_normality_p",
-        "release_skewness",
-        "release_std",
-        "share_in_cycle",
-        "stick_share_mean",
-        "stick_share_se",
-        "sustained_share",
-        "sustained_share_interval",
-        "vibration_share",
-        "vibration_share_se",
-    ] {
-        assert!(!json[key].is_null(), "{key}");
-    }
     // 69.20 (0.07) from two independent codes with 8,000 trajectories; here 4 standard errors of 200 trajectories.
     let (mean, se) = (number(&json, "cycles_mean"), number(&json, "cycles_se"));
     assert!((mean - 69.20).abs() < 4.0 * se.hypot(0.07), "{mean} ± {se}");
     assert!((0.2..0.8).contains(&se), "{se}");
     assert_eq!(number(&json, "cycles_deterministic"), 99.0);
     close(number(&json, "difference_mean"), 99.0 - mean, 1e-12);
-}
-
-#[test]
-fn overtaking_counts_as_vibration() {
-    let machine = "--static-friction 0.432353 --stribeck 4.2 --belt-velocity 3.1416";
-    let noise = "--friction-std 1e-6 --correlation-length 30 --marginal beta:2.1,5 --seed 3";
-    for (damping, kind) in [("0.001", "overtaking"), ("0.002", "overtaking"), ("0.004", "stick_slip")] {
-        let line = format!(
-            "vibration ensemble {machine} --damping-ratio {damping} {noise} --duration 3000 --trajectories 4 --json"
-        );
-        let json = asperity(&line).json(0);
-        assert_eq!(json["kind"], kind);
-        assert_eq!((number(&json, "sustained_share"), number(&json, "vibration_share")), (1.0, 1.0));
-        assert!((number(&json, "cycles_deterministic") - 3000.0 / 6.295).abs() < 3.0);
-        assert!(json["kind_shares"][kind].as_f64().unwrap() > 0.5, "{}", json["kind_shares"]);
-    }
-    let map = format!(
-        "vibration map {machine} --damping-ratio 0.001 {noise} --damping-ratios 0.001,0.2,2 --belt-velocities 3,3.2,1 --depth 0 \
-         --trajectories 4 --duration 600 --json"
-    );
-    let map = asperity(&map).json(0);
-    let points = map["points"].as_array().unwrap();
-    let vibrates = |p: &&Value| p["sustained"]["value"] == 1.0;
-    assert_eq!(points.iter().filter(vibrates).count(), 2, "{points:?}");
-    // The probability falls from 1 to 0 within one cell.
-    assert_eq!(number(&map["resolution"], "unresolved_share"), 1.0);
-    let lines = |k: usize| map["contours"][k]["lines"].as_array().unwrap().len();
-    assert_eq!([lines(0), lines(1), lines(2)], [0, 1, 0]);
 }
 
 #[test]

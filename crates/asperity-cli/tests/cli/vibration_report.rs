@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::{PAPER, asperity, close, keys, listing, number, run_in, written};
+use crate::support::{PAPER, asperity, close, listing, number, run_in, written};
 
 const NOISE: &str = "--friction-std 0.001 --correlation-length 0.01 --marginal beta:2.1,5 --seed 3";
 /// Period of the cycle at ζ = 0.17, from a high-precision solver.
@@ -132,27 +132,6 @@ fn a_basin_without_a_cycle_needs_its_box() {
     asperity(&format!("{line} --displacements 0.09,0.11")).refuses(2, &["--displacements", "FROM,TO,N"]);
     asperity(&format!("{line} --displacements 0.11,0.09,5 --velocities -1,1,5"))
         .refuses(2, &["--displacements", "above the first"]);
-}
-
-#[test]
-fn the_modes_of_the_usual_springs_meet_at_three_quarters_and_grow_beyond() {
-    let base = "vibration mode-coupling --stribeck 0 --belt-velocity 0.5 --json";
-    // ω² = 2 ± √(1 − 4μ/3) without damping; from μ = 3/4 on, 2 ± i√(4μ/3 − 1).
-    let json = asperity(&format!("{base} --static-friction 0.6 --points 5 --friction-to 0.6")).json(0);
-    close(number(&json, "coalescence"), 0.75, 1e-12);
-    // Beyond the end of the scan.
-    close(number(&json, "critical_friction"), 0.75, 1e-12);
-    for (key, wanted) in [("frequency_1", 2.0 - 0.2_f64.sqrt()), ("frequency_2", 2.0 + 0.2_f64.sqrt())] {
-        close(number(&json, key), wanted.sqrt(), 1e-12);
-    }
-    assert_eq!(json["scan"]["friction"].as_array().unwrap().len(), 5);
-    let json = asperity(&format!("{base} --static-friction 0.9")).json(0);
-    close(number(&json, "critical_friction"), 0.75, 1e-12);
-    assert_eq!(json["critical_instability"], "flutter");
-    // Re λ of λ² = −2 ± i√0.2.
-    close(number(&json, "growth_1"), ((4.2_f64.sqrt() - 2.0) / 2.0).sqrt(), 1e-12);
-    let own = ["friction", "motion", "period", "tangential", "normal", "stick_share", "flight_share"];
-    assert!(own.iter().all(|key| keys(&json).contains(key)) && !keys(&json).contains(&"growth_rate_mean"));
 }
 
 #[test]

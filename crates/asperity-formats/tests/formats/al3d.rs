@@ -1,9 +1,8 @@
 use asperity_formats::{Format, FormatError};
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes};
+use crate::{NAN, assert_heights, assert_metadata};
 
-const NAN: f64 = f64::NAN;
 /// The number next to 3e15 that `f32` has; its text in the file is rounded.
 const INVALID: f32 = 3e15;
 
@@ -221,9 +220,7 @@ fn tags_and_comment_are_kept_where_they_are_text() {
     let scan = read_bytes(&file.bytes()).unwrap();
     let wanted =
         [("Version", "1"), ("CreatingApplication", "MeasureSuite 5.3.6"), ("Cols", "3"), ("Comment", "edge of a tool")];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
     assert_eq!(scan.metadata.get("PlaceHolder"), None);
 }
 

@@ -2,10 +2,8 @@
 
 use asperity_formats::{Format, FormatError};
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights};
 
 /// A file of two intensities and 3 × 2 phases: λ = 632.8 nm, S = 0.5, O = 1, R by its code.
 fn zygo(code: u8, lateral: &str, phases: &str) -> Vec<u8> {

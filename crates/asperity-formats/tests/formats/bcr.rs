@@ -1,9 +1,7 @@
 use asperity_formats::Scan;
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights};
 
 #[derive(Clone, Copy)]
 enum Text {

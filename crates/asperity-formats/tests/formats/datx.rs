@@ -1,16 +1,13 @@
-use std::io::Write;
-
 use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
-use flate2::{Compression, write::ZlibEncoder};
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, refusal};
+use crate::fixtures::{deflated as deflated_bytes, zlib};
+use crate::{NAN, assert_heights, assert_metadata};
 use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
 
 mod damaged;
 pub(crate) mod hdf5;
 
-const NAN: f64 = f64::NAN;
 /// The largest number, by which Mx marks points without data.
 const NO_DATA: f64 = f64::MAX;
 
@@ -228,21 +225,6 @@ fn read(map: Map) -> Scan {
     read_bytes(&one(map)).unwrap()
 }
 
-fn refusal(bytes: &[u8]) -> String {
-    read_bytes(bytes).unwrap_err().to_string()
-}
-
-/// A zlib stream of one stored block (RFC 1950, RFC 1951): header, last block, length, its complement, bytes, Adler-32.
-fn zlib(bytes: &[u8]) -> Vec<u8> {
-    let (mut low, mut high) = (1_u32, 0_u32);
-    for &byte in bytes {
-        low = (low + u32::from(byte)) % 65521;
-        high = (high + low) % 65521;
-    }
-    let length = bytes.len() as u16;
-    fields![[0x78, 1, 1], length.to_le_bytes(), (!length).to_le_bytes(), bytes, (high << 16 | low).to_be_bytes()]
-}
-
 /// A pipeline message of version 1 (IV.A.2.l): version, number, reserved; each filter with one value and without a name.
 fn pipeline(filters: &[(u16, u32)]) -> Vec<u8> {
     let each = |&(filter, value): &(u16, u32)| {
@@ -306,9 +288,7 @@ fn summed(change: u8) -> Map {
 fn deflated(shape: [u64; 2]) -> Map {
     let numbers: Vec<u8> =
         (0..shape[0] * shape[1]).flat_map(|k| i16::try_from(k * k % 257).unwrap().to_le_bytes()).collect();
-    let mut stream = ZlibEncoder::new(Vec::new(), Compression::best());
-    stream.write_all(&numbers).unwrap();
-    let chunk = ([0, 0], 0, stream.finish().unwrap());
+    let chunk = ([0, 0], 0, deflated_bytes(&numbers));
     Map {
         datatype: datatype::integer(2, false),
         shape,
@@ -521,9 +501,7 @@ fn attributes_are_kept_by_their_names() {
         ("Data Context.Data Attributes.Camera Width", "1000"),
         ("Data Context.Data Attributes.Time Stamp", "Seconds 1500000000, Zone -60"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]

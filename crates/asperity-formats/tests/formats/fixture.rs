@@ -126,6 +126,16 @@ pub(crate) fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Sca
     asperity_formats::read_bytes_with(bytes, options)
 }
 
+/// Reads one map of a file, by its name or number.
+pub(crate) fn read_channel(bytes: &[u8], channel: &str) -> Result<Scan, FormatError> {
+    read_bytes_with(bytes, &ReadOptions { channel: Some(channel.into()), ..ReadOptions::default() })
+}
+
+/// The message with which a file is refused.
+pub(crate) fn refusal(bytes: &[u8]) -> String {
+    read_bytes(bytes).unwrap_err().to_string()
+}
+
 /// The name of the field for whose value a file is refused.
 pub(crate) fn wrong_field(bytes: &[u8]) -> String {
     match read_bytes(bytes) {

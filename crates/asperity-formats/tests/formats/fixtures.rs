@@ -1,5 +1,7 @@
 //! Small files, each assembled field by field from the description of its format.
 
+use std::io::Write;
+
 use md5::{Digest, Md5};
 
 use crate::fixture::Content;
@@ -83,6 +85,13 @@ pub(crate) fn zlib(content: &[u8]) -> Vec<u8> {
     }
     bytes.extend((high << 16 | low).to_be_bytes());
     bytes
+}
+
+/// A zlib stream that packs its content.
+pub(crate) fn deflated(content: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    encoder.write_all(content).unwrap();
+    encoder.finish().unwrap()
 }
 
 pub(crate) fn md5(bytes: &[u8]) -> String {

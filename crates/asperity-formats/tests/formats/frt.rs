@@ -1,11 +1,9 @@
 //! FRT: blocks in the order and with the widths of the published layout (tags and sizes as in the table of blocks).
 
-use asperity_formats::{Channel, FormatError, ReadOptions};
+use asperity_formats::FormatError;
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
-
-const NAN: f64 = f64::NAN;
+use crate::fixture::{Fixture, read_bytes, read_channel};
+use crate::{NAN, assert_heights, assert_metadata};
 
 fn bytes_of<const N: usize, T>(numbers: &[T], bytes: impl Fn(&T) -> [u8; N]) -> Vec<u8> {
     numbers.iter().flat_map(bytes).collect()
@@ -173,7 +171,7 @@ fn numbers_outside_of_the_valid_range_are_missing() {
 #[test]
 fn blocks_become_metadata() {
     let scan = reading(&Frt::single());
-    for (field, text) in [
+    let wanted = [
         ("description", "hob ground, µ = 0.1"),
         ("x offset", "0.5"),
         ("y offset", "0.25"),
@@ -192,9 +190,8 @@ fn blocks_become_metadata() {
         ("user name", "Anna"),
         ("user description", "lab"),
         ("serial number", "S-42"),
-    ] {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    ];
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("measurement ended"));
 }
 
@@ -209,8 +206,7 @@ fn the_first_topography_is_read_of_several_images_and_others_are_no_channels() {
 
 #[test]
 fn numbers_of_32_bits_are_signed_and_ranges_span_every_image() {
-    let options = ReadOptions { channel: Some(Channel::Number(1)), ..ReadOptions::default() };
-    let scan = read_bytes_with(&Frt::several().bytes(), &options).unwrap();
+    let scan = read_channel(&Frt::several().bytes(), "1").unwrap();
     let [least, most] = [-2147483648.0 * 1e-8, 2147483647.0 * 1e-8];
     assert_heights(&scan, &[NAN, -1e-8, least, most, -5e-8, 6e-8, 7e-8, 8e-8]);
     assert_eq!(scan.pitch_m, Some((3e-3 / 4.0, 2e-3)));

@@ -3,10 +3,8 @@
 use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan, write_gwy};
 use ndarray::array;
 
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
-use crate::{assert_heights, bits};
-
-const NAN: f64 = f64::NAN;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, read_channel, refusal};
+use crate::{NAN, assert_heights, bits};
 
 /// A component: name, zero, letter of the type, value.
 fn component(name: &str, kind: u8, value: impl AsRef<[u8]>) -> Vec<u8> {
@@ -123,10 +121,6 @@ fn read(units: (&str, &str)) -> Scan {
     read_bytes(&file(&[image(0, "Height", units)])).unwrap()
 }
 
-fn message(bytes: &[u8]) -> String {
-    read_bytes(bytes).unwrap_err().to_string()
-}
-
 #[test]
 fn heights_pitch_and_rows_are_as_stored() {
     assert_eq!(Format::detect(&full()), Some(Format::Gwy));
@@ -176,10 +170,10 @@ fn lateral_units_other_than_lengths_give_no_pitch() {
 fn values_other_than_lengths_are_refused() {
     // A is the ampere and not the ångström; no unit beside metres is a plain number.
     for unit in ["A", "deg", "V", ""] {
-        let found = message(&file(&[image(0, "Current", ("m", unit))]));
+        let found = refusal(&file(&[image(0, "Current", ("m", unit))]));
         assert!(found.contains("no image of the file holds lengths: `Current`"), "{found}");
     }
-    assert!(message(&file(&[])).contains("no image"));
+    assert!(refusal(&file(&[])).contains("no image"));
 }
 
 #[test]
@@ -217,8 +211,7 @@ fn images_of_lengths_are_channels_in_the_order_of_their_numbers() {
         assert_eq!(second.warnings, [] as [String; 0]);
         assert!(!second.metadata.contains_key("Instrument"));
     }
-    let phase = ReadOptions { channel: Some(Channel::Name("Phase".into())), ..ReadOptions::default() };
-    assert!(matches!(read_bytes_with(&full(), &phase), Err(FormatError::NoSuchChannel { .. })));
+    assert!(matches!(read_channel(&full(), "Phase"), Err(FormatError::NoSuchChannel { .. })));
 }
 
 #[test]
@@ -232,7 +225,7 @@ fn files_of_gwyddion_1_are_refused_with_advice() {
     let mut bytes = full();
     bytes[3] = b'O';
     assert_eq!(Format::detect(&bytes), Some(Format::Gwy));
-    assert!(message(&bytes).contains("Gwyddion saves it again"));
+    assert!(refusal(&bytes).contains("Gwyddion saves it again"));
 }
 
 #[test]
@@ -241,18 +234,18 @@ fn damage_is_reported_with_field_and_place() {
         file(&[component("/0/data", b'o', object("GwyDataField", &[components.concat(), unit("si_unit_z", "m")]))])
     };
     let size = [integer("xres", 3), integer("yres", 2)].concat();
-    assert!(message(&with(&[size.clone(), doubles("data", &[0.0; 5])])).contains("wanted 3 × 2 = 6"));
-    assert!(message(&with(std::slice::from_ref(&size))).contains("data is missing"));
-    assert!(message(&with(&[integer("xres", 0), integer("yres", 2), doubles("data", &[])])).contains("xres"));
-    assert!(message(&with(&[double("xres", 3.0)])).contains("type of the component xres"));
+    assert!(refusal(&with(&[size.clone(), doubles("data", &[0.0; 5])])).contains("wanted 3 × 2 = 6"));
+    assert!(refusal(&with(std::slice::from_ref(&size))).contains("data is missing"));
+    assert!(refusal(&with(&[integer("xres", 0), integer("yres", 2), doubles("data", &[])])).contains("xres"));
+    assert!(refusal(&with(&[double("xres", 3.0)])).contains("type of the component xres"));
     let huge = component("data", b'D', u32::MAX.to_le_bytes());
-    assert!(message(&with(&[size.clone(), huge])).contains("is `34359738360 bytes`"));
+    assert!(refusal(&with(&[size.clone(), huge])).contains("is `34359738360 bytes`"));
     let large = [integer("xres", 1 << 15), integer("yres", 1 << 15), doubles("data", &[])].concat();
     assert!(matches!(read_bytes(&with(&[large])), Err(FormatError::TooLarge { .. })));
-    assert!(message(&with(&[component("a", b'?', [0; 9])])).contains("one of b c i q d s o"));
-    assert!(message(b"GWYPGwyContainer").contains("without end"));
-    assert!(message(b"GWYPGwyContainer\0\x01\0\0\0").contains("at most 0 bytes"));
-    assert!(message(&[b"GWYP".to_vec(), object("GwyBrick", &[])].concat()).contains("wanted GwyContainer"));
+    assert!(refusal(&with(&[component("a", b'?', [0; 9])])).contains("one of b c i q d s o"));
+    assert!(refusal(b"GWYPGwyContainer").contains("without end"));
+    assert!(refusal(b"GWYPGwyContainer\0\x01\0\0\0").contains("at most 0 bytes"));
+    assert!(refusal(&[b"GWYP".to_vec(), object("GwyBrick", &[])].concat()).contains("wanted GwyContainer"));
     let no_size = object("GwyDataField", &[size, unit("si_unit_z", "m"), doubles("data", &HEIGHTS)]);
     let scan = read_bytes(&file(&[component("/0/data", b'o', no_size)])).unwrap();
     assert_eq!(scan.pitch_m, None);

@@ -65,3 +65,13 @@ fn assert_heights(scan: &Scan, wanted: &[f64]) {
         assert!(z.is_nan() && w.is_nan() || (z - w).abs() <= scale * f64::EPSILON, "{found:?}, wanted {wanted:?}");
     }
 }
+
+/// A missing height.
+const NAN: f64 = f64::NAN;
+
+/// Asserts the texts of some fields of the metadata.
+fn assert_metadata(scan: &Scan, wanted: &[(&str, &str)]) {
+    for (field, text) in wanted {
+        assert_eq!(scan.metadata.get(*field).map(String::as_str), Some(*text), "{field}");
+    }
+}

@@ -2,10 +2,8 @@
 
 use asperity_formats::FormatError;
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes, unsupported, wrong_field};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Variable parts of a file. The rest is as written by a NewView.
 struct MetroPro {
@@ -263,9 +261,7 @@ fn the_header_is_kept_in_either_order_of_bytes() {
         ("min_mod_pct", "1"),
         ("sys_serial2", "59407"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("material_b"));
 }
 

@@ -2,10 +2,10 @@
 
 use std::io::{Cursor, Write};
 
-use asperity_formats::{Format, FormatError, ReadOptions, Scan};
+use asperity_formats::{Format, FormatError, Scan};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::zlib;
 
 fn entry(tag: u16, value: &[u8]) -> Vec<u8> {
@@ -147,8 +147,7 @@ fn surfaces_in_other_units_are_left_out_and_named() {
     let scan = read_bytes(&bytes).unwrap();
     assert_eq!((scan.channels, scan.channel), (vec!["Left".to_owned(), "Right".into()], 0));
     assert!(scan.warnings.iter().any(|warning| warning.contains("`Intensity` (LSB)")), "{:?}", scan.warnings);
-    let options = ReadOptions { channel: Some("right".into()), ..ReadOptions::default() };
-    assert_eq!(read_bytes_with(&bytes, &options).unwrap().channel, 1);
+    assert_eq!(read_channel(&bytes, "right").unwrap().channel, 1);
 }
 
 #[test]

@@ -1,7 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
+use asperity_formats::{Format, FormatError, Scan};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 
 /// Variable parts of a file of two images of 3 × 2 points: a height and a phase.
 #[derive(Clone)]
@@ -114,7 +114,6 @@ fn images_that_are_no_heights_text_and_force_curves_are_refused() {
     assert!(refusal(&Nanoscope { start: "?*File list", ..volts }.bytes()).contains("the data are text"));
     assert!(refusal(b"\\*Force file list\r\n").contains("force curves"));
     assert!(refusal(b"\\*File list\r\n\\Version: 0x05\r\n\x1a").contains("no image"));
-    let phase = ReadOptions { channel: Some(Channel::from("Phase (retrace)")), ..ReadOptions::default() };
-    let error = read_bytes_with(&Nanoscope::default().bytes(), &phase).unwrap_err();
+    let error = read_channel(&Nanoscope::default().bytes(), "Phase (retrace)").unwrap_err();
     assert!(matches!(error, FormatError::NoSuchChannel { .. }), "{error}");
 }

@@ -1,11 +1,9 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
+use asperity_formats::{Format, FormatError, Scan};
 
-use crate::assert_heights;
 use crate::datx;
 use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fields, fill_value, new_attribute};
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
-
-const NAN: f64 = f64::NAN;
+use crate::fixture::{Fixture, read_bytes, read_channel};
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// An attribute of any of the types that tests use.
 #[derive(Clone)]
@@ -311,9 +309,7 @@ fn attributes_are_kept_by_their_names() {
         ("x:length", "3"),
         ("y:periodic", "1"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]
@@ -418,8 +414,7 @@ fn maps_in_a_unit_of_length_are_channels_and_heights_is_the_first() {
     let bytes = file.bytes();
     let scan = read_bytes(&bytes).unwrap();
     assert_eq!((scan.channels.as_slice(), scan.channel), (&["heights".to_owned(), "error".to_owned()][..], 0));
-    let options = ReadOptions { channel: Some(Channel::Name("error".into())), ..ReadOptions::default() };
-    assert_eq!(read_bytes_with(&bytes, &options).unwrap().heights_m[[0, 0]], 7e-6);
+    assert_eq!(read_channel(&bytes, "error").unwrap().heights_m[[0, 0]], 7e-6);
 }
 
 #[test]

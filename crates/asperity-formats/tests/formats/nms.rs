@@ -1,9 +1,7 @@
 use asperity_formats::{Format, FormatError};
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes, unsupported, wrong_field};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Variable parts of an NMS file. The rest is as written by µsoft.
 struct Nms {
@@ -130,9 +128,7 @@ fn the_texts_of_the_header_are_kept() {
         ("date", "2022-02-09T13:25"),
         ("note", "Röntgen"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]

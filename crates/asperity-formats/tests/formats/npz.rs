@@ -2,10 +2,10 @@
 
 use std::io::{Cursor, Write};
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
+use asperity_formats::{Format, FormatError, Scan};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::{npy, zip};
 
 fn array(descr: &str, column_major: bool, shape: &str, data: &[u8]) -> Vec<u8> {
@@ -72,13 +72,11 @@ fn two_dimensional_arrays_of_lengths_are_channels_by_name() {
         assert_heights(&scan, &[7.0; 6]);
         assert_eq!(scan.heights_m.dim(), (2, 3));
         assert!(scan.warnings.iter().any(|warning| warning.ends_with("left out: pressure_pa")), "{:?}", scan.warnings);
-        let options = ReadOptions { channel: Some(Channel::Name("gap_m".into())), ..ReadOptions::default() };
-        let gap = read_bytes_with(&bytes, &options).unwrap();
+        let gap = read_channel(&bytes, "gap_m").unwrap();
         assert_heights(&gap, &[1.0, 2.0, 3.0, 4.0, 5.0, f64::NAN]);
         assert_eq!(gap.pitch_m, Some((2e-6, 3e-6)));
         assert_eq!(gap.metadata["pitch_m"], "0.000002, 0.000003");
-        let options = ReadOptions { channel: Some(Channel::Name("pressure_pa".into())), ..ReadOptions::default() };
-        assert!(matches!(read_bytes_with(&bytes, &options), Err(FormatError::NoSuchChannel { .. })));
+        assert!(matches!(read_channel(&bytes, "pressure_pa"), Err(FormatError::NoSuchChannel { .. })));
     }
 }
 

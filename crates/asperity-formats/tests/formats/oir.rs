@@ -1,9 +1,9 @@
 //! OIR files after the chunks and the XML that SurfaceTopography describes.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
+use asperity_formats::{Format, FormatError, Scan};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::zip;
 
 fn chunk(kind: i32, content: &[u8]) -> Vec<u8> {
@@ -155,8 +155,7 @@ fn packed_files_are_channels_by_their_names() {
     );
     let bytes = zip(&[("a.oir", &usual()), ("b.oir", &other)]);
     assert_eq!(read_bytes(&bytes).unwrap().channels, ["a.oir", "b.oir", "b.oir 2"]);
-    let options = ReadOptions { channel: Some(Channel::Number(3)), ..ReadOptions::default() };
-    assert_usual(&read_bytes_with(&bytes, &options).unwrap());
+    assert_usual(&read_channel(&bytes, "3").unwrap());
 }
 
 #[test]

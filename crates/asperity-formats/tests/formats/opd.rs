@@ -1,11 +1,9 @@
 //! Wyko OPD.
 
-use asperity_formats::{Channel, FormatError, ReadOptions};
+use asperity_formats::{FormatError, ReadOptions};
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with, unsupported, wrong_field};
-
-const NAN: f64 = f64::NAN;
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, read_channel, unsupported, wrong_field};
+use crate::{NAN, assert_heights};
 
 /// A block: name, type, content.
 type Block = (&'static str, i16, Vec<u8>);
@@ -212,8 +210,7 @@ fn without_a_pixel_size_there_is_a_warning() {
 fn intensities_are_no_channels() {
     let scan = read_bytes(&file(&new_file())).unwrap();
     assert_eq!((scan.channels.as_slice(), scan.channel), (&["Raw".to_owned()][..], 0));
-    let image = ReadOptions { channel: Some(Channel::Name("Image".into())), ..ReadOptions::default() };
-    assert!(matches!(read_bytes_with(&file(&new_file()), &image), Err(FormatError::NoSuchChannel { .. })));
+    assert!(matches!(read_channel(&file(&new_file()), "Image"), Err(FormatError::NoSuchChannel { .. })));
 }
 
 #[test]

@@ -1,7 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions};
+use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 
 fn name(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
@@ -125,8 +125,7 @@ fn items_of_every_type_are_read_or_passed_over() {
     assert_heights(&scan, &[10e-6, 20e-6, 30e-6, 40e-6, f64::NAN, 60e-6]);
     let numbers = ["u8", "i16", "u16", "i32", "u32", "i64", "u64", "f32", "f64"].map(|key| scan.metadata[key].as_str());
     assert_eq!(numbers, ["200", "-2", "65000", "-4", "4000000000", "-8", "8", "0.5", "-0.25"]);
-    let options = ReadOptions { channel: Some(Channel::Number(2)), ..ReadOptions::default() };
-    let scan = read_bytes_with(&every_type(), &options).unwrap();
+    let scan = read_channel(&every_type(), "2").unwrap();
     assert_heights(&scan, &[1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]);
     assert_eq!(scan.pitch_m, None);
 }

@@ -1,9 +1,8 @@
 use asperity_formats::{Channel, Format, FormatError, ReadOptions};
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with, unsupported};
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, read_channel, unsupported};
+use crate::{NAN, assert_heights, assert_metadata};
 
-const NAN: f64 = f64::NAN;
 /// The height of a lost point.
 const LOST: f32 = 1_000_001.0;
 
@@ -139,8 +138,7 @@ fn layers_follow_each_other_behind_range_and_images() {
         assert_heights(&scan, &[4e-6, 5e-6]);
         assert!(scan.warnings.iter().any(|warning| warning.contains("the header states 3 × 2 points")));
     }
-    let error = read_bytes_with(&bytes, &ReadOptions { channel: Some(Channel::Number(3)), ..ReadOptions::default() })
-        .unwrap_err();
+    let error = read_channel(&bytes, "3").unwrap_err();
     assert!(error.to_string().contains("`layer 1`, `layer 2`"), "{error}");
 }
 
@@ -189,9 +187,7 @@ fn the_header_is_kept() {
         ("incr_z", "0.0625 µm"),
         ("n_planes", "23"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
     // Measurements at coordinates have other fields where the planes are.
     let scan = read_bytes(&Plu { area: 6, ..Plu::default() }.bytes()).unwrap();
     assert_eq!(scan.metadata.get("n_planes"), None);

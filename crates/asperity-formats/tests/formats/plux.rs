@@ -1,9 +1,7 @@
 use asperity_formats::{Channel, Format, FormatError, ReadOptions};
 
-use crate::assert_heights;
-use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with};
-
-const NAN: f64 = f64::NAN;
+use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with, read_channel};
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Variable parts of a PLUX file. The rest is as written by the program SensoSCAN.
 struct Plux {
@@ -131,11 +129,7 @@ fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
         assert_heights(&scan, &[10e-6; 6]);
         assert_eq!(scan.channel, 1);
     }
-    let error = read_bytes_with(
-        &bytes,
-        &ReadOptions { channel: Some(Channel::Name("LAYER_1".into())), ..ReadOptions::default() },
-    )
-    .unwrap_err();
+    let error = read_channel(&bytes, "LAYER_1").unwrap_err();
     assert!(matches!(error, FormatError::NoSuchChannel { format: Format::Plux, .. }), "{error}");
 }
 
@@ -149,9 +143,7 @@ fn items_are_kept_by_their_names_and_the_rest_by_their_paths() {
         ("GENERAL/DATE", "2024-01-02 03:04:05"),
         ("LAYER_0/POSITION_X", "12.5"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("INFO/ITEM_0/NAME") && !scan.metadata.contains_key("INFO/ITEM_0/VALUE"));
 }
 

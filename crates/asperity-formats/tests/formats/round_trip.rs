@@ -3,10 +3,8 @@ use std::path::Path;
 use asperity_formats::{Format, FormatError, Scan, to_bytes, write_npy, write_sur, write_x3p};
 use ndarray::{Array2, array};
 
-use crate::bits;
 use crate::fixture::read_bytes;
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, bits};
 
 /// A tilted wave of 7 × 5 points with three voids.
 fn scan() -> Scan {

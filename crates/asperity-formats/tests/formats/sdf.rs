@@ -2,9 +2,7 @@ use asperity_formats::{FormatError, Scan, write_sdf};
 use ndarray::array;
 
 use crate::fixture::{Fixture, read_bytes};
-use crate::{assert_heights, bits};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, bits};
 
 /// Variable parts of a binary file.
 struct Binary {

@@ -1,14 +1,12 @@
 use std::io::Write;
 
-use asperity_formats::{FormatError, ReadOptions, Scan, write_sur};
+use asperity_formats::{FormatError, Scan, write_sur};
 use ndarray::array;
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with, unsupported, wrong_field};
-use crate::fixtures::Sur;
+use crate::fixture::{Fixture, read_bytes, read_channel, unsupported, wrong_field};
+use crate::fixtures::{Sur, deflated};
 use crate::memory::peak_bytes;
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Four heights of 32 bits in the order that is asked for, the last but one missing.
 fn int32(big_endian: bool) -> Sur {
@@ -41,10 +39,6 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         Fixture { needed: first, ..Fixture::whole("SUR series", series()) },
         Fixture::whole("SUR as written", write_sur(&scan).unwrap()),
     ]
-}
-
-fn channel(text: &str) -> ReadOptions {
-    ReadOptions { channel: Some(text.into()), ..ReadOptions::default() }
 }
 
 #[test]
@@ -164,9 +158,7 @@ fn the_comment_and_the_header_are_kept() {
         ("z offset", "1000"),
         ("client zone", "a program"),
     ];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]
@@ -200,14 +192,7 @@ fn deflated_streams_are_read() {
     let mut packed = file.compressed(&[]).bytes();
     // Header, comment and private zone stay; the directory and the streams are another program's.
     packed.truncate(512 + Sur::default().comment.len() + Sur::default().private.len());
-    let streams: Vec<Vec<u8>> = heights
-        .chunks(150_001)
-        .map(|chunk| {
-            let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
-            encoder.write_all(chunk).unwrap();
-            encoder.finish().unwrap()
-        })
-        .collect();
+    let streams: Vec<Vec<u8>> = heights.chunks(150_001).map(deflated).collect();
     packed.extend((streams.len() as u32).to_le_bytes());
     for (stream, chunk) in streams.iter().zip(heights.chunks(150_001)) {
         packed.extend((chunk.len() as u32).to_le_bytes());
@@ -288,7 +273,7 @@ fn big_endian_numbers_are_read_where_the_header_makes_sense_so() {
 #[test]
 fn surfaces_of_a_series_are_channels_by_their_names() {
     let bytes = series();
-    let read = |text: &str| read_bytes_with(&bytes, &channel(text)).unwrap();
+    let read = |text: &str| read_channel(&bytes, text).unwrap();
     let moved = |offset: f64| [200.0, 400.0, NAN, -600.0, 800.0, 1000.0].map(|z| (z + offset) * 1e-9);
     assert_eq!(read("1").channels, ["surface 1", "worn", "surface 3"]);
     assert_heights(&read("1"), &moved(1000.0));
@@ -298,7 +283,7 @@ fn surfaces_of_a_series_are_channels_by_their_names() {
     assert_eq!(read("worn").metadata["object name"], "worn");
     // Only the first object of a series has a comment.
     assert_eq!(read("worn").metadata["comment"], "hob ground, µ = 0.1");
-    assert!(read_bytes_with(&bytes, &channel("4")).is_err());
+    assert!(read_channel(&bytes, "4").is_err());
     let default = read_bytes(&bytes).unwrap();
     assert_eq!(default.channel, 0);
     assert!(default.warnings.iter().any(|warning| warning.contains("3 height maps")), "{:?}", default.warnings);

@@ -1,10 +1,8 @@
-use asperity_formats::{Format, FormatError, ReadOptions};
+use asperity_formats::{Format, FormatError};
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::TEXT;
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights};
 
 /// As Gwyddion exports data fields with a header.
 const GWYDDION: &str = "# Channel: Topography\n# Width: 3.0 µm\n# Height: 1.00 µm\n# Value units: m\n\
@@ -121,8 +119,7 @@ fn channels_of_the_same_name_are_numbered() {
     let text = "# Channel: Z\n1 2\n# Channel: Z\n3 4\n";
     let scan = read_bytes(text.as_bytes()).unwrap();
     assert_eq!(scan.channels, ["Z", "Z 2"]);
-    let options = ReadOptions { channel: Some("z 2".into()), ..ReadOptions::default() };
-    assert_heights(&read_bytes_with(text.as_bytes(), &options).unwrap(), &[3.0, 4.0]);
+    assert_heights(&read_channel(text.as_bytes(), "z 2").unwrap(), &[3.0, 4.0]);
 }
 
 #[test]
@@ -211,18 +208,14 @@ fn channels_of_one_file_are_distinguished() {
     assert_heights(&scan, &HEIGHTS_M);
     assert_eq!(scan.channels, ["Topography", "Zoom"]);
     assert!(scan.warnings.iter().any(|warning| warning.contains("2 height maps")), "{:?}", scan.warnings);
-    let options = ReadOptions { channel: Some("zoom".into()), ..ReadOptions::default() };
-    let scan = read_bytes_with(text.as_bytes(), &options).unwrap();
+    let scan = read_channel(text.as_bytes(), "zoom").unwrap();
     assert_eq!((scan.heights_m.dim(), scan.channel), ((1, 2), 1));
     assert_heights(&scan, &[1e-9, 2e-9]);
     assert_eq!(scan.pitch_m, Some((2e-9, 2e-9)));
-    let options = ReadOptions { channel: Some("Phase".into()), ..ReadOptions::default() };
-    let error = read_bytes_with(text.as_bytes(), &options).unwrap_err().to_string();
+    let error = read_channel(text.as_bytes(), "Phase").unwrap_err().to_string();
     assert_eq!(error, "text: no height map `Phase`; the file holds `Topography`, `Zoom`");
     let broken = text.replace("\n1 2\n", "\n1 x\n");
-    let error =
-        read_bytes_with(broken.as_bytes(), &ReadOptions { channel: Some("2".into()), ..ReadOptions::default() })
-            .unwrap_err();
+    let error = read_channel(broken.as_bytes(), "2").unwrap_err();
     assert!(error.to_string().starts_with("text: value 2 (line 19) is `x`"), "{error}");
     let phases = text.replace("units: m", "units: V").replace("units: nm", "units: V");
     let error = read_bytes(phases.as_bytes()).unwrap_err().to_string();

@@ -1,17 +1,12 @@
 //! TIFF, by TIFF 6.0 and its technical notes.
 
-use std::io::Write;
-
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use asperity_formats::{Format, FormatError, Scan};
 use weezl::BitOrder;
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
+use crate::fixtures::deflated as zlib;
 use crate::memory::peak_bytes;
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights};
 
 /// A file in one of the two orders of bytes, classic or big.
 #[derive(Clone, Copy)]
@@ -155,12 +150,6 @@ const HEIGHTS: [f64; 6] = [1.0, -2.0, 3.5, 4.0, 5.0, 0.25];
 
 fn floats() -> Page {
     Page::new(32, 3, CLASSIC.f32s(&HEIGHTS))
-}
-
-fn zlib(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(bytes).unwrap();
-    encoder.finish().unwrap()
 }
 
 fn lzw(bytes: &[u8]) -> Vec<u8> {
@@ -420,8 +409,7 @@ fn pages_are_channels_and_those_of_other_kinds_are_left_out() {
     assert!(scan.warnings.iter().any(|warning| {
         warning.ends_with("left out: page 1 is in colours (RGB), page 2 is a smaller copy of another")
     }));
-    let options = ReadOptions { channel: Some(Channel::Name("height".into())), ..ReadOptions::default() };
-    let scan = read_bytes_with(&bytes, &options).unwrap();
+    let scan = read_channel(&bytes, "height").unwrap();
     assert_heights(&scan, &[9.0; 6]);
     assert_eq!(scan.metadata["PageName"], "Height");
 }

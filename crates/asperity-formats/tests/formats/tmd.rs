@@ -2,10 +2,8 @@
 
 use asperity_formats::FormatError;
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes, unsupported};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Variable parts of a file.
 struct Tmd {
@@ -78,10 +76,7 @@ fn heights_and_lengths_are_millimetres_and_the_first_row_is_on_top() {
 #[test]
 fn the_comment_and_the_offsets_are_kept() {
     let scan = read_bytes(&truemap().bytes()).unwrap();
-    let wanted = [("comment", "Created by TrueMap v6"), ("offset x", "2.5 mm"), ("offset y", "0 mm")];
-    for (field, text) in wanted {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    assert_metadata(&scan, &[("comment", "Created by TrueMap v6"), ("offset x", "2.5 mm"), ("offset y", "0 mm")]);
     assert!(!read_bytes(&version_1().bytes()).unwrap().metadata.contains_key("offset x"));
 }
 

@@ -1,13 +1,11 @@
 //! VK4: the header, the table of offsets, the measurement conditions and images, in the order and with the widths of
 //! the published layout; VK6 around it.
 
-use asperity_formats::{Channel, Format, FormatError, ReadOptions, Scan};
+use asperity_formats::{Format, FormatError, Scan};
 
-use crate::assert_heights;
-use crate::fixture::{Fixture, read_bytes, read_bytes_with};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::zip;
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 fn u32s(numbers: &[u32]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
@@ -195,11 +193,7 @@ fn layers_of_heights_are_channels_by_their_numbers() {
     let file = Vk4 { layers: [Some(Layer::of_32_bits()), None, Some(second)], ..Vk4::default() }.bytes();
     let scan = read_bytes(&file).unwrap();
     assert_eq!((scan.channels, scan.channel), (vec!["Height 1".to_owned(), "Height 3".to_owned()], 0));
-    let scan = read_bytes_with(
-        &file,
-        &ReadOptions { channel: Some(Channel::Name("height 3".into())), ..ReadOptions::default() },
-    )
-    .unwrap();
+    let scan = read_channel(&file, "height 3").unwrap();
     assert_heights(&scan, &[1e-10, 2e-10, 3e-10, 4e-10, 5e-10, 6e-10]);
     assert_eq!(scan.channel, 1);
 }
@@ -214,7 +208,7 @@ fn vk3_has_a_shorter_table() {
 #[test]
 fn the_measurement_conditions_and_strings_are_kept() {
     let scan = reading(&Vk4::default());
-    for (field, text) in [
+    let wanted = [
         ("date", "2022-10-23T12:13:10-04:00"),
         ("library version", "1.2.3.4"),
         ("title", "Zahnrad µ7"),
@@ -246,9 +240,8 @@ fn the_measurement_conditions_and_strings_are_kept() {
         ("upper position", "72 nm"),
         ("lower position", "73 nm"),
         ("height effective bit depth", "21"),
-    ] {
-        assert_eq!(scan.metadata.get(field).map(String::as_str), Some(text), "{field}");
-    }
+    ];
+    assert_metadata(&scan, &wanted);
 }
 
 #[test]

@@ -5,14 +5,13 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use ndarray::{Array2, array};
 
+use crate::NAN;
 use crate::fixture::{Fixture, read_bytes};
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
     // Written and not read.
     vec![]
 }
-
-const NAN: f64 = f64::NAN;
 
 fn scan() -> Scan {
     let mut scan = Scan::new(array![[1e-6, NAN, 3e-6], [-4e-6, 5e-6, 0.1 + 0.2]], Some((1.5e-6, 2.5e-6)));

@@ -1,12 +1,10 @@
-use asperity_formats::{Format, FormatError, MAX_POINTS, ReadOptions, Scan, write_x3p};
+use asperity_formats::{Format, FormatError, MAX_POINTS, Scan, write_x3p};
 use ndarray::array;
 
-use crate::assert_heights;
-use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with, unsupported};
+use crate::fixture::{Content, Fixture, read_bytes, read_channel, unsupported};
 use crate::fixtures::{X3p, md5, zip};
 use crate::memory::peak_bytes;
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights, assert_metadata};
 
 fn le<const N: usize>(numbers: impl IntoIterator<Item = [u8; N]>) -> Vec<u8> {
     numbers.into_iter().flatten().collect()
@@ -215,10 +213,6 @@ fn the_checksum_file_may_hold_the_sum_alone_or_sums_of_other_files() {
     }
 }
 
-fn layer(text: &str) -> ReadOptions {
-    ReadOptions { channel: Some(text.into()), ..ReadOptions::default() }
-}
-
 /// Returns three layers of 2 × 3 numbers in nanometre: the hundreds are the layer, the tens the line, the ones the
 /// column. Point (1, 0) of the second layer is not valid: bit 6 + 3, across a border of bytes.
 fn layered() -> X3p {
@@ -235,7 +229,7 @@ fn layered() -> X3p {
 #[test]
 fn layers_are_channels_each_with_its_own_numbers_and_validity() {
     let bytes = layered().bytes();
-    let read = |text: &str| read_bytes_with(&bytes, &layer(text)).unwrap();
+    let read = |text: &str| read_channel(&bytes, text).unwrap();
     assert_heights(&read("layer 1"), &[111e-9, 112e-9, 113e-9, 121e-9, 122e-9, 123e-9]);
     assert_heights(&read("2"), &[211e-9, 212e-9, 213e-9, NAN, 222e-9, 223e-9]);
     assert_heights(&read("Layer 3"), &[311e-9, 312e-9, 313e-9, 321e-9, 322e-9, 323e-9]);
@@ -249,7 +243,7 @@ fn layers_are_channels_each_with_its_own_numbers_and_validity() {
     assert_eq!(first.heights_m, read("1").heights_m);
     assert!(matches!(first.warnings.as_slice(), [one] if one.contains("3 height maps")), "{:?}", first.warnings);
     for absent in ["0", "4", "height"] {
-        let error = read_bytes_with(&bytes, &layer(absent)).unwrap_err();
+        let error = read_channel(&bytes, absent).unwrap_err();
         assert!(matches!(error, FormatError::NoSuchChannel { .. }), "{error}");
     }
 }
@@ -259,19 +253,19 @@ fn layers_that_the_data_do_not_reach_are_errors_when_asked_for() {
     let mut file = layered();
     file.data.truncate(4 * 14);
     let bytes = file.bytes();
-    let scan = read_bytes_with(&bytes, &layer("2")).unwrap();
+    let scan = read_channel(&bytes, "2").unwrap();
     assert!(
         matches!(scan.warnings.as_slice(), [one] if one.contains("shorter than the stated 3")),
         "{:?}",
         scan.warnings
     );
-    match read_bytes_with(&bytes, &layer("3")) {
+    match read_channel(&bytes, "3") {
         Err(FormatError::Truncated { part, found: 8, wanted: 24, .. }) => assert_eq!(part, "the numbers"),
         other => panic!("{other:?}"),
     }
     let cut_mask = X3p { valid: Some(vec![0xff]), ..layered() }.bytes();
-    assert!(read_bytes_with(&cut_mask, &layer("1")).is_ok());
-    match read_bytes_with(&cut_mask, &layer("2")) {
+    assert!(read_channel(&cut_mask, "1").is_ok());
+    match read_channel(&cut_mask, "2") {
         Err(FormatError::Truncated { part, found: 1, wanted: 2, .. }) => assert_eq!(part, "the validity bits"),
         other => panic!("{other:?}"),
     }
@@ -346,8 +340,8 @@ fn a_data_list_in_the_description_is_read() {
     let (head, rest) = layered.split_once("<DataLink>").unwrap();
     let (_, tail) = rest.split_once("</DataLink>").unwrap();
     let bytes = file.with_main(format!("{head}<DataList>{list}</DataList>{tail}").as_bytes());
-    assert_heights(&read_bytes_with(&bytes, &layer("1")).unwrap(), &[0.486, -0.808]);
-    assert_heights(&read_bytes_with(&bytes, &layer("2")).unwrap(), &[NAN, 1.048]);
+    assert_heights(&read_channel(&bytes, "1").unwrap(), &[0.486, -0.808]);
+    assert_heights(&read_channel(&bytes, "2").unwrap(), &[NAN, 1.048]);
     assert!(matches!(
         read_bytes(&with_list("<Datum>986</Datum>")),
         Err(FormatError::Field { field, found, wanted, .. })
@@ -479,9 +473,7 @@ fn metadata_are_kept_by_their_path() {
         ("Record2/Instrument/Manufacturer", "Meyer & Söhne"),
         ("Record2/Comment", "a < b"),
     ];
-    for (path, text) in wanted {
-        assert_eq!(scan.metadata.get(path).map(String::as_str), Some(text));
-    }
+    assert_metadata(&scan, &wanted);
     assert!(!scan.metadata.contains_key("Record1/Axes/CY/Offset"));
 }
 

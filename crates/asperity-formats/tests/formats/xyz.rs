@@ -1,9 +1,7 @@
 use asperity_formats::{Format, Scan, write_sur};
 
-use crate::assert_heights;
 use crate::fixture::{Fixture, read_bytes};
-
-const NAN: f64 = f64::NAN;
+use crate::{NAN, assert_heights};
 
 /// Columns, rows from the smallest y on, and the pitch of the maps below.
 const SIZE: (usize, usize) = (4, 3);

@@ -194,20 +194,6 @@ fn too_few_samples_in_contact_are_a_recorded_reason() {
 }
 
 #[test]
-fn a_study_is_the_same_on_one_thread_and_on_two() {
-    let (surface, half_space) = gaussian_surface(16, 30);
-    let control = Control::MeanPressure { pascal: 0.02 };
-    let problem = Problem::new(&surface, &half_space, control, Some(2.0)).unwrap();
-    let comparison =
-        MethodComparison { fine_solves: 60, reference_samples: 60, surrogate_samples: 500, ..small_comparison() };
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| comparison.run(&problem, &Silent)).unwrap()
-    };
-    assert_eq!(on(1), on(2));
-}
-
-#[test]
 fn more_xi_variables_than_sobol_points_have_are_a_recorded_reason() {
     /// Surface with unused trailing variables ξ.
     struct LongXi<'a>(&'a dyn RandomSurface);

@@ -1,6 +1,6 @@
 //! Readers of the documents of a report.
 
-use asperity_report::{Run, render};
+use asperity_report::{Figure, Run, render};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
@@ -60,4 +60,26 @@ pub(crate) fn words(run: &Run, name: &str) -> Vec<String> {
     let pieces =
         svg.split('<').filter_map(|piece| piece.split_once('>')).map(|(_, text)| text.trim().replace('\u{a0}', " "));
     pieces.filter(|text| !text.is_empty()).collect()
+}
+
+/// Asserts that a figure is a well-formed document of legible text that loads nothing.
+pub(crate) fn check_figure(figure: &Figure) {
+    assert!(elements(&figure.svg) > 10, "{}", figure.name);
+    let inside = |resource: &&str| resource.starts_with('#') || resource.starts_with("data:image/png;base64,");
+    assert!(resources(&figure.svg).iter().all(inside), "{} loads nothing", figure.name);
+    // Nothing is smaller than 12 px at 640 px.
+    for size in figure.svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        assert!(size.parse::<f64>().unwrap() >= 12.0, "{}: font size {size}", figure.name);
+    }
+    assert!(!figure.svg.contains("NaN") && !text(&figure.svg).contains("inf"), "{}", figure.name);
+}
+
+/// Asserts that a page loads nothing from elsewhere.
+pub(crate) fn check_page(html: &str) {
+    for resource in resources(html) {
+        assert!(resource.starts_with('#') || resource.starts_with("data:image/png;base64,"), "{resource:.60}");
+    }
+    for forbidden in ["<script", "<link", "@import", "url("] {
+        assert!(!without_scripts(html).contains(forbidden), "{forbidden}");
+    }
 }

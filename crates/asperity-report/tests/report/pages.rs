@@ -2,64 +2,16 @@
 
 use asperity_results::ScanOfPart;
 
-use crate::documents::{elements, resources, text, without_scripts};
+use crate::documents::{check_figure, check_page, elements, text, without_scripts};
 use crate::stages::{friction, surface};
 use crate::synthetic::{edit, example, full_run, surface_run};
 use asperity_report::{Input, Run, render};
 
 #[test]
-fn a_complete_run_has_every_figure_and_every_section() {
-    let report = render(&full_run()).unwrap();
-    let html = text(&report.html);
-    let names: Vec<&str> = report.figures.iter().map(|figure| figure.name.as_str()).collect();
-    let wanted = [
-        "height_raw",
-        "height_levelled",
-        "surface_sample",
-        "height_pdf",
-        "height_acf",
-        "height_psd",
-        "pressure_sample",
-        "contact_probability",
-        "pressure_quantiles",
-        "pressure_cdf",
-        "pressure_scalars",
-        "pressure_sensitivities",
-        "friction_load_curve",
-        "friction_cutoff",
-        "friction_histogram",
-        "friction_acf",
-        "friction_windows",
-        "friction_spectrum",
-        "friction_area_load",
-        "friction_levels",
-        "friction_shape",
-        "friction_trace",
-        "limit_cycle",
-        "reattachment",
-        "cycles_over_damping",
-        "sustained_over_damping",
-        "survival",
-        "expansion_error",
-        "pressure_intervals",
-        "pressure_accuracy",
-        "friction_pit",
-        "friction_qq",
-    ];
-    assert_eq!(names, wanted);
-    for id in [
-        "answers",
-        "surface",
-        "pressure",
-        "friction",
-        "quotient",
-        "vibration",
-        "inputs",
-        "assumptions",
-        "provenance",
-        "references",
-        "appendix",
-    ] {
+fn a_complete_run_has_every_section() {
+    let html = text(&render(&full_run()).unwrap().html);
+    let ids = "answers surface pressure friction quotient vibration inputs assumptions provenance references appendix";
+    for id in ids.split(' ') {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
     }
     for wanted in [
@@ -113,27 +65,16 @@ fn every_figure_names_its_tables() {
 #[test]
 fn every_figure_is_a_well_formed_svg_document_with_readable_text() {
     for figure in render(&full_run()).unwrap().figures {
-        assert!(elements(&figure.svg) > 20, "{} is drawn", figure.name);
         assert!(figure.svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"170mm\""), "{}", figure.name);
         assert!(figure.svg.contains("<title>") && figure.svg.contains("aria-label="));
-        // Nothing is smaller than 12 px at 640 px.
-        for size in figure.svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
-            assert!(size.parse::<f64>().unwrap() >= 12.0, "{}: font size {size}", figure.name);
-        }
-        let drawn = text(&figure.svg);
-        assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{}", figure.name);
+        assert!(elements(&figure.svg) > 20, "{} is drawn", figure.name);
+        check_figure(&figure);
     }
 }
 
 #[test]
 fn the_page_loads_nothing_from_elsewhere() {
-    let html = render(&full_run()).unwrap().html;
-    for resource in resources(&html) {
-        assert!(resource.starts_with('#') || resource.starts_with("data:image/png;base64,"), "{resource:.60}");
-    }
-    for forbidden in ["<script", "<link", "@import", "url("] {
-        assert!(!without_scripts(&html).contains(forbidden), "{forbidden}");
-    }
+    check_page(&render(&full_run()).unwrap().html);
 }
 
 #[test]
@@ -189,11 +130,6 @@ fn no_panel_has_more_than_six_curves() {
         }
     }
     assert!(panels > 20);
-}
-
-#[test]
-fn equal_runs_give_equal_bytes() {
-    assert_eq!(render(&full_run()).unwrap(), render(&full_run()).unwrap());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use asperity_results::{MapResolutionResult, MapResult, Table};
 
-use crate::documents::{elements, resources, text, without_scripts};
+use crate::documents::{check_figure, elements, text, without_scripts};
 use crate::synthetic::edit;
 use asperity_report::{CoupledModes, Figure, Report, VibrationFigures, render_vibration};
 use serde_json::json;
@@ -250,13 +250,6 @@ fn all() -> Vec<(Given, Vec<Wanted>)> {
     ]
 }
 
-fn is_well_formed_and_loads_nothing(figure: &Figure) {
-    assert!(elements(&figure.svg) > 10, "{}", figure.name);
-    let inside = |resource: &&str| resource.starts_with('#') || resource.starts_with("data:image/png;base64,");
-    assert!(resources(&figure.svg).iter().all(inside), "{} loads nothing", figure.name);
-    assert!(!figure.svg.contains("NaN") && !text(&figure.svg).contains("inf"), "{}", figure.name);
-}
-
 #[test]
 fn every_command_has_its_labelled_figures() {
     for ((given, tables), wanted) in all() {
@@ -266,7 +259,7 @@ fn every_command_has_its_labelled_figures() {
             wanted.iter().map(|w| w.0).collect::<Vec<_>>()
         );
         for (figure, (name, words)) in figures.iter().zip(wanted) {
-            is_well_formed_and_loads_nothing(figure);
+            check_figure(figure);
             let shown = text(&figure.svg);
             for word in words {
                 assert!(shown.contains(word), "{name}: {word:?}");
@@ -284,7 +277,7 @@ fn every_command_has_its_labelled_figures() {
 fn absent_and_undefined_data_are_left_out() {
     for ((given, tables), _) in all() {
         assert!(drawn(&given, &Tables::new()).is_empty());
-        let check = |tables: &Tables| drawn(&given, tables).iter().for_each(is_well_formed_and_loads_nothing);
+        let check = |tables: &Tables| drawn(&given, tables).iter().for_each(check_figure);
         for name in tables.keys() {
             let mut without = tables.clone();
             without.remove(name);

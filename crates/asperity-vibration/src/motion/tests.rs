@@ -3,6 +3,7 @@
 use super::*;
 use crate::Parameters;
 use crate::law::{Coulomb, Exponential, Stribeck};
+use crate::tests::machine;
 
 const STATIC: f64 = 0.4;
 const KINETIC: f64 = 0.3;
@@ -23,9 +24,7 @@ fn events(jump_at: f64, m: f64, drive: Drive, start: f64, duration: f64) -> Vec<
         Cell { end: f64::INFINITY, length: f64::INFINITY, left: m, right: m },
     ];
     let law = VelocityLaw::Coulomb(Coulomb { kinetic: KINETIC });
-    let parameters =
-        Parameters { static_friction: STATIC, law, damping_ratio: 0.0, belt_velocity: BELT, forcing: None };
-    let oscillator = Oscillator::new(parameters).unwrap();
+    let oscillator = machine(STATIC, law, 0.0, BELT);
     let mut motion = Motion::new(&oscillator, Levels(cells.into_iter()), drive, start).unwrap();
     let mut events = vec![];
     while motion.tau < duration {

@@ -349,7 +349,8 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
 mod tests {
     use super::*;
     use crate::law::{Coulomb, Exponential, Stribeck};
-    use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping, limit_cycle, limit_damping};
+    use crate::tests::machine;
+    use crate::{FrictionTable, VelocityLaw, critical_damping, limit_cycle, limit_damping};
     use asperity_base::monitor::Silent;
     use asperity_base::random;
 
@@ -361,8 +362,7 @@ mod tests {
 
     fn coulomb(damping_ratio: f64) -> Oscillator {
         let law = VelocityLaw::Coulomb(Coulomb { kinetic: 0.3 });
-        Oscillator::new(Parameters { static_friction: 0.4, law, damping_ratio, belt_velocity: 0.05, forcing: None })
-            .unwrap()
+        machine(0.4, law, damping_ratio, 0.05)
     }
 
     const AREA: BasinBox = BasinBox { displacement: [-0.3, 0.8], velocity: [-0.3, 0.3], cells: [120, 90] };
@@ -470,9 +470,7 @@ mod tests {
         let bell = |v: f64| 0.3 + 0.1 * (-(v / 0.08).powi(2)).exp();
         let points: Vec<_> = (0..=400).map(|i| 1e-3 * f64::from(i)).map(|v| [v, bell(v)]).collect();
         let law = VelocityLaw::Tabulated(FrictionTable::new(&points).unwrap());
-        let parameters =
-            Parameters { static_friction: 0.4, law, damping_ratio: 0.27, belt_velocity: 0.11, forcing: None };
-        let found = smallest_kick(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
+        let found = smallest_kick(&machine(0.4, law, 0.27, 0.11)).unwrap().unwrap();
         assert!((found / 0.040_666 - 1.0).abs() < 1e-4, "{found}");
         // Below ζ_H = .104 no kick is needed; above ζ_c = .1115 no kick is sufficient.
         for damping in [0.1041, 0.1116, 0.9] {
@@ -484,9 +482,7 @@ mod tests {
     fn the_kick_over_a_jump_of_friction_is_the_closed_form_of_a_damped_oscillation() {
         let (damping, belt, kinetic) = (0.05_f64, 0.05_f64, 0.25);
         let law = VelocityLaw::Coulomb(Coulomb { kinetic });
-        let parameters =
-            Parameters { static_friction: 0.3, law, damping_ratio: damping, belt_velocity: belt, forcing: None };
-        let machine = Oscillator::new(parameters).unwrap();
+        let machine = machine(0.3, law, damping, belt);
         let classifier = StartClassifier::new(&machine).unwrap();
         // Against the belt: the orbit that grazes it at X − μ_k = −2ζV, X′ = V, half a turn earlier at X = μ_k.
         let (x0, frequency) = (-2.0 * damping * belt, (1.0 - damping * damping).sqrt());
@@ -584,8 +580,7 @@ mod tests {
             };
             let machine = |damping_ratio| {
                 let law = law.clone();
-                Oscillator::new(Parameters { static_friction, law, damping_ratio, belt_velocity, forcing: None })
-                    .unwrap()
+                machine(static_friction, law, damping_ratio, belt_velocity)
             };
             let hopf = 0.5 * law.weakening(belt_velocity);
             let limit = limit_damping(&machine(0.0)).unwrap();

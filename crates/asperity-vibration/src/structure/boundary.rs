@@ -195,8 +195,9 @@ pub fn critical_curve(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::VelocityLaw;
     use crate::law::Linear;
-    use crate::{Parameters, VelocityLaw};
+    use crate::tests::machine;
     use asperity_base::monitor::Silent;
 
     #[test]
@@ -227,9 +228,7 @@ mod tests {
     #[test]
     fn the_curve_of_the_linear_law_is_half_its_slope_and_missing_parameters_are_errors() {
         let law = VelocityLaw::Linear(Linear { kinetic: 0.4, slope: 0.1 });
-        let parameters =
-            Parameters { static_friction: 0.4, law, damping_ratio: 0.0, belt_velocity: 0.1, forcing: None };
-        let oscillator = Oscillator::new(parameters).unwrap();
+        let oscillator = machine(0.4, law, 0.0, 0.1);
         let settings = CurveSettings::new([0.0, 1.0]);
         let curve = critical_curve(&oscillator, CurveParameter::Weakening, &settings, &Silent).unwrap();
         for point in &curve.points {

@@ -312,7 +312,8 @@ mod tests {
     use super::*;
     use crate::law::{Coulomb, Exponential, Linear, Stribeck};
     use crate::oracle::Oracle;
-    use crate::{FrictionTable, Parameters, VelocityLaw, critical_damping};
+    use crate::tests::machine;
+    use crate::{FrictionTable, VelocityLaw, critical_damping};
     use asperity_process::Cell;
 
     #[test]
@@ -370,8 +371,7 @@ mod tests {
         ] {
             for static_friction in [0.3, 0.31] {
                 let law = law.clone();
-                let parameters = Parameters { static_friction, law, damping_ratio, belt_velocity: 0.1, forcing: None };
-                assert_eq!(slip_cycles(&Oscillator::new(parameters).unwrap()).unwrap(), []);
+                assert_eq!(slip_cycles(&machine(static_friction, law, damping_ratio, 0.1)).unwrap(), []);
             }
         }
     }
@@ -389,8 +389,7 @@ mod tests {
                 VelocityLaw::Exponential(Exponential { kinetic, high_speed: 0.1 * kinetic, stribeck_velocity: reach })
             };
             let (static_friction, belt_velocity) = (kinetic * (1.0 + 0.3 * g[3].max(0.0)), reach * (1.5 * g[2]).exp());
-            let parameters = Parameters { static_friction, law, damping_ratio: 0.0, belt_velocity, forcing: None };
-            let oscillator = Oscillator::new(parameters).unwrap();
+            let oscillator = machine(static_friction, law, 0.0, belt_velocity);
             let ends = critical_damping(&oscillator).unwrap();
             let above = ends.critical_damping_ratio.max(ends.hopf_damping_ratio);
             assert_eq!(searched_fold(&oscillator, above).unwrap(), None, "{oscillator:?}");
@@ -404,8 +403,7 @@ mod tests {
             FrictionTable::new(&[[0.0, 0.1], [0.001, 0.1], [0.0011, 0.05], [1.0, 0.04]]).unwrap(),
         );
         let (damping_ratio, belt_velocity) = (23.0, 0.00105);
-        let parameters = Parameters { static_friction: 0.1, law, damping_ratio, belt_velocity, forcing: None };
-        let oscillator = Oscillator::new(parameters).unwrap();
+        let oscillator = machine(0.1, law, damping_ratio, belt_velocity);
         let cycles = slip_cycles(&oscillator).unwrap();
         let [cycle] = cycles[..] else { panic!("{cycles:?}") };
         assert!(cycle.is_stable() && cycle.velocity_max < belt_velocity, "{cycle:?}");
@@ -435,9 +433,7 @@ mod tests {
     #[test]
     fn a_repelling_node_has_no_cycle_around_it() {
         let law = VelocityLaw::Stribeck(Stribeck { kinetic: 2.2, decay: 3.6 });
-        let parameters =
-            Parameters { static_friction: 3.2, law, damping_ratio: 0.03, belt_velocity: 0.02, forcing: None };
-        let map = return_map(&Oscillator::new(parameters).unwrap()).unwrap().unwrap();
+        let map = return_map(&machine(3.2, law, 0.03, 0.02)).unwrap().unwrap();
         assert!(map.cycles.is_empty() && map.growth == [1.0] && map.edge < 1e-3);
     }
 

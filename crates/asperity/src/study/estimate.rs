@@ -135,38 +135,20 @@ pub(super) fn countable_surface(whole: &Study, grid: Grid) -> Option<SurfaceMode
 mod tests {
     use super::*;
     use crate::study::vibration_stage::cost::{CROSSING_ENSEMBLES, FLUCTUATION_SECONDS};
+    use asperity_testing::StudyText;
 
     #[test]
     fn the_estimate_counts_every_contact_problem_and_trajectory() {
-        let text = r#"
-seed = 1
-[surface]
-covariance = "exponential"
-marginal = "normal"
-rms_height = "1 um"
-correlation_length = ["20 um", "20 um"]
-[material]
-youngs_modulus = "210 GPa"
-shear_strength = "385 MPa"
-[pressure]
-size = ["200 um", "200 um"]
-points = [64, 64]
-percentile = 50.0
-fine_solves = 100
-reference_samples = 1000
-[friction]
-percentiles = [5.0, 50.0]
-realisations = 20
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-belt_velocity = "23.7 mm/s"
-damping_sweep = [0.05, 0.30, 11]
-trajectories = 50
-"#;
+        let text = StudyText::new(1, &["surface", "material", "pressure", "friction", "vibration"])
+            .with("pressure", "size = [\"200 um\", \"200 um\"]\npoints = [64, 64]\nfine_solves = 100")
+            .with("pressure", "reference_samples = 1000")
+            .with("friction", "percentiles = [5.0, 50.0]\nrealisations = 20")
+            .with("vibration", "belt_velocity = \"23.7 mm/s\"\ndamping_sweep = [0.05, 0.30, 11]\ntrajectories = 50")
+            .without("material", &["hardness"])
+            .without("friction", &["strip", "points", "window"])
+            .without("vibration", &["dimensionless_belt_velocity"])
+            .to_string();
+        let text = text.as_str();
         let estimate = |text: &str| -> Vec<StageEstimate> {
             let stages = Study::parse(text, "study.toml").unwrap().estimate(0, 2);
             stages.into_iter().filter(|stage| stage.stage != Stage::Surface).collect()

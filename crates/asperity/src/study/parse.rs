@@ -218,20 +218,9 @@ fn wrong_type(message: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    const STUDY: &str = r#"
-seed = 2016
-[surface]
-covariance = "squared_exponential"
-marginal = "normal"
-rms_height = "1 um"
-correlation_length = ["20 um", "20 um"]
-[material]
-youngs_modulus = "210 GPa"
-[pressure]
-size = ["200 um", "200 um"]
-points = [64, 64]
-percentile = 50.0
-"#;
+    const STUDY: &str = "\nseed = 2016\n[surface]\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\nrms_height = \"1 um\"\n\
+                         correlation_length = [\"20 um\", \"20 um\"]\n[material]\nyoungs_modulus = \"210 GPa\"\n[pressure]\n\
+                         size = [\"200 um\", \"200 um\"]\npoints = [64, 64]\npercentile = 50.0\n";
 
     fn error(from: &str, to: &str) -> StudyFileError {
         assert!(STUDY.contains(from));

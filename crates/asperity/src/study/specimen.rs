@@ -127,17 +127,9 @@ impl Sampler {
 mod tests {
     use super::*;
 
-    const SPECIFICATION: &str = r#"
-seed = 3
-size = ["64 um", "32 um"]
-points = [64, 32]
-[surface]
-covariance = "exponential"
-marginal = "normal"
-rms_height = "1 um"
-correlation_length = ["8 um", "8 um"]
-generator = "spectral"
-"#;
+    const SPECIFICATION: &str = "\nseed = 3\nsize = [\"64 um\", \"32 um\"]\npoints = [64, 32]\n[surface]\ncovariance = \"exponential\"\n\
+                                 marginal = \"normal\"\nrms_height = \"1 um\"\ncorrelation_length = [\"8 um\", \"8 um\"]\n\
+                                 generator = \"spectral\"\n";
 
     #[test]
     fn drawn_maps_have_the_stated_rms_height_and_differ() {

@@ -31,7 +31,7 @@ fn every_generator_boundary_control_and_distribution_gives_numbers() {
         &[("modes = 30", "modes = 3"), ("variables = 2", "variables = 9")],
     ];
     for changes in patches {
-        let outcome = run(&changed(MODEL, changes), Some(Stage::Pressure));
+        let outcome = run(&changed(&MODEL, changes), Some(Stage::Pressure));
         assert_numbers(&outcome, USUAL);
         let pressure = outcome.results.pressure.unwrap();
         assert!((0.0..=1.0).contains(&pressure.contact_probability), "{changes:?}");
@@ -39,7 +39,7 @@ fn every_generator_boundary_control_and_distribution_gives_numbers() {
     }
     let assumptions = |generator: &str, stage| {
         let corrected = format!("\"beta:2.1,5\"\ntranslation = \"corrected\"\n{generator}");
-        run(&changed(MODEL, &[("\"normal\"", &corrected)]), Some(stage)).results.assumptions.join("\n")
+        run(&changed(&MODEL, &[("\"normal\"", &corrected)]), Some(stage)).results.assumptions.join("\n")
     };
     // The smallest correlation of the distribution is that with its own reflection, −0.9516.
     let expansion = assumptions("", Stage::Pressure);
@@ -62,7 +62,7 @@ fn every_generator_boundary_control_and_distribution_gives_numbers() {
         &[("duration = 40.0", "duration = 40.0\nlevel = 20.0\nupscaling = \"paper\"")],
     ];
     for changes in strips {
-        let outcome = run(&changed(MODEL, changes), Some(Stage::Vibration));
+        let outcome = run(&changed(&MODEL, changes), Some(Stage::Vibration));
         assert_numbers(&outcome, USUAL);
         let results = outcome.results;
         let levels = results.friction.unwrap().levels;
@@ -78,11 +78,11 @@ fn every_generator_boundary_control_and_distribution_gives_numbers() {
 #[ignore = "slow"]
 fn random_surfaces_give_the_same_bytes_on_one_and_two_threads() {
     let fractal = changed(
-        MODEL,
+        &MODEL,
         &[("covariance = ", "generator = \"weierstrass_mandelbrot\"\nfractal_dimension = 2.3\ncovariance = ")],
     );
     let spectral =
-        changed(MODEL, &[("modes = 30", "generator = \"spectral\""), ("window = ", "boundary = \"free\"\nwindow = ")]);
+        changed(&MODEL, &[("modes = 30", "generator = \"spectral\""), ("window = ", "boundary = \"free\"\nwindow = ")]);
     for text in [fractal, spectral].map(|text| changed(&text, &[("[21, 17]", "[11, 9]")])) {
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -107,7 +107,7 @@ fn the_deepest_percentile_is_the_operating_point_without_a_vibration_stage() {
 #[test]
 #[ignore = "slow"]
 fn every_assumption_is_reported() {
-    let text = changed(MODEL, &[("[60.0, 20.0]", "[60.0, 1.0]"), ("30 kN", "2 kN")]);
+    let text = changed(&MODEL, &[("[60.0, 20.0]", "[60.0, 1.0]"), ("30 kN", "2 kN")]);
     let outcome = run(&text, Some(Stage::Vibration));
     let (assumptions, warnings) = (outcome.results.assumptions.join("\n"), outcome.results.warnings.join("\n"));
     for wanted in [

@@ -1,30 +1,24 @@
 //! Mean friction as a function of the shortest wavelength kept, in whole studies.
 
 use std::f64::consts::{LN_2, PI};
+use std::sync::LazyLock;
 
 use asperity::study::result::{CutoffResult, FrictionResult};
+use asperity_testing::StudyText;
 
 use crate::support::run_all;
 
 /// A smooth surface of rms height 0.1 µm on strips that resolve it with a pitch of 2 µm, under a light load without a
 /// hardness.
-const ELASTIC: &str = r#"
-seed = 3
-[surface]
-covariance = "squared_exponential"
-marginal = "normal"
-rms_height = "0.1 um"
-correlation_length = "12 um"
-[material]
-youngs_modulus = "210 GPa"
-shear_strength = "385 MPa"
-[friction]
-strip = ["1.024 mm", "64 um"]
-points = [512, 32]
-window = "64 um"
-mean_pressures = ["60 MPa"]
-realisations = 8
-"#;
+static ELASTIC: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(3, &["surface", "material", "friction"])
+        .with("surface", "covariance = \"squared_exponential\"\nrms_height = \"0.1 um\"")
+        .with("surface", "correlation_length = \"12 um\"")
+        .with("friction", "strip = [\"1.024 mm\", \"64 um\"]\npoints = [512, 32]\nwindow = \"64 um\"")
+        .with("friction", "mean_pressures = [\"60 MPa\"]")
+        .without("material", &["hardness"])
+        .to_string()
+});
 const PITCH_M: f64 = 2e-6;
 const MODULUS_PA: f64 = 210e9 / (1.0 - 0.09);
 const SHEAR_PA: f64 = 385e6;
@@ -47,7 +41,7 @@ fn filtered_slope(cutoff_m: Option<f64>) -> f64 {
 
 #[test]
 fn elastic_friction_is_inversely_proportional_to_the_slope_after_the_cutoff() {
-    let friction = run_all(ELASTIC).results.friction.unwrap();
+    let friction = run_all(&ELASTIC).results.friction.unwrap();
     let found = cutoff(&friction);
     assert_eq!((found.pitch_m, found.cutoff_m, found.strips), (PITCH_M, 2.0 * PITCH_M, 4));
     assert_eq!((found.plastic_floor, found.band_end_m), (None, None));
@@ -79,7 +73,7 @@ fn a_coarse_pitch_is_halved_while_its_error_matters_and_a_warning_tells_what_is_
     let unresolved = |outcome: &asperity::study::Outcome| {
         outcome.results.warnings.iter().any(|w| w.contains("the friction coefficient is not resolved"))
     };
-    let resolved = run_all(ELASTIC);
+    let resolved = run_all(&ELASTIC);
     let found = resolved.results.friction.as_ref().unwrap();
     let halved = &cutoff(found).finer_pitches[0];
     assert_eq!(halved.pitch_m, 0.5 * PITCH_M);

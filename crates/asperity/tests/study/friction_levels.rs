@@ -1,6 +1,6 @@
 //! Levels of contact: load against depth, and the results and sentences of a study about them.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use asperity::contact::{Boundary, Control, HalfSpace, Solver};
 use asperity::correlation::{CorrelationModel, Covariance};
@@ -13,6 +13,7 @@ use asperity::monitor::Silent;
 use asperity::study::result::Prescribed;
 use asperity::study::{Outcome, Stage, Study};
 use asperity::surface::SpectralField;
+use asperity_testing::StudyText;
 
 use crate::support;
 
@@ -75,28 +76,17 @@ fn the_interval_of_a_load_is_a_student_interval_of_the_logarithm() {
     });
 }
 
-const STUDY: &str = r#"
-seed = 11
-[surface]
-covariance = "squared_exponential"
-marginal = "normal"
-rms_height = "0.5 um"
-correlation_length = ["12 um", "12 um"]
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-shear_strength = "385 MPa"
-[friction]
-strip = ["640 um", "32 um"]
-points = [320, 16]
-window = "60 um"
-percentiles = [20.0]
-realisations = 4
-tolerance = 1e-5
-"#;
+static STUDY: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(11, &["surface", "material", "friction"])
+        .with("surface", "covariance = \"squared_exponential\"\nrms_height = \"0.5 um\"")
+        .with("surface", "correlation_length = [\"12 um\", \"12 um\"]")
+        .with("friction", "strip = [\"640 um\", \"32 um\"]\npoints = [320, 16]\nwindow = \"60 um\"")
+        .with("friction", "percentiles = [20.0]\nrealisations = 4\ntolerance = 1e-5")
+        .to_string()
+});
 
 fn run(more: &str) -> Outcome {
-    support::run(&format!("{STUDY}{more}"), Some(Stage::Friction))
+    support::run(&format!("{}{more}", *STUDY), Some(Stage::Friction))
 }
 
 #[test]
@@ -146,7 +136,7 @@ fn light_contact_has_no_variance_of_the_quotient_and_one_friction_coefficient() 
                 damping_ratio = 0.17\nnormal_force = \"2.5 kN\"\nnominal_area = \"833 mm^2\"\nbelt_velocity = \"23.7 mm/s\"\n\
                 trajectories = 2\nduration = 20.0\ndamping_sweep = [0.1, 0.2, 2]\n";
     // Plastic contact has the friction τ/H in every window.
-    let text = support::changed(STUDY, &[("hardness = \"2 GPa\"\n", "")]) + more;
+    let text = support::changed(&STUDY, &[("hardness = \"2 GPa\"\n", "")]) + more;
     let outcome = support::run_all(&text);
     let (friction, vibration) = (outcome.results.friction.unwrap(), outcome.results.vibration.unwrap());
     let [_, light, firm, nominal] = &friction.levels[..] else { panic!("four levels") };
@@ -225,7 +215,7 @@ fn invalid_keys_are_errors_with_their_line() {
         ("nominal_area = \"0 mm^2\"", 1, "positive"),
         ("window_shape = \"circle\"", 1, "circle"),
     ] {
-        let error = Study::parse(&format!("{STUDY}{more}\n"), "study.toml").unwrap_err();
+        let error = Study::parse(&format!("{}{more}\n", *STUDY), "study.toml").unwrap_err();
         assert!(error.message.contains(wanted), "{more}: {error}");
         // The error of a missing key names the line of its section.
         assert!(error.line == lines + line || error.message.contains("needs its"), "{more}: {error}");
@@ -236,7 +226,7 @@ fn invalid_keys_are_errors_with_their_line() {
     let none = STUDY.replace("percentiles = [20.0]", "percentiles = []");
     assert!(Study::parse(&none, "study.toml").unwrap_err().message.contains("at least one level"));
     assert!(Study::parse(&format!("{none}penetrations = [\"1 um\"]\n"), "study.toml").is_ok());
-    let idle = Study::parse(&format!("{STUDY}coefficient = 0.2\npressure_coefficient = 0.1\n"), "study.toml");
+    let idle = Study::parse(&format!("{}coefficient = 0.2\npressure_coefficient = 0.1\n", *STUDY), "study.toml");
     let idle = idle.unwrap().file().keys_without_effect();
     assert_eq!(idle.len(), 2, "{idle:?}");
     assert!(idle[0].contains("pressure_coefficient has no effect") && idle[1].contains("[friction] coefficient"));

@@ -1,39 +1,28 @@
 //! Friction of surfaces with uncertain parameters, compared with closed forms.
 
 use std::path::Path;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asperity::monitor::Monitor;
 use asperity::study::Outcome;
 use asperity::study::result::{UncertainResponse, UncertaintyResult};
 use asperity::study::{Stage, Study, StudyError};
+use asperity_testing::StudyText;
 
 use crate::support;
 
-const STUDY: &str = r#"
-seed = 5
-[surface]
-generator = "spectral"
-covariance = "squared_exponential"
-marginal = "normal"
-rms_height = "0.5 um"
-correlation_length = "16 um"
-[material]
-youngs_modulus = "210 GPa"
-shear_strength = "385 MPa"
-[friction]
-strip = ["1024 um", "64 um"]
-points = [512, 32]
-window = "100 um"
-percentiles = []
-mean_pressures = ["300 MPa"]
-realisations = 4
-[friction.uncertainty]
-rms_height = "5 %"
-correlation_length = "10 %"
-points = 24
-realisations = 8
-"#;
+static STUDY: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(5, &["surface", "material", "friction"])
+        .with("surface", "covariance = \"squared_exponential\"\nrms_height = \"0.5 um\"\ngenerator = \"spectral\"")
+        .with("surface", "correlation_length = \"16 um\"")
+        .with("friction", "strip = [\"1024 um\", \"64 um\"]\npoints = [512, 32]\npercentiles = []")
+        .with("friction", "mean_pressures = [\"300 MPa\"]\nrealisations = 4")
+        .with("friction.uncertainty", "rms_height = \"5 %\"\ncorrelation_length = \"10 %\"")
+        .with("friction.uncertainty", "points = 24\nrealisations = 8")
+        .without("material", &["hardness"])
+        .to_string()
+});
 
 fn run(text: &str) -> Outcome {
     support::run(text, Some(Stage::Friction))
@@ -140,7 +129,7 @@ fn friction_independent_of_the_surface_has_no_indices() {
 #[test]
 #[ignore = "slow"]
 fn the_levels_equal_those_of_the_study_without_uncertainty() {
-    let (with, without) = (run(STUDY), run(STUDY.split("[friction.uncertainty]").next().unwrap()));
+    let (with, without) = (run(&STUDY), run(STUDY.split("[friction.uncertainty]").next().unwrap()));
     let (with, without) = (with.results.friction.unwrap(), without.results.friction.unwrap());
     assert_eq!(with.levels, without.levels);
     assert!(without.uncertainty.is_none());
@@ -169,25 +158,26 @@ fn skewness_and_percentiles_can_be_combined() {
 
 #[test]
 fn impossible_values_are_errors_that_name_their_line() {
+    let section = STUDY.lines().position(|line| line == "[friction.uncertainty]").unwrap() + 1;
     for (from, to, line, wanted) in [
-        ("rms_height = \"5 %\"", "rms_height = \"-5 %\"", 20, "above 0 %"),
-        ("rms_height = \"5 %\"", "rms_height = \"-1 um\"", 20, "positive"),
-        ("rms_height = \"5 %\"", "rms_hight = \"5 %\"", 20, "did you mean `rms_height`?"),
-        ("rms_height = \"5 %\"", "rms_height = \"measured\"", 20, "state a standard deviation"),
-        ("rms_height = \"5 %\"", "rms_height = 0.05", 20, "such as \"5 %\""),
-        ("correlation_length = \"10 %\"", "correlation_length = \"ten\"", 21, "does not start with a number"),
-        ("correlation_length = \"10 %\"", "skewness = -0.1", 21, "above 0"),
-        ("correlation_length = \"10 %\"", "skewness = \"measured\"", 21, "state a standard deviation"),
-        ("points = 24", "points = 11", 22, "at least 12"),
-        ("realisations = 8", "realisations = 2", 23, "at least 4"),
-        ("rms_height = \"5 %\"\ncorrelation_length = \"10 %\"\n", "", 19, "no parameter is uncertain"),
+        ("rms_height = \"5 %\"", "rms_height = \"-5 %\"", 1, "above 0 %"),
+        ("rms_height = \"5 %\"", "rms_height = \"-1 um\"", 1, "positive"),
+        ("rms_height = \"5 %\"", "rms_hight = \"5 %\"", 1, "did you mean `rms_height`?"),
+        ("rms_height = \"5 %\"", "rms_height = \"measured\"", 1, "state a standard deviation"),
+        ("rms_height = \"5 %\"", "rms_height = 0.05", 1, "such as \"5 %\""),
+        ("correlation_length = \"10 %\"", "correlation_length = \"ten\"", 2, "does not start with a number"),
+        ("correlation_length = \"10 %\"", "skewness = -0.1", 2, "above 0"),
+        ("correlation_length = \"10 %\"", "skewness = \"measured\"", 2, "state a standard deviation"),
+        ("points = 24", "points = 11", 3, "at least 12"),
+        ("realisations = 8", "realisations = 2", 4, "at least 4"),
+        ("rms_height = \"5 %\"\ncorrelation_length = \"10 %\"\n", "", 0, "no parameter is uncertain"),
     ] {
         assert!(STUDY.contains(from), "{from}");
         let error = Study::parse(&STUDY.replace(from, to), "study.toml").unwrap_err();
-        assert!(error.line == line && error.message.contains(wanted), "{from} → {to}: {error}");
+        assert!(error.line == section + line && error.message.contains(wanted), "{from} → {to}: {error}");
     }
     // Writing the study and parsing it again preserves it.
-    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let study = Study::parse(&STUDY, "study.toml").unwrap();
     let written = toml::to_string(study.file()).unwrap();
     assert_eq!(Study::parse(&written, "written").unwrap().file(), study.file());
 }
@@ -210,7 +200,7 @@ impl Monitor for CancelDuringUncertainty {
 
 #[test]
 fn the_uncertainty_analysis_can_be_cancelled() {
-    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let study = Study::parse(&STUDY, "study.toml").unwrap();
     let monitor = CancelDuringUncertainty(AtomicUsize::new(0));
     let error = study.run(Path::new("."), Some(Stage::Friction), &monitor).unwrap_err();
     assert!(matches!(error, StudyError::Cancelled(_)), "{error}");

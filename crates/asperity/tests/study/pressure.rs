@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use asperity::map::BoundaryKind;
 use asperity::study::result::MethodEntry;
 use asperity::study::{Outcome, Study};
+use asperity_testing::StudyText;
 
 use crate::support::run_all;
 
@@ -255,11 +256,10 @@ fn inconsistent_keys_are_errors_with_their_line() {
 #[test]
 #[ignore = "slow"]
 fn a_strongly_biased_method_gives_a_warning() {
-    let study = "seed = 1\n[surface]\nrms_height = \"1 um\"\ncovariance = \"squared_exponential\"\nmarginal = \"normal\"\n\
-                 correlation_length = \"20 um\"\ngenerator = \"spectral\"\n[material]\nyoungs_modulus = \"210 GPa\"\n\
-                 poisson_ratio = 0.3\nhardness = \"2 GPa\"\n[pressure]\nsize = [\"100 um\", \"100 um\"]\npoints = [24, 24]\n\
-                 boundary = \"free\"\npercentile = 50.0\nfine_solves = 200\nreference_samples = 1000\n";
-    let outcome = run_all(study);
+    let study = StudyText::new(1, &["surface", "material", "pressure"])
+        .with("surface", "covariance = \"squared_exponential\"\ngenerator = \"spectral\"")
+        .with("pressure", "points = [24, 24]\nboundary = \"free\"\nfine_solves = 200\nreference_samples = 1000");
+    let outcome = run_all(&study.to_string());
     let local = method(&outcome, "polynomial_chaos_local");
     let [low, _] = local.mean_interval.unwrap();
     // If the hidden part of the pressure leaves the sampled range, its expansion lies far below all other methods.

@@ -2,51 +2,27 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use asperity::monitor::Silent;
 use asperity::study::{
     FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes, provenance, write_run,
 };
 use asperity_formats::Scan;
-use asperity_testing::AlwaysCancelled;
+use asperity_testing::{AlwaysCancelled, StudyText};
 
-use crate::support::{changed, rough, run_all, run_in};
+use crate::support::{rough, run_all, run_in};
 
-const STUDY: &str = r#"
-seed = 7
-[surface]
-file = "scan.x3p"
-outliers = 6.0
-modes = 40
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-shear_strength = "385 MPa"
-[pressure]
-size = ["100 um", "100 um"]
-points = [24, 24]
-percentile = 50.0
-fine_solves = 60
-reference_samples = 80
-variables = 2
-degree = 1
-[friction]
-strip = ["2 mm", "50 um"]
-points = [512, 16]
-window = "200 um"
-percentiles = [20.0, 60.0]
-realisations = 4
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "30 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-damping_sweep = [0.1, 0.5, 3]
-trajectories = 6
-duration = 100.0
-"#;
+static STUDY: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(7, &["material", "pressure", "friction", "vibration"])
+        .with("pressure", "points = [24, 24]\nfine_solves = 60\nreference_samples = 80\nvariables = 2\ndegree = 1")
+        .with("friction", "strip = [\"2 mm\", \"50 um\"]\npoints = [512, 16]\nwindow = \"200 um\"")
+        .with("friction", "percentiles = [20.0, 60.0]\nrealisations = 4")
+        .with("vibration", "normal_force = \"30 kN\"\ndamping_sweep = [0.1, 0.5, 3]\ntrajectories = 6")
+        .with("vibration", "duration = 100.0")
+        .with("surface", "outliers = 6.0\nmodes = 40\nfile = \"scan.x3p\"")
+        .to_string()
+});
 
 /// Writes a tilted random scan into `folder`, with correlation length `length_m`.
 fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
@@ -59,97 +35,6 @@ fn write_scan(folder: &Path, rms_m: f64, length_m: f64) {
 fn run(text: &str, folder: &Path, threads: usize) -> Outcome {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| run_in(folder, text, None)).unwrap()
-}
-
-#[test]
-#[ignore = "slow"]
-fn one_and_two_threads_give_the_same_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let one = run(STUDY, folder.path(), 1);
-    let two = run(STUDY, folder.path(), 2);
-    assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&two.results).unwrap());
-    for (name, table) in &one.tables {
-        assert_eq!(table.to_csv().unwrap(), two.tables[name].to_csv().unwrap(), "{name}");
-    }
-    // The tables cover every stage.
-    for name in ["height_fits", "height_psd_radial", "height_psd_x", "height_psd_y"] {
-        assert!(one.tables.contains_key(name), "{name}");
-    }
-    for name in ["height_acf", "pressure_cdf", "friction_levels", "friction_acf", "cycles_over_damping"] {
-        assert!(one.tables.contains_key(name), "{name}");
-    }
-}
-
-#[test]
-#[ignore = "slow"]
-fn another_scan_changes_friction_and_cycles() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let first = run(STUDY, folder.path(), 2).results;
-    write_scan(folder.path(), 0.25e-6, 40e-6);
-    let second = run(STUDY, folder.path(), 2).results;
-    let (first_surface, second_surface) = (first.surface.unwrap(), second.surface.unwrap());
-    // The surfaces are isotropic: both lengths of a fit estimate the same length.
-    let length_m = |surface: asperity::study::result::SurfaceResult| {
-        let covariance = surface.covariance.unwrap();
-        (covariance.decay_length_x_m * covariance.decay_length_y_m).sqrt()
-    };
-    let ratio = length_m(second_surface) / length_m(first_surface);
-    assert!((1.5..2.7).contains(&ratio), "fitted lengths have the ratio {ratio}");
-    let (first_levels, second_levels) = (first.friction.unwrap().levels, second.friction.unwrap().levels);
-    for (a, b) in first_levels.iter().zip(&second_levels) {
-        // A smoother, flatter surface yields less: more area for its load.
-        let (before, after) = (a.process.at_mean_load.mean, b.process.at_mean_load.mean);
-        assert!(after > before + 0.001, "{:?}: {after} after {before}", a.percentile);
-        assert_ne!(a.process.at_mean_load.std, b.process.at_mean_load.std);
-    }
-    let (first, second) = (first.vibration.unwrap(), second.vibration.unwrap());
-    assert_ne!(first.static_friction, second.static_friction);
-    let counts =
-        |v: &asperity::study::result::VibrationResult| v.paper.damping.iter().map(|d| d.cycles_mean).sum::<f64>();
-    assert_ne!(counts(&first), counts(&second));
-}
-
-#[test]
-#[ignore = "slow"]
-fn both_upscalings_are_computed_and_the_area_has_the_smaller_std() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let results = run(STUDY, folder.path(), 2).results;
-    let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
-    let wanted = vibration.variance_reduction.sqrt();
-    assert!((vibration.area.friction_std / vibration.paper.friction_std / wanted - 1.0).abs() < 1e-12);
-    // Windows of about 200 µm × 50 µm on 833 mm² average at most like independent ones.
-    let independent = (friction.window_m * friction.strip_width_m / 833e-6).sqrt();
-    assert!(wanted < 0.02 && wanted >= independent * (1.0 - 1e-9), "{wanted} and {independent}");
-    assert!((vibration.level_mean_pressure_pa.unwrap() / (30e3 / 833e-6) - 1.0).abs() < 1e-5);
-}
-
-#[test]
-#[ignore = "slow"]
-fn fully_plastic_friction_is_constant_and_equals_shear_strength_over_hardness() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let soft = STUDY.replace("\"2 GPa\"", "\"20 Pa\"").replace("\"385 MPa\"", "\"4 Pa\"").replace("30 kN", "0.001 N");
-    let results = run_in(folder.path(), &soft, Some(Stage::Friction));
-    for level in results.unwrap().results.friction.unwrap().levels.iter().filter(|level| level.percentile.is_some()) {
-        assert!(level.plastic_share > 0.999, "{}", level.plastic_share);
-        let (mean, std) = (level.process.at_mean_load.mean, level.process.at_mean_load.std);
-        assert!((mean - 0.2).abs() < 1e-4 && std < 1e-4, "{mean} ± {std}");
-    }
-}
-
-#[test]
-#[ignore = "slow"]
-fn one_stage_runs_with_its_requirements_only() {
-    let folder = tempfile::tempdir().unwrap();
-    write_scan(folder.path(), 0.5e-6, 20e-6);
-    let study = Study::parse(STUDY, "study.toml").unwrap();
-    let surface = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap().results;
-    assert!(surface.surface.is_some() && surface.pressure.is_none() && surface.friction.is_none());
-    let vibration = study.run(folder.path(), Some(Stage::Vibration), &Silent).unwrap().results;
-    assert!(vibration.pressure.is_none() && vibration.friction.is_some() && vibration.vibration.is_some());
 }
 
 /// Runs the first stage alone on the named scans.
@@ -213,23 +98,6 @@ fn two_scans_are_pooled_into_one_surface() {
 }
 
 #[test]
-#[ignore = "slow"]
-fn the_same_scan_twice_has_the_same_point_statistics() {
-    let folder = two_scans();
-    let [once, twice] = ["\"a.x3p\"", "[\"a.x3p\", \"a.x3p\"]"].map(|f| surface_of(folder.path(), f).unwrap());
-    assert!(twice.results.warnings.iter().any(|warning| warning.contains("a.x3p is listed twice")));
-    let [once, twice] = [once, twice].map(|o| serde_json::to_value(o.results.surface.unwrap()).unwrap());
-    let [once_map, twice_map] = [&once, &twice].map(|s| s.as_object().unwrap());
-    for (key, value) in once_map.iter().filter(|(key, _)| !key.ends_with("_se") && !key.contains("_points")) {
-        if let (Some(value), Some(other)) = (value.as_f64(), twice_map.get(key).and_then(serde_json::Value::as_f64)) {
-            assert!((other - value).abs() <= 1e-12 * value.abs(), "{key}: {value} {other}");
-        }
-    }
-    let length = |s: &serde_json::Value| s["covariance"]["length_x_m"].as_f64().unwrap();
-    assert!((length(&twice) / length(&once) - 1.0).abs() < 1e-6);
-}
-
-#[test]
 fn a_wrong_scan_of_several_is_named() {
     let folder = two_scans();
     let write = |name: &str, side: usize, pitch_m: f64| {
@@ -248,9 +116,10 @@ fn a_wrong_scan_of_several_is_named() {
         assert_eq!(error.kind(), FailureKind::Input, "{wrong}: {error}");
     }
     let empty = Study::parse(&STUDY.replace("\"scan.x3p\"", "[]"), "study.toml").unwrap_err();
-    assert!(empty.line == 4 && empty.message.contains("empty"), "{empty}");
+    let line = STUDY.lines().count();
+    assert!(empty.line == line && empty.message.contains("empty"), "{empty}");
     let number = Study::parse(&STUDY.replace("\"scan.x3p\"", "3"), "study.toml").unwrap_err();
-    assert!(number.line == 4 && number.message.contains("list of names"), "{number}");
+    assert!(number.line == line && number.message.contains("list of names"), "{number}");
 }
 
 #[test]
@@ -269,28 +138,11 @@ fn limits_of_the_correlation_are_drawn_around_it() {
     }
 }
 
-/// A machine under stated friction.
-const STATED: &str = r#"
-seed = 1
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "2.5 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-damping_sweep = [0.1, 0.3, 2]
-trajectories = 4
-duration = 60.0
-static_friction = 0.1
-friction_std = 0.001
-friction_correlation_length = "250 um"
-friction_marginal = "beta:2.1,5"
-"#;
-
 #[test]
 fn friction_may_be_stated() {
-    let vibration = run_all(STATED).results.vibration.unwrap();
+    let text = StudyText::new(1, &["vibration", "stated friction"])
+        .with("vibration", "damping_sweep = [0.1, 0.3, 2]\ntrajectories = 4\nduration = 60.0");
+    let vibration = run_all(&text.to_string()).results.vibration.unwrap();
     // λ = ℓ c/N with c = m ω₀².
     assert!((vibration.correlation_length.unwrap() - 250e-6 * 316.0 * 316.0 / 2500.0).abs() < 1e-12);
     assert!((vibration.critical_damping_ratio.unwrap() - 0.2048301505845).abs() < 1e-8);
@@ -298,45 +150,10 @@ fn friction_may_be_stated() {
 }
 
 #[test]
-fn large_fluctuations_are_clipped_with_a_warning() {
-    // Fluctuations as large as the mean would change the sign of friction in fast slips.
-    let text = changed(
-        STATED,
-        &[
-            ("damping_ratio = 0.17", "damping_ratio = 0.05"),
-            ("damping_sweep = [0.1, 0.3, 2]", "damping_sweep = [0.02, 0.3, 2]"),
-            ("trajectories = 4", "trajectories = 20"),
-            ("duration = 60.0", "duration = 200.0"),
-            ("static_friction = 0.1", "static_friction = 0.2"),
-            ("friction_std = 0.001", "friction_std = 0.15"),
-            ("friction_marginal = \"beta:2.1,5\"", "friction_marginal = \"normal\""),
-        ],
-    );
-    let results = run_all(&text).results;
-    assert_eq!(results.vibration.unwrap().paper.damping.len(), 2);
-    assert!(results.warnings.iter().any(|warning| warning.contains("clipped to stay positive")));
-}
-
-#[test]
-fn a_missing_or_flat_or_tiny_scan_is_unusable_input() {
-    let folder = tempfile::tempdir().unwrap();
-    let study = Study::parse(STUDY, "study.toml").unwrap();
-    let kind = || study.run(folder.path(), None, &Silent).unwrap_err().kind();
-    assert_eq!(kind(), FailureKind::Input);
-    let scan = |rows, columns| Scan::new(ndarray::Array2::from_elem((rows, columns), 1e-6), Some((1e-6, 1e-6)));
-    for (rows, columns) in [(1, 1), (64, 64)] {
-        asperity_formats::write(&scan(rows, columns), &folder.path().join("scan.x3p")).unwrap();
-        assert_eq!(kind(), FailureKind::Input, "{rows} × {columns}");
-    }
-    fs::write(folder.path().join("scan.x3p"), b"PK\x03\x04 truncated").unwrap();
-    assert_eq!(kind(), FailureKind::Input);
-}
-
-#[test]
 fn a_cancelled_run_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
-    let error = Study::parse(STUDY, "study.toml").unwrap().run(folder.path(), None, &AlwaysCancelled).unwrap_err();
+    let error = Study::parse(&STUDY, "study.toml").unwrap().run(folder.path(), None, &AlwaysCancelled).unwrap_err();
     assert_eq!(error.kind(), FailureKind::Cancelled, "{error}");
 }
 
@@ -344,7 +161,7 @@ fn a_cancelled_run_is_an_error() {
 fn a_run_folder_appears_complete_and_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     write_scan(folder.path(), 0.5e-6, 20e-6);
-    let study = Study::parse(STUDY, "study.toml").unwrap();
+    let study = Study::parse(&STUDY, "study.toml").unwrap();
     let outcome = study.run(folder.path(), Some(Stage::Surface), &Silent).unwrap();
     let origin = provenance("small", study.seed(), &study.scan_paths(folder.path())).unwrap();
     let out = folder.path().join("runs").join("small");

@@ -1,6 +1,7 @@
 //! Small studies that several tests share, and checks of their results.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use asperity::correlation::{CorrelationModel, Covariance};
 use asperity::map::Grid;
@@ -9,52 +10,28 @@ use asperity::random;
 use asperity::study::{Outcome, Results, Stage, Study, StudyError, json_bytes};
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
+use asperity_testing::StudyText;
 use ndarray::Array2;
 use serde_json::Value;
 
 /// A model instead of a scan; every stage, small and of unusual sizes.
-pub(crate) const MODEL: &str = r#"
-seed = 11
-[surface]
-covariance = "squared_exponential"
-marginal = "normal"
-rms_height = "0.5 um"
-correlation_length = ["20 um", "12 um"]
-modes = 30
-[material]
-youngs_modulus = "210 GPa"
-hardness = "2 GPa"
-shear_strength = "385 MPa"
-[pressure]
-size = ["90 um", "70 um"]
-points = [21, 17]
-percentile = 50.0
-fine_solves = 30
-reference_samples = 40
-variables = 2
-degree = 1
-[friction]
-strip = ["1 mm", "31 um"]
-points = [301, 11]
-window = "99 um"
-percentiles = [60.0, 20.0]
-realisations = 3
-[vibration]
-mass = "1 kg"
-natural_frequency = "316 rad/s"
-damping_ratio = 0.17
-normal_force = "30 kN"
-nominal_area = "833 mm^2"
-dimensionless_belt_velocity = 0.003
-damping_sweep = [0.1, 0.5, 2]
-trajectories = 3
-duration = 40.0
-"#;
+pub(crate) static MODEL: LazyLock<String> = LazyLock::new(|| {
+    StudyText::new(11, &["surface", "material", "pressure", "friction", "vibration"])
+        .with("surface", "covariance = \"squared_exponential\"\nrms_height = \"0.5 um\"")
+        .with("surface", "correlation_length = [\"20 um\", \"12 um\"]\nmodes = 30")
+        .with("pressure", "size = [\"90 um\", \"70 um\"]\npoints = [21, 17]\nfine_solves = 30")
+        .with("pressure", "reference_samples = 40\nvariables = 2\ndegree = 1")
+        .with("friction", "strip = [\"1 mm\", \"31 um\"]\npoints = [301, 11]\nwindow = \"99 um\"")
+        .with("friction", "percentiles = [60.0, 20.0]\nrealisations = 3")
+        .with("vibration", "normal_force = \"30 kN\"\ndamping_sweep = [0.1, 0.5, 2]\ntrajectories = 3")
+        .with("vibration", "duration = 40.0")
+        .to_string()
+});
 
 /// Returns the same study from `scan.npy`.
 pub(crate) fn measured() -> String {
     changed(
-        MODEL,
+        &MODEL,
         &[
             ("covariance = \"squared_exponential\"", "file = \"scan.npy\"\npixel_size = [\"2 um\", \"2 um\"]"),
             ("marginal = \"normal\"\n", ""),

@@ -15,7 +15,7 @@ fn constant_friction_is_valid_in_every_stage() {
         + "static_friction = 0.2\nfriction_std = 0.0\nfriction_correlation_length = \"250 um\"\nfriction_marginal = \"normal\"\n";
     // A material that yields immediately, and stated friction without fluctuation.
     let soft = changed(
-        MODEL,
+        &MODEL,
         &[
             ("\"2 GPa\"", "\"0.02 Pa\""),
             ("\"385 MPa\"", "\"0.004 Pa\""),
@@ -69,7 +69,7 @@ fn constant_friction_is_valid_in_every_stage() {
 #[test]
 #[ignore = "slow"]
 fn the_oscillator_uses_the_operating_point_in_its_own_units() {
-    let text = changed(MODEL, &[("dimensionless_belt_velocity = 0.003", "belt_velocity = \"20 mm/s\"")]);
+    let text = changed(&MODEL, &[("dimensionless_belt_velocity = 0.003", "belt_velocity = \"20 mm/s\"")]);
     for (level, percentile) in [("", None), ("level = 20.0\n", Some(20.0))] {
         let results = run(&(text.clone() + level), Some(Stage::Vibration)).results;
         let (friction, vibration) = (results.friction.unwrap(), results.vibration.unwrap());
@@ -145,7 +145,7 @@ fn friction_is_clipped_to_stay_positive_and_refused_above_five_percent() {
 #[test]
 #[ignore = "slow"]
 fn a_study_that_reads_the_process_of_another_gives_the_same_vibration() {
-    let whole = run(MODEL, Some(Stage::Vibration));
+    let whole = run(&MODEL, Some(Stage::Vibration));
     let process = whole.friction_process.clone().unwrap();
     let (friction, vibration) = (whole.results.friction.unwrap(), whole.results.vibration.unwrap());
     let leading = &friction.levels.iter().find(|level| level.leading).unwrap().process.at_mean_load;
@@ -192,7 +192,7 @@ fn a_study_that_reads_the_process_of_another_gives_the_same_vibration() {
     }
     for text in [
         stated("0.1", "833 mm^2") + "friction_process = \"process.json\"\n",
-        MODEL.to_owned() + "friction_process = \"process.json\"\n",
+        MODEL.clone() + "friction_process = \"process.json\"\n",
     ] {
         let error = Study::parse(&text, "study.toml").unwrap_err();
         assert!(error.message.contains("friction_process") && error.message.contains("remove one"), "{error}");

@@ -41,23 +41,7 @@ pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionEr
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{assert_most_likely, sample};
-    use super::super::{End, Family, fit};
     use crate::distribution::Marginal;
-    use crate::distribution::special::trigamma;
-
-    fn near(marginal: &Marginal, shifted: bool) -> Vec<Marginal> {
-        let Marginal::Gamma { shape, scale, shift } = *marginal else { panic!() };
-        let mut marginals = vec![];
-        for h in [-1e-3, 1e-3] {
-            marginals.push(Marginal::gamma(shape + h, scale, shift).unwrap());
-            marginals.push(Marginal::gamma(shape, scale + h, shift).unwrap());
-            if shifted {
-                marginals.push(Marginal::gamma(shape, scale, shift + h).unwrap());
-            }
-        }
-        marginals
-    }
 
     #[test]
     fn nearly_equal_values_have_the_shape_of_their_variation_or_are_refused() {
@@ -74,31 +58,5 @@ mod tests {
                 Err(_) => assert!(wanted > 1e11, "{exponent}"),
             }
         }
-    }
-
-    #[test]
-    fn two_parameters_are_found_within_their_standard_errors() {
-        let n = 2000;
-        for (index, wanted) in [0.6, 2.0, 40.0].into_iter().enumerate() {
-            let values = sample(&format!("gamma:{wanted},2"), n, 80 + index as u64);
-            let fitted = fit(Family::Gamma, &values).unwrap();
-            let Marginal::Gamma { shape, scale, .. } = fitted.marginal else { panic!() };
-            // The inverse Fisher information: var k = k/(k ψ′ − 1)/n, var s = s² ψ′/(k ψ′ − 1)/n.
-            let curve = trigamma(wanted);
-            let rest = (wanted * curve - 1.0) * n as f64;
-            assert!((shape - wanted).abs() < 4.0 * (wanted / rest).sqrt(), "{shape}");
-            assert!((scale - 2.0).abs() < 4.0 * 2.0 * (curve / rest).sqrt(), "{scale}");
-            assert_most_likely(&fitted, &values, &near(&fitted.marginal, false));
-        }
-    }
-
-    #[test]
-    fn a_shift_is_found_and_is_a_local_maximum() {
-        let values = sample("gamma:4,2,-7", 4000, 84);
-        let fitted = fit(Family::ShiftedGamma, &values).unwrap();
-        let Marginal::Gamma { shift, .. } = fitted.marginal else { panic!() };
-        assert!((shift + 7.0).abs() < 1.0, "{fitted:?}");
-        assert_eq!(fitted.low_end, End::Fitted);
-        assert_most_likely(&fitted, &values, &near(&fitted.marginal, true));
     }
 }

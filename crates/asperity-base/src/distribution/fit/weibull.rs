@@ -54,50 +54,9 @@ pub(super) fn fit(sorted: &[f64], shift: f64) -> Result<Marginal, DistributionEr
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{assert_most_likely, sample};
-    use super::super::{End, Family, fit};
+    use super::super::tests::sample;
+    use super::super::{Family, fit};
     use crate::distribution::{DistributionError, Marginal};
-
-    fn neighbours(marginal: &Marginal, shifted: bool) -> Vec<Marginal> {
-        let Marginal::Weibull { shape, scale, shift } = *marginal else { panic!() };
-        let mut marginals = vec![];
-        for h in [-1e-3, 1e-3] {
-            marginals.push(Marginal::weibull(shape + h, scale, shift).unwrap());
-            marginals.push(Marginal::weibull(shape, scale + h, shift).unwrap());
-            if shifted {
-                marginals.push(Marginal::weibull(shape, scale, shift + h).unwrap());
-            }
-        }
-        marginals
-    }
-
-    #[test]
-    fn two_parameters_are_found_within_their_standard_errors() {
-        let n = 2000;
-        for (index, wanted) in [0.6, 1.0, 4.0].into_iter().enumerate() {
-            let values = sample(&format!("weibull:{wanted},2"), n, 10 + index as u64);
-            let fitted = fit(Family::Weibull, &values).unwrap();
-            let Marginal::Weibull { shape, scale, .. } = fitted.marginal else { panic!() };
-            // Standard errors .78 k/√n and 1.05 λ/(k√n).
-            let root = (n as f64).sqrt();
-            assert!((shape - wanted).abs() < 4.0 * 0.78 * wanted / root, "{shape}");
-            assert!((scale - 2.0).abs() < 4.0 * 1.05 * 2.0 / (wanted * root), "{scale}");
-            assert_most_likely(&fitted, &values, &neighbours(&fitted.marginal, false));
-        }
-    }
-
-    #[test]
-    fn a_shift_is_found_and_is_a_local_maximum() {
-        let values = sample("weibull:2.5,2,-7", 2000, 20);
-        let fitted = fit(Family::ShiftedWeibull, &values).unwrap();
-        let Marginal::Weibull { shape, scale, shift } = fitted.marginal else { panic!() };
-        // Standard errors by the inverse Fisher information.
-        for (found, wanted, error) in [(shape, 2.5, 0.0550), (scale, 2.0, 0.0290), (shift, -7.0, 0.0196)] {
-            assert!((found - wanted).abs() < 4.0 * error, "{fitted:?}");
-        }
-        assert_eq!(fitted.low_end, End::Fitted);
-        assert_most_likely(&fitted, &values, &neighbours(&fitted.marginal, true));
-    }
 
     #[test]
     fn a_density_that_diverges_at_its_end_has_no_fitted_shift() {

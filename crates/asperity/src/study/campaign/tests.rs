@@ -132,13 +132,6 @@ fn each_distinct_warning_is_listed_once_with_its_members() {
 }
 
 #[test]
-fn scans_need_a_study_that_computes_its_friction() {
-    let error = Campaign::parse("study = \"study.toml\"\nscans = \"*.toml\"\n", Path::new("Cargo.toml"), MACHINE, None);
-    let error = error.unwrap_err();
-    assert!(error.line == 2 && !error.in_data && error.message.contains("states its friction"), "{error}");
-}
-
-#[test]
 fn a_missing_file_of_some_members_is_no_input() {
     let study = SURFACE.replace("[surface]", "[surface]\nfile = \"Cargo.toml\"");
     let inputs = |lines: &str| {

@@ -86,7 +86,7 @@ mod tests {
     use crate::monitor::Silent;
     use crate::study::Study;
     use crate::study::verdict::machines::Machine;
-    use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::machines::tests::{constant, stated_window};
     use crate::study::verdict::rests_on::rests_on;
     use crate::study::verdict::sampled::Evaluated;
 
@@ -122,10 +122,6 @@ mod tests {
         };
         let (assumed, warnings) = ends.assumed(&rests_on(&study, verdict, &window, false)).unwrap();
         (probability, assumed, warnings)
-    }
-
-    fn constant(machine: &Machine, _: usize) -> Result<Evaluated, String> {
-        Evaluated::constant_friction(machine)
     }
 
     /// A jump of friction of .05 at the velocity .05 raises the limit of the damping ratio from b/2 to .0578291 + b/2.

@@ -208,15 +208,13 @@ fn effect_of_fluctuation(points: &[Vec<f64>], margins: &[f64], vibrates: &[bool]
 mod tests {
     use super::*;
     use crate::monitor::Silent;
-    use crate::study::Study;
     use crate::study::verdict::machines::Machine;
-    use crate::study::verdict::machines::tests::{LINEAR, stated_window};
+    use crate::study::verdict::machines::tests::{LINEAR, stated};
     use crate::study::verdict::sampled::Evaluated;
 
     #[test]
     fn variance_beyond_the_expansion_widens_the_intervals_of_the_drivers() {
-        let study = Study::parse(LINEAR, "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(LINEAR);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         // A margin of .2 + .6 x + .8 y, which has the indices .36 and .64.
         let points: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i / 3) - 1.0, f64::from(i % 3) - 1.0]).collect();
@@ -235,8 +233,7 @@ mod tests {
 
     #[test]
     fn the_range_narrows_on_average_over_the_known_values() {
-        let study = Study::parse(LINEAR, "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(LINEAR);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         // A margin of y (1 + x/2), whose range is proportional to |1 + x/2| once x is known, and to |y/2| once y is.
         let points: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i / 3) - 1.0, f64::from(i % 3) - 1.0]).collect();
@@ -284,12 +281,9 @@ mod tests {
     fn values_that_act_through_the_fluctuation_of_friction_are_drivers() {
         // M = ζ − b/2 has the standard deviation .005 √5 and no part from the static friction, whose variable x changes the limit of
         // vibration by .02: M + .02 x has the variance (.25 + 1 + 4) 1e-4.
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\nvelocity_law = \"linear\"\n\
-                    static_friction = { normal = [0.3, 0.01], unknown = true }\n\
-                    linear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n";
-        let study = Study::parse(text, "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(
+            &LINEAR.replace("static_friction = 0.3", "static_friction = { normal = [0.3, 0.01], unknown = true }"),
+        );
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
         let place =
             |name: &str| machines.inputs().inputs().iter().position(|input| input.name().ends_with(name)).unwrap();

@@ -94,13 +94,14 @@ fn late_fraction(exit: f64, entry: f64, duration: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::WindowFriction;
     use crate::monitor::Silent;
     use crate::study::Study;
     use crate::study::verdict::machines::Machines;
-    use crate::study::verdict::machines::tests::stated_window;
-
+    use crate::study::verdict::machines::tests::stated;
     use crate::study::verdict::sampled::{Evaluated, Sampled};
     use crate::vibration::Drive;
+    use asperity_testing::StudyText;
 
     #[test]
     fn the_fraction_at_constant_rates_is_the_mean_of_its_markov_process() {
@@ -131,8 +132,7 @@ mod tests {
     #[test]
     fn friction_whose_standard_deviation_is_negligible_counts_as_constant() {
         for (std, fluctuates) in [("0.00001", false), ("0.0001", true)] {
-            let study = Study::parse(&FLUCTUATING.replace("0.006", std), "study.toml").unwrap();
-            let window = stated_window(&study);
+            let (study, window) = stated(&FLUCTUATING.replace("0.006", std));
             let machine = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 14).nominal().unwrap();
             let found = fraction(&machine, Wanted { duration_s: 0.1, levels: &[HALF] }, 1, &Silent).unwrap();
             assert_eq!(found.is_some(), fluctuates, "{std}");
@@ -141,8 +141,7 @@ mod tests {
 
     /// Returns machines with φ, of which the side of `levels` is decided.
     fn sampled(machines: usize, levels: &[f64]) -> Sampled {
-        let study = Study::parse(FLUCTUATING, "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(FLUCTUATING);
         let all = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 14);
         let evaluate = |machine: &Machine, index: usize| {
             let found = fraction(machine, Wanted { duration_s: 2.0, levels }, index as u64, &Silent)?;
@@ -172,18 +171,21 @@ mod tests {
         assert!(probability.value > 0.8 && probability.half_width < 0.03, "{probability:?}");
     }
 
+    /// Returns the paper's machine with strong fluctuation over short distances, and its friction.
+    fn paper(lines: &str) -> (Study, WindowFriction) {
+        let friction =
+            "stribeck = 4.2\nfriction_std = 0.003\nfriction_correlation_length = \"25 um\"\nupscaling = \"paper\"";
+        let study = StudyText::new(1, &["vibration", "stated friction"]).with("vibration", friction);
+        stated(&study.with("vibration", lines).to_string())
+    }
+
     #[test]
     fn the_fraction_is_that_of_an_ensemble_with_the_drive_of_the_machine() {
         const DURATION_S: f64 = 0.6;
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
-                    friction_std = 0.003\nfriction_correlation_length = \"25 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
-                    damping_ratio = 0.62\nupscaling = \"paper\"\n";
         // Friction that changes during stick, too, releases the mass early.
         for (drive, name, wanted) in [(Drive::Time, "time", false), (Drive::Distance, "distance", true)] {
-            let study = Study::parse(&format!("{text}drive = \"{name}\"\n"), "study.toml").unwrap();
+            let (study, window) = paper(&format!("damping_ratio = 0.62\ndrive = \"{name}\""));
             let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
-            let window = stated_window(&study);
             let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
             let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
             let model =
@@ -210,15 +212,10 @@ mod tests {
     #[ignore = "slow"]
     fn a_machine_near_the_limit_is_decided_by_more_trajectories() {
         // After 256 trajectories the sign of φ − ½ decides; an earlier decision, at two standard errors, has the same sign.
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\ndimensionless_belt_velocity = 0.003\nstribeck = 4.2\nstatic_friction = 0.1\n\
-                    friction_std = 0.003\nfriction_correlation_length = \"25 um\"\nfriction_marginal = \"beta:2.1,5\"\n\
-                    upscaling = \"paper\"\n";
         let mut early = 0;
         for (damping, seed) in [(0.74, 2), (0.8, 3), (0.86, 4), (0.92, 5), (0.98, 14)] {
-            let study = Study::parse(&format!("{text}damping_ratio = {damping}\n"), "study.toml").unwrap();
+            let (study, window) = paper(&format!("damping_ratio = {damping}"));
             let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
-            let window = stated_window(&study);
             let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
             let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
             let model =

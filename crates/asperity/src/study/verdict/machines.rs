@@ -339,6 +339,19 @@ pub(super) mod tests {
     use super::super::axis::contact_places;
     use super::super::rests_on::tests::{STUDY, computed_window};
     use crate::study::Study;
+    use crate::study::verdict::sampled::Evaluated;
+
+    /// Returns a study and the friction that it states.
+    pub(in crate::study::verdict) fn stated(text: &str) -> (Study, WindowFriction) {
+        let study = Study::parse(text, "study.toml").unwrap();
+        let window = stated_window(&study);
+        (study, window)
+    }
+
+    /// Evaluates a machine under constant friction.
+    pub(in crate::study::verdict) fn constant(machine: &Machine, _: usize) -> Result<Evaluated, String> {
+        Evaluated::constant_friction(machine)
+    }
 
     #[test]
     fn the_shortest_waves_range_from_one_end_of_the_band_to_the_other() {
@@ -358,11 +371,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_factor_of_friction_multiplies_the_mean_coefficient() {
-        let text = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndamping_ratio = 0.05\n\
-                    dimensionless_belt_velocity = 0.1\nstribeck = 4.2\n";
-        let study = Study::parse(&format!("seed = 1\n{text}"), "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(LINEAR);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).with_friction_factor(1.5);
         let machine = machines.nominal().unwrap();
         let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };

@@ -160,8 +160,7 @@ mod tests {
     use super::*;
     use crate::distribution::standard_normal_cdf;
     use crate::monitor::Silent;
-    use crate::study::Study;
-    use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::machines::tests::{LINEAR, stated};
 
     #[test]
     #[ignore = "slow"]
@@ -171,23 +170,17 @@ mod tests {
         let text = |inputs: [&str; 2]| {
             let remedy = |input| format!("{{ input = \"vibration.{input}\", range = {:?} }}", ranges(input));
             let remedies = inputs.map(remedy);
-            format!(
-                "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                 nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                 velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
-                 [verdict]\nremedies = [{}]\n",
-                remedies.join(", ")
-            )
+            format!("{LINEAR}[verdict]\nremedies = [{}]\n", remedies.join(", "))
         };
         // One remedy gives no map.
         let one =
             text(["damping_ratio"; 2]).replace(", { input = \"vibration.damping_ratio\", range = [0.03, 0.08] }]", "]");
-        let study = Study::parse(&one, "study.toml").unwrap();
-        let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+        let (study, window) = stated(&one);
+        let verdict = study.verdict.as_ref().unwrap();
         assert!(map(&Machines::new(verdict, &window, None, 1), verdict, false, 1, &Silent).unwrap().is_none());
         let maps = [["damping_ratio", "linear_weakening"], ["linear_weakening", "damping_ratio"]].map(|inputs| {
-            let study = Study::parse(&text(inputs), "study.toml").unwrap();
-            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+            let (study, window) = stated(&text(inputs));
+            let verdict = study.verdict.as_ref().unwrap();
             let machines = Machines::new(verdict, &window, None, 1);
             map(&machines, verdict, false, 1, &Silent).unwrap().unwrap().result
         });

@@ -254,8 +254,7 @@ fn widened(interval: Interval, probability: f64, shifted: [f64; 2], is_small: bo
 
 #[cfg(test)]
 mod tests {
-    use super::super::machines::Machine;
-    use super::super::machines::tests::stated_window;
+    use super::super::machines::tests::{LINEAR, constant, stated, stated_window};
     use super::super::responses::tests::of_powers;
     use super::*;
     use crate::distribution::{Marginal, standard_normal_cdf};
@@ -263,32 +262,27 @@ mod tests {
     use crate::monitor::Silent;
     use crate::study::Study;
 
+    const EVENT: Event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
+
+    fn estimator<'a>(
+        machines: &'a Machines<'a>,
+        sampled: &'a Sampled,
+        responses: Option<&'a FrictionResponses>,
+    ) -> Estimator<'a> {
+        let (evaluations, warnings) = (0, Vec::new());
+        Estimator { machines, sampled, responses, scan_error: 0.0, seed: 1, monitor: &Silent, evaluations, warnings }
+    }
+
     #[test]
     fn a_margin_that_no_value_changes_gives_an_exact_probability() {
         // Friction is stated and does not fluctuate, so the nominal area has no effect. The limit of the damping ratio is b/2.
         for (damping, wanted) in [("0.049", 1.0), ("0.051", 0.0)] {
-            let text = format!(
-                "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                 nominal_area = \"833 ± 20 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                 velocity_law = \"linear\"\nlinear_weakening = 0.1\ndamping_ratio = {damping}\n"
-            );
-            let study = Study::parse(&text, "study.toml").unwrap();
-            let window = stated_window(&study);
+            let text = LINEAR.replace("833 mm^2", "833 ± 20 mm^2").replace("\"0.1 ± 0.02\"", "0.1");
+            let (study, window) = stated(&text.replace("\"0.055 ± 0.005\"", damping));
             let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
-            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let sampled = Sampled::until(&machines, &evaluate, 0.02, 64, &Silent).unwrap();
-            let mut estimator = Estimator {
-                machines: &machines,
-                sampled: &sampled,
-                responses: None,
-                scan_error: 0.0,
-                seed: 1,
-                monitor: &Silent,
-                evaluations: 0,
-                warnings: Vec::new(),
-            };
-            let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
-            let found = estimator.probability(&event).unwrap();
+            let sampled = Sampled::until(&machines, &constant, 0.02, 64, &Silent).unwrap();
+            let mut estimator = estimator(&machines, &sampled, None);
+            let found = estimator.probability(&EVENT).unwrap();
             assert_eq!((found.value, found.interval), (wanted, Interval { low: wanted, high: wanted }));
             assert_eq!((estimator.evaluations, found.sources.len()), (0, 0));
         }
@@ -319,20 +313,9 @@ mod tests {
             MeanErrors { halved_strips: 0.002, grid: [1.0, 1.04], model: [0.97, 1.0], ..MeanErrors::default() };
         let window = WindowFriction { mean_errors: errors, ..stated_window(&study) };
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
-        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        let sampled = Sampled::until(&machines, &evaluate, 0.02, 4096, &Silent).unwrap();
-        let estimator = |scan_error: f64| Estimator {
-            machines: &machines,
-            sampled: &sampled,
-            responses: None,
-            scan_error,
-            seed: 1,
-            monitor: &Silent,
-            evaluations: 0,
-            warnings: Vec::new(),
-        };
-        let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
-        let Probability { value, interval, sources } = estimator(0.0).probability(&event).unwrap();
+        let sampled = Sampled::until(&machines, &constant, 0.02, 4096, &Silent).unwrap();
+        let estimator = |scan_error| Estimator { scan_error, ..estimator(&machines, &sampled, None) };
+        let Probability { value, interval, sources } = estimator(0.0).probability(&EVENT).unwrap();
         // The limit is reached at μ = 0.2: P[μ f > 0.2].
         let at = |factor: f64| standard_normal_cdf((0.19 - 0.2 / factor) / 0.01);
         let [less, central, more] = [0.97, 1.0, 1.04].map(at);
@@ -345,7 +328,7 @@ mod tests {
             let own = sources.iter().find(|(source, _)| *source == name).unwrap().1;
             assert!((own - wanted).abs() < 0.01, "{name}: {own} instead of {wanted}");
         }
-        let wider = estimator(0.01).probability(&event).unwrap();
+        let wider = estimator(0.01).probability(&EVENT).unwrap();
         for (name, error) in [("strips", 0.002), ("scan", 0.01)] {
             let [less, more] = [-error, error].map(|error: f64| at((NORMAL_95 * error).exp()));
             let own = wider.sources.iter().find(|(source, _)| *source == name).unwrap().1;
@@ -389,20 +372,9 @@ mod tests {
             };
             let window = WindowFriction { computed: true, ..WindowFriction::from_statement(stated, 64e-6, Some(4.2)) };
             let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, Some(&responses), 1);
-            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let sampled = Sampled::until(&machines, &evaluate, 0.02, 4096, &Silent).unwrap();
-            let mut estimator = Estimator {
-                machines: &machines,
-                sampled: &sampled,
-                responses: Some(&responses),
-                scan_error: 0.0,
-                seed: 1,
-                monitor: &Silent,
-                evaluations: 0,
-                warnings: Vec::new(),
-            };
-            let event = Event { value: |m| m.fraction, margin: |m| m.from_stick, by_margin: true };
-            let Probability { value, interval, sources } = estimator.probability(&event).unwrap();
+            let sampled = Sampled::until(&machines, &constant, 0.02, 4096, &Silent).unwrap();
+            let mut estimator = estimator(&machines, &sampled, Some(&responses));
+            let Probability { value, interval, sources } = estimator.probability(&EVENT).unwrap();
             let at = |factor: f64| standard_normal_cdf((central - 385.0 / factor) / std);
             let [least, wanted, most] = [at(1.0 / factor), at(1.0), at(factor)];
             let is_small = wanted.min(1.0 - wanted) < 0.01;

@@ -367,9 +367,10 @@ fn slope_at(value: f64, known: &[[f64; 2]], ends: [[f64; 2]; 2], far: f64) -> f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::WindowFriction;
     use crate::study::Study;
     use crate::study::verdict::machines::Machine;
-    use crate::study::verdict::machines::tests::stated_window;
+    use crate::study::verdict::machines::tests::{LINEAR, constant, stated};
 
     #[test]
     fn the_slope_is_that_between_the_nearest_values_whose_excess_exceeds_its_error() {
@@ -412,15 +413,12 @@ mod tests {
         // A machine vibrates if ζ − b/2 + .0017 e < .004, with a normal variable e of its realisations: ζ − b/2 − .004 + .0017 e has
         // the standard deviation √(.005² + .01² + .0017²) = .0113094, and its quantile at P is zero.
         let std = (0.005_f64.powi(2) + 0.01_f64.powi(2) + 0.0017_f64.powi(2)).sqrt();
-        let text = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
-                    [verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.5] }, \
-                    { input = \"vibration.linear_weakening\", range = [0.01, 0.2] }]\n";
+        let remedies_text = "[verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.5] }, \
+                             { input = \"vibration.linear_weakening\", range = [0.01, 0.2] }]\n";
         let (mut covered, mut all, mut widths) = (0, 0, [0.0; 2]);
         for seed in 1..=6 {
-            let study = Study::parse(&format!("seed = {seed}\n{text}"), "study.toml").unwrap();
-            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+            let (study, window) = stated(&format!("{LINEAR}{remedies_text}"));
+            let verdict = study.verdict.as_ref().unwrap();
             let machines = Machines::new(verdict, &window, None, seed);
             let evaluate = |machine: &Machine, index: usize| {
                 let mut evaluated = Evaluated::constant_friction(machine)?;
@@ -460,17 +458,10 @@ mod tests {
     fn the_present_value_reaches_a_target_that_single_replicates_miss() {
         // M = ζ − b/2 is negative with the probability Φ(−.005/.0111803) = .3274. The error of 4,096 Sobol' points is below 2e-3, and
         // that of the first 512 is larger for some seeds.
-        let text = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
-                    [verdict]\ntargets = [0.3294]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.05, 0.06] }]\n";
+        let remedy = "[verdict]\ntargets = [0.3294]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.05, 0.06] }]\n";
+        let (study, window) = stated(&format!("{LINEAR}{remedy}"));
         for seed in 1..=8 {
-            let study = Study::parse(&format!("seed = {seed}\n{text}"), "study.toml").unwrap();
-            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
-            let machines = Machines::new(verdict, &window, None, seed);
-            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let (found, _) =
-                remedies(&machines, verdict, (&evaluate, false), 0.0, seed, &crate::monitor::Silent).unwrap();
+            let (found, _) = of_constant_friction(&study, &window, seed);
             assert_eq!(found[0].reach[0].value, Some(0.055), "seed {seed}");
         }
     }
@@ -480,18 +471,11 @@ mod tests {
     fn values_under_constant_friction_have_intervals_of_their_replicates() {
         // M = ζ − b/2 has the standard deviation .0111803. 4,096 independent machines give its quantiles at 5 and 1 % with half widths of
         // .9e-3 and 1.5e-3, Student's factor included; Sobol' points undercut them.
-        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-                    nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-                    velocity_law = \"linear\"\nlinear_weakening = \"0.1 ± 0.02\"\ndamping_ratio = \"0.055 ± 0.005\"\n\
-                    [verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.5] }, \
-                    { input = \"vibration.linear_weakening\", range = [0.01, 0.2] }, \
-                    { input = \"vibration.damping_ratio\", range = [0.01, 0.066] }]\n";
-        let study = Study::parse(text, "study.toml").unwrap();
-        let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
-        let machines = Machines::new(verdict, &window, None, 1);
-        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        let (found, warnings) =
-            remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap();
+        let three = "[verdict]\nremedies = [{ input = \"vibration.damping_ratio\", range = [0.01, 0.5] }, \
+                     { input = \"vibration.linear_weakening\", range = [0.01, 0.2] }, \
+                     { input = \"vibration.damping_ratio\", range = [0.01, 0.066] }]\n";
+        let (study, window) = stated(&format!("{LINEAR}{three}"));
+        let (found, warnings) = of_constant_friction(&study, &window, 1);
         // At 1 % the centre of b is 2.9 standard deviations above 0.
         assert!(warnings.len() == 1 && warnings[0].contains("0.1879 % of it lies beyond"), "{warnings:?}");
         assert_eq!([0, 1, 2].map(|remedy: usize| found[remedy].reach.len()), [2; 3]);
@@ -516,23 +500,20 @@ mod tests {
     /// Returns a study of a machine with M = ζ − b/2, b of 0.2 ± 0.02 and ζ of 0.1 ± 0.01, which vibrates with P = ½.
     fn study_text(lists: &[&str]) -> String {
         let lists: Vec<String> = lists.iter().map(|list| format!("{{ input = \"vibration.{list} }}")).collect();
-        format!(
-            "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
-             nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
-             velocity_law = \"linear\"\nlinear_weakening = \"0.2 ± 0.02\"\ndamping_ratio = \"0.1 ± 0.01\"\n\
-             [verdict]\nremedies = [{}]\n",
-            lists.join(", ")
-        )
+        let machine = LINEAR.replace("\"0.1 ± 0.02\"", "\"0.2 ± 0.02\"").replace("0.055 ± 0.005", "0.1 ± 0.01");
+        format!("{machine}[verdict]\nremedies = [{}]\n", lists.join(", "))
     }
 
     /// Returns the remedies of that machine, and warnings.
     fn found(lists: &[&str]) -> (Vec<Remedy>, Vec<String>) {
-        let text = study_text(lists);
-        let study = Study::parse(&text, "study.toml").unwrap();
-        let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
-        let machines = Machines::new(verdict, &window, None, 1);
-        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap()
+        let (study, window) = stated(&study_text(lists));
+        of_constant_friction(&study, &window, 1)
+    }
+
+    fn of_constant_friction(study: &Study, window: &WindowFriction, seed: u64) -> (Vec<Remedy>, Vec<String>) {
+        let verdict = study.verdict.as_ref().unwrap();
+        let machines = Machines::new(verdict, window, None, seed);
+        remedies(&machines, verdict, (&constant, false), 0.0, seed, &crate::monitor::Silent).unwrap()
     }
 
     #[test]
@@ -561,11 +542,8 @@ mod tests {
     fn a_distribution_that_its_bounds_truncate_at_a_remedy_is_a_warning() {
         let text = study_text(&["linear_weakening\", range = [0.01, 0.3]"]).replace("0.2 ± 0.02", "0.2 ± 0.05");
         let warnings = |damping: &str| {
-            let study = Study::parse(&text.replace("\"0.1 ± 0.01\"", damping), "study.toml").unwrap();
-            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
-            let machines = Machines::new(verdict, &window, None, 1);
-            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap().1
+            let (study, window) = stated(&text.replace("\"0.1 ± 0.01\"", damping));
+            of_constant_friction(&study, &window, 1).1
         };
         // For ζ = .06 the centre of b is near .12 − 1.645·.05 = .038 at P = 5 %, and Φ(−.76) of b negative. ζ = .18 needs no change.
         let found = warnings("0.06");
@@ -612,13 +590,11 @@ mod tests {
             .replace("\"linear\"\nlinear_weakening = \"0.2 ± 0.02\"", "\"stribeck\"\nstribeck = 2.0")
             .replace("[verdict]", "[verdict]\ntargets = [0.05]");
         let at_damping = |now: f64, factor: f64, grid: [f64; 2], error: f64| {
-            let study = Study::parse(&text.replace("0.1 ± 0.01", &format!("{now} ± 0.01")), "study.toml").unwrap();
+            let (study, mut window) = stated(&text.replace("0.1 ± 0.01", &format!("{now} ± 0.01")));
             let verdict = study.verdict.as_ref().unwrap();
-            let mut window = stated_window(&study);
             window.mean_errors.grid = grid;
             let machines = Machines::new(verdict, &window, None, 1).with_friction_factor(factor);
-            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let found = remedies(&machines, verdict, (&evaluate, false), error, 1, &crate::monitor::Silent);
+            let found = remedies(&machines, verdict, (&constant, false), error, 1, &crate::monitor::Silent);
             let reach = &found.unwrap().0[0].reach[0];
             let (value, [low, high]) = (reach.value.unwrap(), reach.value_interval.unwrap());
             (value, value - low, high - value)
@@ -647,8 +623,8 @@ mod tests {
     fn a_wide_bracket_is_narrowed_to_a_decade() {
         // P is a half at ζ = b/2, b of .2: M = ζ − .1 for the machine with all values at their centres.
         let text = study_text(&["damping_ratio\", range = [0.0, 1e300]"]);
-        let study = Study::parse(&text, "study.toml").unwrap();
-        let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
+        let (study, window) = stated(&text);
+        let verdict = study.verdict.as_ref().unwrap();
         let machines = Machines::new(verdict, &window, None, 1);
         let points = vec![vec![0.0; machines.variables()]];
         let monitor = &crate::monitor::Silent;
@@ -687,11 +663,8 @@ mod tests {
                  dimensionless_belt_velocity = 0.5\ndamping_ratio = 0\ncontact_spring = {now}\n\
                  [verdict]\ntargets = [0.05]\nremedies = [{{ input = \"vibration.contact_spring\", range = [1.0, 5.0] }}]\n"
             );
-            let study = Study::parse(&text, "study.toml").unwrap();
-            let (verdict, window) = (study.verdict.as_ref().unwrap(), stated_window(&study));
-            let machines = Machines::new(verdict, &window, None, 1);
-            let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-            let (found, _) = remedies(&machines, verdict, (&evaluate, false), 0.0, 1, &crate::monitor::Silent).unwrap();
+            let (study, window) = stated(&text);
+            let (found, _) = of_constant_friction(&study, &window, 1);
             let reach = &found[0].reach[0];
             let (value, error) = (reach.value.unwrap(), 0.000_99 / slope);
             assert!((value - wanted).abs() < 3.0 * error, "{now}: {reach:?} instead of {wanted}");

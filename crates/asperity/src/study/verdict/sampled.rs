@@ -167,7 +167,7 @@ mod tests {
     use crate::distribution::{standard_normal_cdf, standard_normal_quantile};
     use crate::monitor::Silent;
     use crate::study::Study;
-    use crate::study::verdict::machines::tests::{LINEAR, stated_window};
+    use crate::study::verdict::machines::tests::{LINEAR, constant, stated};
     use crate::study::verdict::replicates::{REPLICATES, designs};
     use asperity_testing::covered;
 
@@ -182,11 +182,9 @@ mod tests {
 
     #[test]
     fn the_change_by_another_machine_is_that_of_its_margins() {
-        let study = Study::parse(LINEAR, "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(LINEAR);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
-        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        let sampled = Sampled::until(&machines, &evaluate, 1e-3, SHIFTED, &Silent).unwrap();
+        let sampled = Sampled::until(&machines, &constant, 1e-3, SHIFTED, &Silent).unwrap();
         assert_eq!(sampled.machines.len(), SHIFTED);
         for (weakening, shift) in [("0.104", 0.002), ("0.1", 0.0), ("0.09", -0.005)] {
             let other = LINEAR.replace("\"0.1 ±", &format!("\"{weakening} ±"));
@@ -206,11 +204,9 @@ mod tests {
     #[test]
     fn a_longer_duration_adds_the_machines_that_vibrate_later() {
         // A machine vibrates later if ζ − b/2 is below .005.
-        let study = Study::parse(LINEAR, "study.toml").unwrap();
-        let window = stated_window(&study);
+        let (study, window) = stated(LINEAR);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
-        let evaluate = |machine: &Machine, _: usize| Evaluated::constant_friction(machine);
-        let sampled = Sampled::until(&machines, &evaluate, 1e-3, LATER, &Silent).unwrap();
+        let sampled = Sampled::until(&machines, &constant, 1e-3, LATER, &Silent).unwrap();
         assert_eq!(sampled.machines.len(), LATER);
         let below = |limit: f64| sampled.mean(|machine| f64::from(u8::from(machine.margins.from_stick < limit))).value;
         let vibrates =
