@@ -9,6 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use asperity::sentence;
 use asperity::study::folder_of;
 use asperity_formats::check_writable;
+use console::Term;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
@@ -20,7 +21,21 @@ const WARNINGS_KEY: &str = "warnings";
 
 /// Writes one message to stderr. Ignores a closed stderr.
 pub(crate) fn print_message(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "{message}");
+    let _ = writeln!(io::stderr().lock(), "{}", wrapped(message, &Term::stderr()));
+}
+
+/// Prints sentences to stdout, each on lines of its own.
+pub(crate) fn print_sentences(sentences: &[String]) -> Result<(), Failure> {
+    let lines = sentences.iter().map(|sentence| wrapped(sentence, &Term::stdout()) + "\n");
+    print(&lines.collect::<String>())
+}
+
+/// Returns a text in lines that fit a terminal; unchanged elsewhere.
+fn wrapped(text: &str, terminal: &Term) -> String {
+    match terminal.size_checked().filter(|_| terminal.is_term()) {
+        Some((_, columns)) => textwrap::fill(text, usize::from(columns)),
+        None => text.to_owned(),
+    }
 }
 
 /// Warnings of the command, for the JSON object that it prints.

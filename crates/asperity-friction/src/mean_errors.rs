@@ -1,5 +1,6 @@
 //! Errors of the mean friction coefficient beside the sampling error of the strips.
 
+use asperity_results::ErrorCause;
 use serde::{Deserialize, Serialize};
 
 /// Errors of the mean friction coefficient that all machines share, as factors of the mean, and its dependence on the shortest waves.
@@ -41,9 +42,9 @@ impl Default for MeanErrors {
 }
 
 impl MeanErrors {
-    /// Returns the names and factors of the errors of the computation.
-    pub fn computational(&self) -> [(&'static str, [f64; 2]); 2] {
-        [("grid", self.grid), ("model", self.model)]
+    /// Returns the causes and factors of the errors of the computation.
+    pub fn computational(&self) -> [(ErrorCause, [f64; 2]); 2] {
+        [(ErrorCause::Grid, self.grid), (ErrorCause::Model, self.model)]
     }
 
     /// Returns the factor of the mean on a surface whose shortest wave has a length in metre; `None` if it is known.

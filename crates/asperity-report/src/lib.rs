@@ -33,7 +33,7 @@ pub use figures::Figure;
 pub use motion::{CoupledModes, VibrationFigures, render_vibration};
 pub use page::Report;
 pub use page::answers::vibration_answer;
-pub use page::verdict::text::verdict_text;
+pub use page::verdict::text::{verdict_summary, verdict_text};
 pub use record::record_figures;
 pub use run::{Input, Run};
 pub use twin::render_twins;

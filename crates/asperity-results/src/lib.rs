@@ -70,8 +70,8 @@ pub use uncertainty::{
 };
 pub use unit::split_unit;
 pub use verdict::{
-    Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile, NominalMachine,
-    Quantiles, Reach, Remedy, RestsOn, VerdictResult, VibratingMachines,
+    Assumed, Driver, ErrorCause, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile,
+    NominalMachine, Quantiles, Reach, Remedy, RestsOn, VerdictResult, VibratingMachines,
 };
 pub use verdict_tables::{AreaAsOne, ProbabilityMap, ProbabilityMapAxis};
 pub use vibration::{

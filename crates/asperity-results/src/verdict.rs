@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AreaAsOne, MachineModel, MotionKind, Pair, ProbabilityMap};
+use crate::{AreaAsOne, MachineModel, MotionKind, Pair, ProbabilityMap, choice};
 
 /// Probability of vibration over the uncertain values of a study, what decides it and what changes it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -91,12 +91,46 @@ pub struct VerdictResult {
     pub assumed: Vec<Assumed>,
 }
 
-/// Cause of a part of the interval of the probability.
+choice! {
+    /// Cause of an error of a probability.
+    #[derive(Default)]
+    pub enum ErrorCause: "cause of an error" {
+        /// Finite number of machines.
+        #[default]
+        Machines = "machines": "the number of machines",
+        /// Finite number of strips.
+        Strips = "strips": "the number of strips",
+        /// Expansion of friction in the uncertain values.
+        Expansion = "expansion": "the expansion of friction in the uncertain values",
+        /// Limited scan.
+        Scan = "scan": "the size of the scan",
+        /// Pitch of the strips.
+        Grid = "grid": "the pitch of the strips",
+        /// Random strips in place of the scan.
+        Model = "model": "the difference between random strips and scan",
+    }
+}
+
+impl ErrorCause {
+    /// Returns what makes the error smaller.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Self::Machines => "raise `evaluations` in [verdict]",
+            Self::Strips => "raise `realisations` in [friction]",
+            Self::Expansion => "state narrower distributions or ranges of remedies",
+            Self::Scan => "take a larger one",
+            Self::Grid => "raise `points` in [friction]",
+            Self::Model => "take a larger scan, or remove more form (`level`)",
+        }
+    }
+}
+
+/// Part of the interval of the probability.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorSource {
-    /// Name of the cause: `machines`, `strips`, `expansion`, `scan`, `grid` or `model`.
-    pub source: String,
+    /// Its cause.
+    pub source: ErrorCause,
     /// Half width of the interval if this were its only cause.
     pub half_width: f64,
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{CampaignResults, Computed};
-use asperity_report::{not_stated, verdict_sentence, vibration_answer};
+use asperity_report::{verdict_summary, vibration_answer};
 use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
-use crate::output::Answer;
+use crate::output::{Answer, print_sentences};
 
 /// Results of a finished folder.
 pub(super) enum Found<'a> {
@@ -17,8 +17,15 @@ pub(super) enum Found<'a> {
 }
 
 impl Found<'_> {
-    /// Prints the results as JSON, or the main ones with their folder. A campaign without any answer fails.
+    /// Prints the results as JSON, or the verdict or, without one, the main results, with their folder. A campaign without any answer fails.
     pub(super) fn print(&self, json: bool, folder: &Path) -> Result<(), Failure> {
+        if let Self::Run(Results { verdict: Some(verdict), .. }) = self
+            && !json
+        {
+            let report = folder.join("report.html");
+            let more = format!("Report: {}; all numbers: {}", report.display(), folder.join("results.json").display());
+            return print_sentences(&[verdict_summary(verdict), vec![more]].concat());
+        }
         let answer = match self {
             Self::Run(results) if json => Answer::new(results)?,
             Self::Run(results) => of_run(results, folder),
@@ -41,14 +48,10 @@ pub(super) fn found(computed: &Computed) -> Found<'_> {
     }
 }
 
-/// Returns the main results of a run, and the folder of the others.
+/// Returns the main results of a run without verdict, and the folder of the others.
 fn of_run(results: &Results, folder: &Path) -> Answer {
     let mut answer = Answer::default();
     let mut show = |key: &str, value: Value| answer = std::mem::take(&mut answer).with(key, value);
-    if let Some(verdict) = &results.verdict {
-        show("verdict", verdict_sentence(verdict).into());
-        not_stated(verdict).into_iter().for_each(|value| show("not_stated", value.into()));
-    }
     if let Some(scan) = results.surface.as_ref().map(|surface| &surface.measured) {
         let number = |name: &str| match scan {
             MeasuredSurface::Scan(scan) => Some(scan.number(name)),

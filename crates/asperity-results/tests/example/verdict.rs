@@ -1,7 +1,7 @@
 //! An invented verdict.
 
 use asperity_results::{
-    AreaAsOne, Assumed, Driver, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MachineModel,
+    AreaAsOne, Assumed, Driver, ErrorCause, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MachineModel,
     MarginQuantile, MotionKind, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn,
     VerdictResult, VibratingMachines,
 };
@@ -53,8 +53,8 @@ pub(crate) fn verdict() -> VerdictResult {
         leaves_out_fluctuation: false,
         probability_over_unknowns: Some(Quantiles { q05: 0.22, q50: 0.66, q95: 0.91 }),
         error_sources: vec![
-            ErrorSource { source: "machines".into(), half_width: 0.026 },
-            ErrorSource { source: "strips".into(), half_width: 0.014 },
+            ErrorSource { source: ErrorCause::Machines, half_width: 0.026 },
+            ErrorSource { source: ErrorCause::Strips, half_width: 0.014 },
         ],
         friction: Some(LearntFriction {
             inputs: vec!["material.shear_strength".into(), "surface.scan".into()],

@@ -43,12 +43,13 @@ use self::sampled::Sampled;
 use self::scan::errors::ScanErrors;
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::chaos::UncertainInput;
+use crate::choice::Choice;
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
 use crate::stats::{Interval, quantile_sorted};
 use crate::study::check::VerdictStudy;
 use crate::study::output::StageOutput;
-use crate::study::result::{ErrorSource, MarginQuantile, Pair, VerdictResult};
+use crate::study::result::{ErrorCause, ErrorSource, MarginQuantile, Pair, VerdictResult};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{Study, StudyError, sentence};
 
@@ -343,54 +344,19 @@ fn pair(interval: &Interval) -> Pair {
 }
 
 /// Returns the parts of an interval; none of an exact probability.
-fn error_sources(sources: &[(&str, f64)]) -> Vec<ErrorSource> {
+fn error_sources(sources: &[(ErrorCause, f64)]) -> Vec<ErrorSource> {
     let stated = sources.iter().filter(|(_, half_width)| *half_width > 0.0);
-    stated.map(|&(source, half_width)| ErrorSource { source: source.into(), half_width }).collect()
+    stated.map(|&(source, half_width)| ErrorSource { source, half_width }).collect()
 }
 
 /// Returns a warning if the interval of a probability is wider than was asked for.
 fn wide(found: &Probability, half_width: f64) -> Option<String> {
     let Interval { low, high } = found.interval;
-    let (source, _) = found.sources.first().filter(|_| 0.5 * (high - low) > half_width)?;
-    Some(limit(source, half_width))
-}
-
-/// Returns a warning which says what keeps the interval wider than was asked for.
-fn limit(source: &str, half_width: f64) -> String {
-    let (cause, remedy) = match source {
-        "machines" => ("the number of machines", "raise `evaluations` in [verdict]"),
-        "strips" => ("the number of strips", "raise `realisations` in [friction]"),
-        "scan" => ("the size of the scan", "take a larger one"),
-        "grid" => ("the pitch of the strips", "raise `points` in [friction]"),
-        "model" => {
-            ("the difference between random strips and scan", "take a larger scan, or remove more form (`level`)")
-        }
-        _ => {
-            ("the expansion of friction in the uncertain values", "state narrower distributions or ranges of remedies")
-        }
-    };
-    format!(
-        "the interval of the probability is wider than ± {} %, most of all because of {cause}; {remedy}",
-        sentence::digits(100.0 * half_width)
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::limit;
-
-    #[test]
-    fn a_wide_interval_names_the_key_that_narrows_it() {
-        for (source, remedy) in [
-            ("machines", "raise `evaluations` in [verdict]"),
-            ("strips", "raise `realisations` in [friction]"),
-            ("scan", "take a larger one"),
-            ("grid", "raise `points` in [friction]"),
-            ("model", "take a larger scan"),
-            ("expansion", "state narrower distributions"),
-        ] {
-            let warning = limit(source, 0.02);
-            assert!(warning.contains("wider than ± 2 %") && warning.contains(remedy), "{warning}");
-        }
-    }
+    let (cause, _) = found.sources.first().filter(|_| 0.5 * (high - low) > half_width)?;
+    Some(format!(
+        "the interval of the probability is wider than ± {} %, most of all because of {}; {}",
+        sentence::digits(100.0 * half_width),
+        cause.words(),
+        cause.remedy()
+    ))
 }

@@ -1,6 +1,7 @@
 //! The verdict as text, for terminals.
 
-use asperity_results::{AreaAsOne, MachineModel, VerdictResult};
+use asperity_results::choice::Choice;
+use asperity_results::{AreaAsOne, ErrorCause, ErrorSource, MachineModel, VerdictResult};
 
 use crate::cells::{percent, plain};
 use crate::format::{count, significant};
@@ -10,6 +11,28 @@ use crate::page::verdict::{
 };
 use crate::run::RESULTS;
 use crate::verdict::{RARE, is_exact, not_stated, percent as probability, verdict_sentence};
+
+/// Returns the answer of a run in a few sentences: the probability, what the study does not state, what would stop the vibration, what to
+/// measure next, and the largest error with what makes it smaller.
+pub fn verdict_summary(verdict: &VerdictResult) -> Vec<String> {
+    let mut sentences = vec![verdict_sentence(verdict)];
+    sentences.extend(not_stated(verdict).into_iter().map(|value| format!("Not stated: {value}.")));
+    if !verdict.remedies.is_empty() {
+        sentences.push(remedies::sentence(verdict).text());
+    }
+    if verdict.drivers.len() > 1 {
+        sentences.push(drivers::next(verdict).text());
+    }
+    if let Some(ErrorSource { source, half_width }) = verdict.error_sources.first() {
+        sentences.push(format!(
+            "Largest error of the computation: {}, ±{} percentage points; {} for less.",
+            source.words(),
+            significant(100.0 * half_width, 2),
+            source.remedy()
+        ));
+    }
+    sentences.into_iter().map(|sentence| sentence.replace('\u{a0}', " ")).collect()
+}
 
 /// Returns the verdict as text: sentences on the probability, the vibration and the error of the computation, then tables of what
 /// decides the verdict, what would change it and what it rests on.
@@ -43,8 +66,8 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
 
 /// Returns the parts of the error of the probability.
 fn computation(verdict: &VerdictResult) -> String {
-    let part = |source: &str, half_width: f64| format!("{} ±{}", source, significant(100.0 * half_width, 2));
-    let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(&error.source, error.half_width)).collect();
+    let part = |source: ErrorCause, half_width: f64| format!("{source} ±{}", significant(100.0 * half_width, 2));
+    let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(error.source, error.half_width)).collect();
     let mut text = format!("{} machines", count(verdict.evaluations));
     if verdict.model == MachineModel::StickSlip {
         text += &format!(" over {} s", significant(verdict.duration_s, 3));

@@ -13,6 +13,7 @@ use crate::chaos::rare::{RareError, Settings, SmallProbability, small_probabilit
 use crate::monitor::{Cancelled, Monitor};
 use crate::stats::{Interval, NORMAL_95};
 use crate::study::StudyError;
+use crate::study::result::ErrorCause;
 
 /// Smallest number of machines on each side below which the probability is computed as a small one.
 const FEW: f64 = 40.0;
@@ -33,7 +34,7 @@ pub(super) struct Event {
 pub(super) struct Probability {
     pub(super) value: f64,
     pub(super) interval: Interval,
-    pub(super) sources: Vec<(&'static str, f64)>,
+    pub(super) sources: Vec<(ErrorCause, f64)>,
 }
 
 /// Probabilities over the sampled machines.
@@ -105,8 +106,8 @@ impl Estimator<'_> {
             (value, interval, small)
         };
         let of_machines = 0.5 * (interval.high - interval.low);
-        let mut sources = if of_machines > 0.0 { vec![("machines", of_machines)] } else { Vec::new() };
-        for (name, error) in self.independent_errors() {
+        let mut sources = if of_machines > 0.0 { vec![(ErrorCause::Machines, of_machines)] } else { Vec::new() };
+        for (cause, error) in self.independent_errors() {
             // A bound holds for any friction near this one.
             if small.is_some() && value == 0.0 {
                 continue;
@@ -115,10 +116,10 @@ impl Estimator<'_> {
             for (shifted, sign) in shifted.iter_mut().zip([-1.0, 1.0]) {
                 *shifted = self.shifted(event, value, small.as_ref(), (sign * NORMAL_95 * error).exp())?;
             }
-            sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
+            sources.push((cause, 0.5 * (shifted[1] - shifted[0]).abs()));
             interval = widened(interval, value, shifted, small.is_some());
         }
-        for (name, factors) in self.machines.mean_errors().computational() {
+        for (cause, factors) in self.machines.mean_errors().computational() {
             if factors == [1.0; 2] {
                 continue;
             }
@@ -126,7 +127,7 @@ impl Estimator<'_> {
             for (shifted, factor) in shifted.iter_mut().zip(factors).filter(|(_, factor)| *factor != 1.0) {
                 *shifted = self.shifted(event, value, small.as_ref(), factor)?;
             }
-            sources.push((name, 0.5 * (shifted[1] - shifted[0]).abs()));
+            sources.push((cause, 0.5 * (shifted[1] - shifted[0]).abs()));
             interval = extended(interval, value, shifted, small.is_some());
         }
         sources.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -137,13 +138,14 @@ impl Estimator<'_> {
         Ok(Probability { value, interval, sources })
     }
 
-    /// Returns the names and relative standard errors of the mean friction that are independent of each other.
-    fn independent_errors(&self) -> Vec<(&'static str, f64)> {
+    /// Returns the causes and relative standard errors of the mean friction that are independent of each other.
+    fn independent_errors(&self) -> Vec<(ErrorCause, f64)> {
         let own = self.machines.mean_errors();
         let [strips, expansion] =
             self.responses.map_or([own.strips, 0.0], |found| [found.strips_error, found.expansion_error]);
         let strips = strips.hypot(own.halved_strips);
-        let mut errors = vec![("strips", strips), ("expansion", expansion), ("scan", self.scan_error)];
+        let mut errors =
+            vec![(ErrorCause::Strips, strips), (ErrorCause::Expansion, expansion), (ErrorCause::Scan, self.scan_error)];
         errors.retain(|(_, error)| *error > 0.0);
         errors
     }
@@ -324,15 +326,16 @@ mod tests {
             (interval.low - less).abs() < 0.03 && (interval.high - more).abs() < 0.03,
             "{interval:?}: {less} {more}"
         );
-        for (name, wanted) in [("grid", 0.5 * (more - central)), ("model", 0.5 * (central - less))] {
-            let own = sources.iter().find(|(source, _)| *source == name).unwrap().1;
-            assert!((own - wanted).abs() < 0.01, "{name}: {own} instead of {wanted}");
+        for (cause, wanted) in [(ErrorCause::Grid, 0.5 * (more - central)), (ErrorCause::Model, 0.5 * (central - less))]
+        {
+            let own = sources.iter().find(|(source, _)| *source == cause).unwrap().1;
+            assert!((own - wanted).abs() < 0.01, "{cause}: {own} instead of {wanted}");
         }
         let wider = estimator(0.01).probability(&EVENT).unwrap();
-        for (name, error) in [("strips", 0.002), ("scan", 0.01)] {
+        for (cause, error) in [(ErrorCause::Strips, 0.002), (ErrorCause::Scan, 0.01)] {
             let [less, more] = [-error, error].map(|error: f64| at((NORMAL_95 * error).exp()));
-            let own = wider.sources.iter().find(|(source, _)| *source == name).unwrap().1;
-            assert!((own - 0.5 * (more - less)).abs() < 0.01, "{name}: {own}");
+            let own = wider.sources.iter().find(|(source, _)| *source == cause).unwrap().1;
+            assert!((own - 0.5 * (more - less)).abs() < 0.01, "{cause}: {own}");
         }
         assert!(wider.interval.high > interval.high + 0.02, "{:?} {interval:?}", wider.interval);
     }
@@ -386,10 +389,10 @@ mod tests {
                 true => value / wanted,
                 false => 1.0,
             };
-            let own = sources.iter().find(|(source, _)| *source == "strips").unwrap().1;
+            let own = sources.iter().find(|(source, _)| *source == ErrorCause::Strips).unwrap().1;
             let half = 0.5 * ratio * (most - least);
             assert!((own / half - 1.0).abs() < if is_small { 0.3 } else { 0.15 }, "{own} instead of {half}");
-            assert!(sources.iter().all(|(source, _)| *source != "expansion"), "{sources:?}");
+            assert!(sources.iter().all(|(source, _)| *source != ErrorCause::Expansion), "{sources:?}");
             assert!(sources.is_sorted_by(|a, b| a.1 >= b.1), "{sources:?}");
             // The errors of the machines widen the interval little.
             for (end, wanted) in [(interval.low, least), (interval.high, most)] {
