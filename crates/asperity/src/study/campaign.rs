@@ -20,7 +20,7 @@ use crate::study::check::FrictionSource;
 use crate::study::result::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, MotionKind, Results};
 use crate::study::run::{SharedFriction, Stages};
 use crate::study::{
-    RunBlocks, Stage, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash, sentence,
+    InvalidValue, RunBlocks, Stage, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash, sentence,
 };
 
 /// Answers of a member, and its warnings.
@@ -53,6 +53,13 @@ pub struct Campaign {
     refused: BTreeMap<usize, String>,
     /// Numbers of the members by the friction stage that they have in common, of friction stages with several members.
     shared: Vec<Vec<usize>>,
+}
+
+/// Reason why the values of a member exclude each other.
+struct Refusal {
+    /// Key of the value that is wrong, if it is one.
+    key: Option<String>,
+    reason: String,
 }
 
 impl Campaign {
@@ -225,15 +232,19 @@ impl Campaign {
         StudyFile::parse(&text, &file).map_err(|error| error.message)
     }
 
-    /// Returns the study of a member, or why its values are refused: the key of the first wrong value, if one is to blame, and the reason.
-    fn member(&self, member: usize) -> Result<Study, (Option<String>, String)> {
+    /// Returns the study of a member, or why its values are refused.
+    fn member(&self, member: usize) -> Result<Study, Refusal> {
         let table = self.table_of(self.factors.iter().zip(self.choices(member)));
-        let mut file = self.parse_table(&table).map_err(|reason| (None, reason))?;
+        let mut file = self.parse_table(&table).map_err(|reason| Refusal { key: None, reason })?;
         let varies_seed = || self.factors.iter().flat_map(Factor::keys).any(|key| key.name == "seed");
         if let Some(seed) = self.other_seed.filter(|_| !varies_seed()) {
             file.seed = seed;
         }
-        file.check().map_err(|value| (Some(format!("{}.{}", value.section, value.key)), value.to_string()))
+        let refusal = |value: InvalidValue| {
+            let key = Some(format!("{}.{}", value.section, value.key));
+            Refusal { key, reason: value.to_string() }
+        };
+        file.check().map_err(refusal)
     }
 
     /// Checks name, type and unit of every value in a list.
@@ -256,7 +267,7 @@ impl Campaign {
     fn check_members(&mut self, reader: &Reader<'_>) -> Result<(), StudyFileError> {
         let folder = self.study_folder();
         let check = |study: Study| (study.friction_key(&folder), study.has(Stage::Vibration));
-        let checked: Vec<Result<(Option<String>, bool), (Option<String>, String)>> =
+        let checked: Vec<Result<(Option<String>, bool), Refusal>> =
             blocks::map(0..self.members(), |member| self.member(member).map(check));
         let mut valid: Vec<Vec<bool>> = self.factors.iter().map(|factor| vec![false; factor.len()]).collect();
         let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
@@ -275,7 +286,7 @@ impl Campaign {
         let mut shared: Vec<Vec<usize>> = groups.into_values().filter(|members| members.len() > 1).collect();
         shared.sort();
         let mut refused = BTreeMap::new();
-        for (member, (wrong_key, reason)) in
+        for (member, Refusal { key: wrong_key, reason }) in
             checked.iter().enumerate().filter_map(|(member, found)| Some((member, found.as_ref().err()?)))
         {
             refused.insert(member, reason.clone());
@@ -336,7 +347,7 @@ impl Campaign {
             let task = Task::new(monitor, "campaign: friction", groups);
             let share = |study: &Study| study.share_friction(&folder, &inner).map_err(|error| self.reason(&error));
             shared = task.try_map(groups, |group| {
-                let study = self.member(self.shared[group][0]).map_err(|(_, reason)| reason);
+                let study = self.member(self.shared[group][0]).map_err(|refusal| refusal.reason);
                 let found = on(alone(groups), || study.as_ref().map_err(String::clone).and_then(share));
                 study.map_or(Ok(()), |study| study.refuse_changed(&folder, inputs))?;
                 Ok::<_, StudyError>(found)
@@ -350,7 +361,7 @@ impl Campaign {
         let task = Task::new(monitor, "campaign: members", count);
         task.try_map(count, |member| {
             let refused = self.refused.get(&member).map_or(Ok(()), |reason| Err(reason.clone()));
-            let study = refused.and_then(|()| self.member(member).map_err(|(_, reason)| reason));
+            let study = refused.and_then(|()| self.member(member).map_err(|refusal| refusal.reason));
             let answer = |study: &Study| {
                 let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
                 let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;
