@@ -79,21 +79,16 @@ struct StabilityMap {
     clipped_fraction: f64,
 }
 
+/// All answers of this module.
 #[derive(JsonSchema)]
-#[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
-enum Answer {
-    LimitCycle(LimitCycle),
-    CriticalDamping(CriticalDamping),
-    Ensemble(Ensemble),
-    StabilityMap(StabilityMap),
-}
+struct Answers(LimitCycle, CriticalDamping, Ensemble, StabilityMap);
 
 /// Returns the JSON Schema of the answers of this module, from which the dataclasses are generated.
 #[pyfunction]
 pub(crate) fn vibration_schema() -> String {
     let settings = SchemaSettings::draft2020_12().for_serialize().with_transform(tidy);
-    settings.into_generator().into_root_schema_for::<Answer>().to_value().to_string()
+    settings.into_generator().into_root_schema_for::<Answers>().to_value().to_string()
 }
 
 /// Returns the JSON Schema of the parameters of an oscillator, from which the dataclasses of the velocity laws are generated.

@@ -236,7 +236,10 @@ pub(crate) fn uncertainty(levels: usize) -> UncertaintyResult {
         ..UncertainResponse::default()
     };
     let level = UncertainLevel {
-        responses: vec![constant.clone(), UncertainResponse { interval: Some([0.19, 0.23]), ..response("mean") }],
+        responses: vec![
+            constant.clone(),
+            UncertainResponse { interval: Some([0.19, 0.23]), sobol: Vec::new(), ..response("mean") },
+        ],
         at_mean_load: vec![response("mean"), constant, response("correlation_length_m")],
         failures: vec![FailedPoint { point: 3, reason: "a strip carries no load".into() }],
         ..UncertainLevel::default()

@@ -51,6 +51,9 @@ struct Sweep<'a> {
 /// Reads a number of one damping ratio.
 type Number = fn(&DampingResult) -> f64;
 
+/// Reads the ends of an interval at one damping ratio.
+type Ends<'a> = [&'a dyn Fn(&DampingResult) -> f64; 2];
+
 fn column(entries: &[DampingResult], of: impl Fn(&DampingResult) -> f64) -> Vec<f64> {
     entries.iter().map(of).collect()
 }
@@ -88,12 +91,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Draws the curve of each upscaling, with its band if there is one.
-    fn draw(
-        &self,
-        chart: &mut Chart,
-        of: impl Fn(&DampingResult) -> f64,
-        band: Option<[&dyn Fn(&DampingResult) -> f64; 2]>,
-    ) {
+    fn draw(&self, chart: &mut Chart, of: impl Fn(&DampingResult) -> f64, band: Option<Ends<'_>>) {
         for ((name, colour, dash), entries) in self.upscalings {
             let x = column(entries, |entry| entry.damping_ratio);
             if let Some([low, high]) = band {
