@@ -36,14 +36,14 @@ class Linear:
 
 @dataclass(frozen=True, kw_only=True)
 class Exponential:
-    """Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v_0}."""
+    """Exponential weakening μ = μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀}."""
 
     kinetic: float
     """μ_k, the coefficient at vanishing sliding velocity."""
     high_speed: float
     """0 < μ_∞ ≤ μ_k, the coefficient at high velocity."""
     stribeck_velocity: float
-    """v_0 > 0, the Stribeck velocity."""
+    """v₀ > 0, the Stribeck velocity."""
 
 
 @dataclass(frozen=True, kw_only=True)
