@@ -1733,12 +1733,16 @@ class Quantiles(Record):
     """95 % quantile."""
 
 
+ErrorCause = Literal["machines", "strips", "expansion", "scan", "grid", "model"]
+"""Cause of an error."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ErrorSource(Record):
-    """Cause of a part of the interval of the probability."""
+    """Part of the interval of the probability."""
 
-    source: str
-    """Name of the cause: `machines`, `strips`, `expansion`, `scan`, `grid` or `model`."""
+    source: ErrorCause
+    """Its cause."""
     half_width: float
     """Half width of the interval if this were its only cause."""
 

@@ -36,7 +36,7 @@ pub(crate) struct Init {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Example {
-    /// A brake pad on a rough disc: the whole chain from a scan, in 15 seconds.
+    /// A brake pad on a rough disc: from a scan to the probability of vibration.
     Quickstart,
     /// The study of Gaus et al. 2016.
     Paper,
