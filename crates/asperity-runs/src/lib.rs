@@ -20,3 +20,7 @@ pub use blocks::{
 pub use staging::Staging;
 pub use store::{StoreError, file_hash, is_finished, json_bytes, replace_files, require_finished, require_unchanged};
 pub use system::{forget_peak_memory, free_memory_bytes, machine, peak_memory_bytes};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -242,7 +242,11 @@ fn a_run_prints_the_sentence_of_its_verdict() {
     assert_eq!((&found["assumed"][0]["range"], &found["assumed"][0]["value"]), (&vec![0.9, 1.0].into(), &1.0.into()));
     assert_eq!(found["assumed"][0]["probability_at"][1], found["probability"]);
     let lines: Vec<&str> = shown.stdout.lines().filter(|line| line.contains("kinetic_share 1 (0.9: ")).collect();
-    assert!(lines.len() == 1 && lines[0].trim_start().starts_with("not stated"), "{shown:?}");
+    assert!(lines.len() == 1 && lines[0].starts_with("Not stated"), "{shown:?}");
+    let [.., error, report] = &shown.stdout.lines().collect::<Vec<_>>()[..] else { panic!("{shown:?}") };
+    let machines = 100.0 * found["error_sources"][0]["half_width"].as_f64().unwrap();
+    assert!(error.contains(&format!("the number of machines, ±{machines:.2} ")), "{error}");
+    assert!(error.contains("raise `evaluations`") && report.starts_with("Report: run/report.html"), "{shown:?}");
 }
 
 #[test]
@@ -341,9 +345,12 @@ fn contact(youngs_modulus: &str, shear_strength: &str, stribeck: &str) -> String
         .to_string()
 }
 
+/// Lines of a friction law with the friction of Bowden and Tabor, but which does not state that it is proportional to the shear strength.
+const EXPANDED: &str = "[friction]\nlaw = \"pressure_dependent\"\npressure_coefficient = 0.0\n";
+
 /// Runs the verdict of nearly rigid bodies with this shear strength and Stribeck coefficient.
 fn plastic(shear_strength: &str, stribeck: &str) -> Value {
-    let folder = folder_with_study(&contact("1e9 GPa", shear_strength, stribeck));
+    let folder = folder_with_study(&contact("1e9 GPa", shear_strength, stribeck).replace("[friction]\n", EXPANDED));
     run_in(folder.path(), "verdict study.toml --json").json(0)
 }
 
@@ -360,8 +367,17 @@ fn the_shear_strength_of_plastic_contacts_decides_through_the_whole_chain() {
     assert_eq!(found["friction"]["inputs"], serde_json::json!(["material.shear_strength"]));
     assert!((0.0..1e-3).contains(&found["friction"]["standard_error"].as_f64().unwrap()), "{found}");
     let statement = "The friction coefficient as a function of material.shear_strength is expanded from ";
-    let assumptions = found["assumptions"].as_array().unwrap();
-    assert!(assumptions.iter().any(|text| text.as_str().unwrap().starts_with(statement)), "{found}");
+    let assumptions = |found: &Value| found["assumptions"].to_string();
+    assert!(assumptions(&found).contains(statement), "{found}");
+    // The law of Bowden and Tabor is proportional to it, without further solutions.
+    let folder = folder_with_study(&contact("1e9 GPa", "21 ± 2 MPa", "4.2"));
+    let scaled = run_in(folder.path(), "verdict study.toml --json").json(0);
+    contains(&scaled["probability_interval"], 0.691_462_5);
+    assert!(
+        (scaled["probability"].as_f64().unwrap() - found["probability"].as_f64().unwrap()).abs() < 1e-3,
+        "{scaled}"
+    );
+    assert!(scaled["friction"].is_null() && assumptions(&scaled).contains("is proportional to the shear strength"));
 }
 
 #[test]
@@ -501,9 +517,15 @@ fn a_check_states_the_machines_and_contact_solutions_of_the_verdict() {
     // 256 have the low end of `kinetic_share`.
     assert_eq!((&stated["machines"], &stated["trajectories"]), (&8448.into(), &0.into()));
     // 10 points of one value, with 4 strips each.
-    let computed = estimate(contact("1e9 GPa", "21 ± 2 MPa", "4.2"));
+    let computed = estimate(contact("1e9 GPa", "21 ± 2 MPa", "4.2").replace("[friction]\n", EXPANDED));
     assert_eq!(computed["contact_solutions"], 40);
+    assert_eq!(estimate(contact("1e9 GPa", "21 ± 2 MPa", "4.2"))["contact_solutions"], 0);
     assert!(computed["trajectories"].as_u64().unwrap() > 0 && computed["core_s"].as_f64().unwrap() > 0.0);
+    fs::write(
+        folder.path().join("study.toml"),
+        contact("1e9 GPa", "21 ± 2 MPa", "4.2").replace("[friction]\n", EXPANDED),
+    )
+    .unwrap();
     let text = run_in(folder.path(), "check study.toml").stdout;
     assert!(
         text.contains("# verdict: about 8192 machines, about") && text.contains("about 40 contact solutions"),
