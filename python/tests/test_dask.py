@@ -25,6 +25,7 @@ STUDY = {
         "points": [48, 48],
         "percentile": 50.0,
         "fine_solves": 100,
+        "methods": ["monte_carlo", "default"],
         "reference_samples": 400,
         "variables": 4,
         "degree": 2,

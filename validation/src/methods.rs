@@ -43,11 +43,12 @@ pub fn estimates(
     problem: &Problem<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Outcome>, PressureError> {
-    let MethodComparison { seed, degree, .. } = *study;
+    let &MethodComparison { seed, degree, .. } = study;
     let largest_pa = problem.hardness_pa().unwrap_or(f64::INFINITY);
     let solutions = study.solve(problem, monitor)?;
     let by_rotated = |model: &dyn Fn(&RotatedSamples) -> Result<PressureEstimate, MethodError>| -> Outcome {
-        Ok(model(solutions.rotated.as_ref().map_err(Clone::clone)?)?)
+        let rotated = solutions.rotated.as_ref().ok_or("the local polynomial chaos is not among the methods")?;
+        Ok(model(rotated.as_ref().map_err(Clone::clone)?)?)
     };
     let by_nested = |coarse: bool, fitted: bool| -> Outcome {
         let nested = solutions.nested.as_ref().map_err(Clone::clone)?;

@@ -13,6 +13,8 @@ use asperity_base::monitor::Monitor;
 use asperity_base::stats::{Interval, NORMAL_95, VALID_FRACTION};
 use asperity_chaos::{Basis, Design, DiscreteDistribution, SamplingMethod};
 
+use PressureMethod::{LatinHypercube, PolynomialChaos, PolynomialChaosLocal, PolynomialChaosLog, Sobol};
+
 /// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
 /// Number of independent randomisations of stratified designs.
@@ -21,10 +23,12 @@ const REPLICATES: usize = 10;
 const SITES: usize = 16;
 
 /// Settings of a comparison of methods: sizes of the runs. Runs of one seed are independent of each other.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MethodComparison {
     /// Seed of all runs.
     pub seed: u64,
+    /// Methods beside [`PressureMethod::Default`], which is always used. With others, a reference is computed, too.
+    pub methods: Vec<PressureMethod>,
     /// Number of contact solutions of each method.
     pub fine_solves: usize,
     /// Number of contact solutions of the Monte Carlo reference.
@@ -53,8 +57,8 @@ pub struct MethodResult {
     pub coarse_solves: Vec<CoarseSolves>,
     /// Failed samples.
     pub failures: Vec<Failure>,
-    /// Estimate with its distances from the reference, or the reason why there is none.
-    pub outcome: Result<(PressureEstimate, ReferenceDistances), MethodError>,
+    /// Estimate with its distances from the reference, if there is one, or the reason why there is no estimate.
+    pub outcome: Result<(PressureEstimate, Option<ReferenceDistances>), MethodError>,
 }
 
 /// Distribution of a scalar of the whole contact.
@@ -93,9 +97,9 @@ pub struct Reference {
 /// Results of a comparison of methods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparisonResults {
-    /// Reference.
-    pub reference: Reference,
-    /// Result of each of [`PressureMethod::ALL`].
+    /// Reference; `None` without other methods than [`PressureMethod::Default`].
+    pub reference: Option<Reference>,
+    /// Result of each method, in the order of [`PressureMethod::ALL`].
     pub methods: Vec<MethodResult>,
     /// Distributions of scalars of the whole contact.
     pub scalars: Vec<ScalarResult>,
@@ -106,11 +110,12 @@ pub struct ComparisonResults {
 }
 
 impl MethodComparison {
-    /// Creates the customary settings: 500 solutions for each method, 5,000 for the reference, total degree 3 in 8
+    /// Creates the customary settings: all methods, 500 solutions for each, 5,000 for the reference, total degree 3 in 8
     /// variables.
     pub fn new(seed: u64) -> Self {
         Self {
             seed,
+            methods: PressureMethod::ALL.to_vec(),
             fine_solves: 500,
             reference_samples: 5000,
             variables: 8,
@@ -140,12 +145,12 @@ impl MethodComparison {
         // The problem from which scalars are estimated.
         let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
         let stride = site_stride(problem);
-        let reference = {
+        let reference = self.compares().then(|| {
             let stage = "pressure/reference";
             let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_fraction);
             let site_stride = problem.cells_are_alike().then_some(stride);
             solve(problem, Sampling { site_stride, ..sampling }, monitor)
-        };
+        });
         let monte_carlo = {
             let sampling =
                 Sampling::monte_carlo(self.seed, "pressure/monte_carlo", self.fine_solves, self.valid_fraction);
@@ -156,19 +161,22 @@ impl MethodComparison {
             let sampling = Sampling::monte_carlo(self.seed, stage, self.fine_solves, self.valid_fraction);
             method_error(solve(problem, Sampling { method, replicates: REPLICATES, ..sampling }, monitor))
         };
-        let latin = stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube");
-        let sobol = stratified(SamplingMethod::Sobol, "pressure/sobol");
+        let [has_latin, has_sobol] = stratified_designs(&self.methods);
+        let latin = has_latin.then(|| stratified(SamplingMethod::LatinHypercube, "pressure/latin_hypercube"));
+        let sobol = has_sobol.then(|| stratified(SamplingMethod::Sobol, "pressure/sobol"));
         // None of these rounds needs another, so all are begun before the first that is not complete ends the computation.
-        let (reference, monte_carlo, latin, sobol) =
-            (self.reference(&reference?, largest_pa)?, monte_carlo?, latin?, sobol?);
+        let reference = reference.transpose()?.map(|samples| self.reference(&samples, largest_pa)).transpose()?;
+        let (monte_carlo, latin, sobol) = (monte_carlo?, latin.transpose()?, sobol.transpose()?);
         let site_shape = site_shape(problem, stride);
         let fields = FieldDistributions::new(&monte_carlo, self.variables, self.degree, site_shape);
         let monte_carlo = monte_carlo.without_fields();
         let nested = method_error(NestedSamples::solve(&whole, &monte_carlo, self.seed, monitor))?;
         let fresh = |variables| self.fresh_design("pressure/surrogate", variables);
-        let rotated = method_error(RotatedSamples::new(problem, &monte_carlo, fresh))?;
+        let rotated =
+            self.methods.contains(&PolynomialChaosLocal).then(|| RotatedSamples::new(problem, &monte_carlo, fresh));
+        let rotated = rotated.map(method_error).transpose()?;
         Ok(Solutions {
-            settings: *self,
+            settings: self.clone(),
             problem: *problem,
             reference,
             fields,
@@ -178,6 +186,11 @@ impl MethodComparison {
             nested,
             rotated,
         })
+    }
+
+    /// Returns whether there are methods beside [`PressureMethod::Default`], and so a reference.
+    fn compares(&self) -> bool {
+        self.methods.iter().any(|method| *method != PressureMethod::Default)
     }
 
     /// Estimates the distribution by [`PressureMethod::Default`] alone, without a reference. Also returns the numbers of
@@ -279,16 +292,16 @@ impl MethodComparison {
 pub struct Solutions<'a> {
     settings: MethodComparison,
     problem: Problem<'a>,
-    reference: Reference,
+    reference: Option<Reference>,
     fields: Option<FieldDistributions>,
     /// Independent samples, with the pressures of many cells.
     pub monte_carlo: Samples,
-    latin: Result<Samples, MethodError>,
-    sobol: Result<Samples, MethodError>,
+    latin: Option<Result<Samples, MethodError>>,
+    sobol: Option<Result<Samples, MethodError>>,
     /// Independent samples with further samples on coarse grids, or the reason why there are none.
     pub nested: Result<NestedSamples, MethodError>,
-    /// Independent samples in normal variables rotated to the cell, or the reason why there are none.
-    pub rotated: Result<RotatedSamples, MethodError>,
+    /// Independent samples in normal variables rotated to the cell, or the reason why there are none; `None` if no method uses them.
+    pub rotated: Option<Result<RotatedSamples, MethodError>>,
 }
 
 impl Solutions<'_> {
@@ -298,14 +311,16 @@ impl Solutions<'_> {
     /// A distribution could not be created from its values.
     pub fn results(self, monitor: &dyn Monitor) -> Result<ComparisonResults, PressureError> {
         let mut methods = Vec::with_capacity(PressureMethod::ALL.len());
-        for &method in PressureMethod::ALL {
+        let wanted =
+            |method: &&PressureMethod| **method == PressureMethod::Default || self.settings.methods.contains(*method);
+        for &method in PressureMethod::ALL.iter().filter(wanted) {
             let task = format!("pressure/distribution/{}", method.name());
             monitor.progress(&task, 0, 1);
             let samples = match method {
                 PressureMethod::LatinHypercube
                 | PressureMethod::PolynomialChaos
-                | PressureMethod::PolynomialChaosLog => self.latin.as_ref().ok(),
-                PressureMethod::Sobol => self.sobol.as_ref().ok(),
+                | PressureMethod::PolynomialChaosLog => solved(self.latin.as_ref()).ok(),
+                PressureMethod::Sobol => solved(self.sobol.as_ref()).ok(),
                 PressureMethod::MonteCarlo | PressureMethod::PolynomialChaosLocal | PressureMethod::Default => {
                     Some(&self.monte_carlo)
                 }
@@ -319,8 +334,10 @@ impl Solutions<'_> {
                 },
                 failures: samples.map_or_else(Vec::new, |samples| samples.failures().to_vec()),
                 outcome: method_error(self.estimate(method))?.map(|estimate| {
-                    let comparison =
-                        ReferenceDistances::between(&estimate.distribution, &self.reference.estimate.distribution);
+                    let distances = |reference: &Reference| {
+                        ReferenceDistances::between(&estimate.distribution, &reference.estimate.distribution)
+                    };
+                    let comparison = self.reference.as_ref().map(distances);
                     (estimate, comparison)
                 }),
             });
@@ -334,14 +351,13 @@ impl Solutions<'_> {
     }
 
     fn estimate(&self, method: PressureMethod) -> Result<PressureEstimate, PressureError> {
-        let MethodComparison { seed, variables, degree, .. } = self.settings;
+        let &MethodComparison { seed, variables, degree, .. } = &self.settings;
         let largest_pa = self.problem.hardness_pa().unwrap_or(f64::INFINITY);
-        let replicated = |samples: &Result<Samples, MethodError>| match samples {
-            Ok(samples) => PressureEstimate::from_replicates(samples, largest_pa, seed),
-            Err(reason) => Err(reason.clone().into()),
+        let replicated = |samples: &Option<Result<Samples, MethodError>>| {
+            PressureEstimate::from_replicates(solved(samples.as_ref())?, largest_pa, seed)
         };
         let expanded = |response| {
-            let latin = self.latin.as_ref().map_err(Clone::clone)?;
+            let latin = solved(self.latin.as_ref())?;
             let (xi_samples, pressures_pa) = (latin.leading_xi(variables), latin.pressures_pa());
             let groups: Vec<usize> = (0..latin.len()).map(|position| latin.replicate_of(position)).collect();
             let fresh = self.settings.fresh_xi(variables)?;
@@ -358,7 +374,7 @@ impl Solutions<'_> {
             PressureMethod::PolynomialChaos => expanded(Response::Pressure),
             PressureMethod::PolynomialChaosLog => expanded(Response::Logarithm),
             PressureMethod::PolynomialChaosLocal => {
-                let rotated = self.rotated.as_ref().map_err(Clone::clone)?;
+                let rotated = solved(self.rotated.as_ref())?;
                 if rotated.variables() == 0 {
                     return Err(MethodError::NoVariables.into());
                 }
@@ -371,6 +387,20 @@ impl Solutions<'_> {
                 Ok(nested.estimate_pressure(&self.problem, seed, true, true)?)
             }
         }
+    }
+}
+
+/// Returns whether methods need Latin hypercubes, and Sobol' points, beside the independent samples of the default.
+pub fn stratified_designs(methods: &[PressureMethod]) -> [bool; 2] {
+    let needed = |by: &[PressureMethod]| by.iter().any(|method| methods.contains(method));
+    [needed(&[LatinHypercube, PolynomialChaos, PolynomialChaosLog]), needed(&[Sobol])]
+}
+
+/// Returns the samples of a method that is asked for.
+fn solved<T>(samples: Option<&Result<T, MethodError>>) -> Result<&T, MethodError> {
+    match samples {
+        Some(samples) => samples.as_ref().map_err(Clone::clone),
+        None => unreachable!("the samples of all methods that are asked for are solved"),
     }
 }
 
@@ -408,8 +438,21 @@ fn method_error<T>(outcome: Result<T, PressureError>) -> Result<Result<T, Method
 
 impl ComparisonResults {
     /// Returns the estimate of one method, if it has one.
-    pub fn estimate(&self, method: PressureMethod) -> Option<&(PressureEstimate, ReferenceDistances)> {
+    pub fn estimate(&self, method: PressureMethod) -> Option<&(PressureEstimate, Option<ReferenceDistances>)> {
         self.methods.iter().find(|result| result.method == method)?.outcome.as_ref().ok()
+    }
+
+    /// Returns the estimate of the reference or, without one, that of [`PressureMethod::Default`].
+    ///
+    /// # Errors
+    /// The reason why there is no estimate.
+    pub fn answer(&self) -> Result<&PressureEstimate, MethodError> {
+        let default = self.methods.iter().find(|result| result.method == PressureMethod::Default);
+        match (&self.reference, default) {
+            (Some(reference), _) => Ok(&reference.estimate),
+            (None, Some(result)) => result.outcome.as_ref().map(|(estimate, _)| estimate).map_err(Clone::clone),
+            (None, None) => unreachable!("the default method is always used"),
+        }
     }
 }
 

@@ -34,7 +34,9 @@ pub use asperity_results::PressureMethod;
 pub use band::{Band, QuantileResult};
 #[doc(hidden)]
 pub use comparison::Solutions;
-pub use comparison::{ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult, pooled_pressures};
+pub use comparison::{
+    ComparisonResults, MethodComparison, MethodResult, Reference, ScalarResult, pooled_pressures, stratified_designs,
+};
 pub use estimate::{PressureEstimate, ReferenceDistances};
 pub use failure::FailureReason;
 pub use field::{FieldDistributions, GlobalExpansion, QuantileMap};

@@ -11,29 +11,29 @@ use crate::Pair;
 pub struct PressureResult {
     /// Cell [row, column] whose pressure is studied.
     pub cell: [usize; 2],
-    /// Contact solves of the reference run.
+    /// Contact solves of the reference run; 0 if only the default method is used, whose estimate is then the answer.
     pub reference_samples: usize,
     /// Cells of each sample whose pressures are pooled: more than one if the surface is stationary on a periodic patch.
     pub sites: usize,
-    /// P(contact) of the reference run.
+    /// P(contact): of the reference run or, without one, of the default method.
     pub contact_probability: f64,
     /// Standard error of `contact_probability`.
     pub contact_probability_se: Option<f64>,
     /// 95 % interval of `contact_probability`.
     pub contact_probability_interval: Option<Pair>,
-    /// Mean pressure of the reference run, zeros out of contact included.
+    /// Mean pressure, zeros out of contact included.
     pub mean_pa: f64,
     /// Standard error of `mean_pa`.
     pub mean_se_pa: Option<f64>,
     /// 95 % interval of `mean_pa`.
     pub mean_interval: Option<Pair>,
-    /// Standard deviation of the pressure in the reference run, zeros out of contact included.
+    /// Standard deviation of the pressure, zeros out of contact included.
     pub std_pa: f64,
-    /// Quantiles of the reference run.
+    /// Quantiles of the pressure.
     pub quantiles: Vec<PressureQuantile>,
-    /// Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %.
-    pub ks_resolution: f64,
-    /// Contact solves of the reference run that failed.
+    /// Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %; `null` without a reference.
+    pub ks_resolution: Option<f64>,
+    /// Contact solves that failed: those of the reference run or, without one, of the default method.
     pub failed_samples: usize,
     /// Mean compliance of a periodic patch.
     pub mean_compliance_m_per_pa: Option<f64>,
@@ -51,6 +51,17 @@ pub struct PressureResult {
     pub global_expansion: Option<GlobalExpansionEntry>,
     /// Sobol' indices, one entry for each quantity and set of variables.
     pub sensitivities: Vec<SensitivityEntry>,
+}
+
+impl PressureResult {
+    /// Returns the contact solutions of the answer in words.
+    pub fn origin(&self) -> String {
+        let solves = |method: &MethodEntry| method.name == PressureMethod::Default;
+        match (self.reference_samples, self.methods.iter().find(|method| solves(method))) {
+            (0, Some(default)) => format!("{} contact solutions and others on coarser grids", default.fine_solves),
+            (samples, _) => format!("{samples} contact solutions of the reference run"),
+        }
+    }
 }
 
 crate::choice! {

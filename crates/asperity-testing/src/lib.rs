@@ -18,7 +18,7 @@ pub use maps::{filtered_noise, paraboloid, self_affine};
 pub use monitors::{AlwaysCancelled, CancelAfter};
 pub use published::{CAPPED_HERTZ, CappedHertz, LEINE};
 pub use records::autoregressive;
-pub use study::StudyText;
+pub use study::{METHODS, StudyText};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

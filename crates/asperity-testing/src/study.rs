@@ -1,5 +1,9 @@
 use std::fmt;
 
+/// Line of `[pressure]` with all methods, so that they are compared with a reference.
+pub const METHODS: &str = "methods = ['monte_carlo', 'latin_hypercube', 'sobol', 'polynomial_chaos', 'polynomial_chaos_log', \
+                           'polynomial_chaos_local', 'default']";
+
 /// Sections that many studies share. The stated friction is a part of `[vibration]`.
 const SECTIONS: [(&str, &str, &str); 6] = [
     (

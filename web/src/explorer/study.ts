@@ -84,7 +84,6 @@ export function study(values: Values, { scan, pitch_m: [dx, dy], boundary, mean_
     `boundary = ${quoted(boundary)}`,
     pressed,
     "fine_solves = 200",
-    "reference_samples = 1000",
     "degree = 2",
     "",
     ...(values.from_surface

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 #[cfg(target_os = "linux")]
 use std::time::Duration;
 
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 
 use crate::support::{BLOCKS, folder_with_study, listing, run_in};
 #[cfg(target_os = "linux")]
@@ -17,6 +17,7 @@ use crate::support::{Finished, run_and_signal, whole_listing};
 /// All stages but the verdict, in two seconds.
 static STUDY: LazyLock<String> = LazyLock::new(|| {
     StudyText::new(5, &["surface", "material", "pressure", "friction", "vibration"])
+        .with("pressure", METHODS)
         .with("pressure", "fine_solves = 120\nreference_samples = 250\nvariables = 4\ndegree = 2")
         .with("friction", "percentiles = [50.0]")
         .with("vibration", "damping_ratio = 0.4\nstribeck = 4.2\ndamping_sweep = [0.3, 0.5, 3]")

@@ -15,7 +15,7 @@ const SURFACE: &str = "seed = 7\n[surface]\ngenerator = \"spectral\"\ncovariance
                        rms_height = \"0.1 um\"\ncorrelation_length = \"8 um\"\n";
 const MATERIAL: &str = "[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\nshear_strength = \"385 MPa\"\n";
 const PRESSURE: &str = "[pressure]\nsize = [\"48 um\", \"32 um\"]\npoints = [24, 16]\npercentile = 30.0\nfine_solves = 10\n\
-                        reference_samples = 40\nvariables = 2\ndegree = 1\n";
+                        methods = ['monte_carlo']\nreference_samples = 40\nvariables = 2\ndegree = 1\n";
 const FRICTION: &str = "[friction]\nstrip = [\"400 um\", \"32 um\"]\npoints = [100, 8]\nwindow = \"40 um\"\n\
                         percentiles = [50.0]\nrealisations = 6\n";
 const VIBRATION: &str = "[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.17\nnormal_force = \"2.5 kN\"\n\

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use asperity_formats::{Scan, read, write_x3p};
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 use ndarray::{Array2, Axis, s};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -67,7 +67,7 @@ fn the_slopes_that_a_stated_number_of_terms_loses_are_reported_and_warned_about(
         folder.path(),
         &format!(
             "seed = 5\n{surface}[material]\nyoungs_modulus = \"210 GPa\"\nhardness = \"2 GPa\"\n[pressure]\n{patch}\
-             percentile = 50.0\nfine_solves = 20\nreference_samples = 20\nvariables = 2\ndegree = 1\n"
+             percentile = 50.0\nfine_solves = 20\nmethods = ['monte_carlo']\nreference_samples = 20\nvariables = 2\ndegree = 1\n"
         ),
     );
     let expansion = &results["surface"]["karhunen_loeve"];
@@ -300,6 +300,7 @@ fn patch(hardness: &str, fine_solves: usize) -> String {
     StudyText::new(1, &["surface", "material", "pressure"])
         .with("surface", "covariance = \"squared_exponential\"\nmodes = 30")
         .with("material", &format!("hardness = \"{hardness}\""))
+        .with("pressure", METHODS)
         .with("pressure", &format!("fine_solves = {fine_solves}\nreference_samples = 100\nvariables = 3\ndegree = 3"))
         .to_string()
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 use ndarray::Array2;
 use tempfile::TempDir;
 
@@ -131,7 +131,7 @@ fn the_memory_estimate_is_between_the_peak_and_one_and_a_half_times_the_peak() {
     let pressure = |points: usize, solves: usize, boundary: &str| {
         let lines = format!(
             "size = [\"100 um\", \"100 um\"]\npoints = [{points}, {points}]\npercentile = 50.0\nboundary = \"{boundary}\"\n\
-             fine_solves = {solves}\nreference_samples = {}\nvariables = 8\ndegree = 2",
+             fine_solves = {solves}\n{METHODS}\nreference_samples = {}\nvariables = 8\ndegree = 2",
             10 * solves
         );
         bodies("pressure", lines)

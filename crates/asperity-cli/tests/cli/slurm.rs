@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 use tempfile::TempDir;
 
 use crate::support::{asperity_in, listing, run_in};
@@ -13,6 +13,7 @@ use crate::support::{asperity_in, listing, run_in};
 /// A surface with the distribution of its pressure, in half a second.
 fn pressed() -> String {
     StudyText::new(5, &["surface", "material", "pressure"])
+        .with("pressure", METHODS)
         .with("pressure", "fine_solves = 200\nreference_samples = 400\nvariables = 4\ndegree = 2")
         .to_string()
 }

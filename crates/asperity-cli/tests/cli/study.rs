@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use asperity_formats::{Scan, read, read_npz, write_vtk_fields, write_x3p};
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 use ndarray::Array2;
 use tempfile::TempDir;
 
@@ -17,6 +17,7 @@ use crate::support::{MANIFEST, asperity_in, folder_with_study, json_of, keys, li
 static STUDY: LazyLock<String> = LazyLock::new(|| {
     StudyText::new(5, &["surface", "material", "pressure", "vibration", "stated friction"])
         .with("surface", "covariance = \"squared_exponential\"\nmodes = 20")
+        .with("pressure", METHODS)
         .with("pressure", "fine_solves = 40\nreference_samples = 100\nvariables = 3\ndegree = 1")
         .with("vibration", "damping_sweep = [0.1, 0.3, 3]\ntrajectories = 8\nduration = 64.0")
         .without("material", &["shear_strength"])

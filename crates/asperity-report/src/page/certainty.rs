@@ -43,7 +43,7 @@ fn of_surface(measured: &MeasuredSurface) -> Vec<Row> {
 }
 
 fn of_pressure(pressure: &PressureResult) -> Vec<Row> {
-    let why = format!("random surfaces of the reference run: {}", pressure.reference_samples);
+    let why = pressure.origin();
     let probability = shown(Dimension::None, pressure.contact_probability, pressure.contact_probability_interval);
     let mean = shown(Dimension::Pressure, pressure.mean_pa, pressure.mean_interval);
     vec![row("contact probability at a point", probability, why.clone()), row("mean pressure at a point", mean, why)]

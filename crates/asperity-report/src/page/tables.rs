@@ -32,11 +32,13 @@ pub(super) fn methods(pressure: &PressureResult) -> DataTable {
     let estimated = pressure.methods.iter().filter(|method| method.failure.is_none());
     let estimated: Vec<_> = estimated.map(|method| (method.name.words(), method)).collect();
     let sites = if pressure.sites > 1 { format!(", each at {} sites", pressure.sites) } else { String::new() };
-    let caption = format!(
-        "Methods for the distribution of the pressure; distances are from the reference of {} samples{sites}; brackets are 95 % \
-         intervals",
-        pressure.reference_samples
-    );
+    let caption = match pressure.reference_samples {
+        0 => "Distribution of the pressure; brackets are 95 % intervals".to_owned(),
+        samples => format!(
+            "Methods for the distribution of the pressure; distances are from the reference of {samples} samples{sites}; brackets are \
+             95 % intervals"
+        ),
+    };
     DataTable::beside(&caption, &estimated, |key| key != "name")
 }
 

@@ -31,7 +31,7 @@ pub(super) fn pressure() -> PressureResult {
         mean_interval: Some([1.6e8, 1.68e8]),
         std_pa: 3e8,
         quantiles: vec![quantile.clone()],
-        ks_resolution: 0.0192,
+        ks_resolution: Some(0.0192),
         methods: vec![
             method(PressureMethod::MonteCarlo, 0.3121, Some(0.0207), 0.0512, 0.061),
             method(PressureMethod::LatinHypercube, 0.3262, Some(0.0152), 0.0301, 0.0402),

@@ -135,12 +135,13 @@ pub(super) fn countable_surface(whole: &Study, grid: Grid) -> Option<SurfaceMode
 mod tests {
     use super::*;
     use crate::study::vibration_stage::cost::{CROSSING_ENSEMBLES, FLUCTUATION_SECONDS};
-    use asperity_testing::StudyText;
+    use asperity_testing::{METHODS, StudyText};
 
     #[test]
     fn the_estimate_counts_every_contact_problem_and_trajectory() {
         let text = StudyText::new(1, &["surface", "material", "pressure", "friction", "vibration"])
             .with("pressure", "size = [\"200 um\", \"200 um\"]\npoints = [64, 64]\nfine_solves = 100")
+            .with("pressure", METHODS)
             .with("pressure", "reference_samples = 1000")
             .with("friction", "percentiles = [5.0, 50.0]\nrealisations = 20")
             .with("vibration", "belt_velocity = \"23.7 mm/s\"\ndamping_sweep = [0.05, 0.30, 11]\ntrajectories = 50")

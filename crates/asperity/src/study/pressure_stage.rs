@@ -12,7 +12,7 @@ use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use crate::friction::LevelControl;
 use crate::map::HeightMap;
 use crate::monitor::Monitor;
-use crate::pressure::{MethodComparison, PressureMethod, Problem};
+use crate::pressure::{MethodComparison, PressureError, PressureMethod, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::half_space::half_space;
@@ -59,8 +59,10 @@ pub(super) fn run(
     let problem =
         Problem::new(surface, &half_space, control, material.hardness_pa)?.at_cell(row, column)?.with_solver(solver);
     let sizes = MethodComparison {
+        methods: study.methods.clone(),
         fine_solves: study.fine_solves,
-        reference_samples: study.reference_samples,
+        // The library refuses none, even where there is no reference.
+        reference_samples: study.reference_samples.max(2),
         variables: study.variables.min(surface.xi_len()),
         degree: study.degree,
         stiffness: study.stiffness,
@@ -73,11 +75,8 @@ pub(super) fn run(
         _ => None,
     };
     let mut warnings = generated.warnings.clone();
-    warnings.extend(left_out(
-        "contact solutions of the reference",
-        results.reference.failures.len(),
-        study.reference_samples,
-    ));
+    let failed = results.reference.as_ref().map_or(0, |reference| reference.failures.len());
+    warnings.extend(left_out("contact solutions of the reference", failed, study.reference_samples));
     for method in results.methods.iter().filter(|found| DESIGNS.contains(&found.method)) {
         let what = format!("contact solutions of {}", method.method.name().replace('_', " "));
         warnings.extend(left_out(&what, method.failures.len(), method.fine_solves));
@@ -100,12 +99,13 @@ pub(super) fn run(
         }
     }
     let prescribed = Prescribed { cell: (row, column), mean_compliance_m_per_pa, separation_m };
-    let result = entries::summary(&results, &prescribed);
+    let answer = results.answer().map_err(PressureError::from)?;
+    let result = entries::summary(&results, answer, &prescribed);
     let mut fields = sample_fields(&problem, seed)?;
     fields.extend(results.fields.iter().flat_map(maps::fields));
     Ok(PressureStage {
         output: StageOutput {
-            tables: tables::tables(&results, &result),
+            tables: tables::tables(&results, answer, &result),
             fields,
             assumptions: patch.into_iter().chain(generated.correction.clone()).collect(),
             warnings,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asperity::map::BoundaryKind;
 use asperity::study::result::MethodEntry;
 use asperity::study::{Outcome, Study};
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 
 use crate::support::run_all;
 
@@ -258,6 +258,7 @@ fn inconsistent_keys_are_errors_with_their_line() {
 fn a_strongly_biased_method_gives_a_warning() {
     let study = StudyText::new(1, &["surface", "material", "pressure"])
         .with("surface", "covariance = \"squared_exponential\"\ngenerator = \"spectral\"")
+        .with("pressure", METHODS)
         .with("pressure", "points = [24, 24]\nboundary = \"free\"\nfine_solves = 200\nreference_samples = 1000");
     let outcome = run_all(&study.to_string());
     let local = method(&outcome, "polynomial_chaos_local");

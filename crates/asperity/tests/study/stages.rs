@@ -9,12 +9,13 @@ use asperity::study::{
     FailureKind, Outcome, Stage, Staging, StoreError, StoredRun, Study, StudyError, json_bytes, provenance, write_run,
 };
 use asperity_formats::Scan;
-use asperity_testing::{AlwaysCancelled, StudyText};
+use asperity_testing::{AlwaysCancelled, METHODS, StudyText};
 
 use crate::support::{rough, run_all, run_in};
 
 static STUDY: LazyLock<String> = LazyLock::new(|| {
     StudyText::new(7, &["material", "pressure", "friction", "vibration"])
+        .with("pressure", METHODS)
         .with("pressure", "points = [24, 24]\nfine_solves = 60\nreference_samples = 80\nvariables = 2\ndegree = 1")
         .with("friction", "strip = [\"2 mm\", \"50 um\"]\npoints = [512, 16]\nwindow = \"200 um\"")
         .with("friction", "percentiles = [20.0, 60.0]\nrealisations = 4")

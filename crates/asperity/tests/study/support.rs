@@ -10,7 +10,7 @@ use asperity::random;
 use asperity::study::{Outcome, Results, Stage, Study, StudyError, json_bytes};
 use asperity::surface::{RandomSurface, SpectralField};
 use asperity_formats::Scan;
-use asperity_testing::StudyText;
+use asperity_testing::{METHODS, StudyText};
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -20,6 +20,7 @@ pub(crate) static MODEL: LazyLock<String> = LazyLock::new(|| {
         .with("surface", "covariance = \"squared_exponential\"\nrms_height = \"0.5 um\"")
         .with("surface", "correlation_length = [\"20 um\", \"12 um\"]\nmodes = 30")
         .with("pressure", "size = [\"90 um\", \"70 um\"]\npoints = [21, 17]\nfine_solves = 30")
+        .with("pressure", METHODS)
         .with("pressure", "reference_samples = 40\nvariables = 2\ndegree = 1")
         .with("friction", "strip = [\"1 mm\", \"31 um\"]\npoints = [301, 11]\nwindow = \"99 um\"")
         .with("friction", "percentiles = [60.0, 20.0]\nrealisations = 3")

@@ -108,7 +108,7 @@ pub(crate) fn print(replicates: u64) -> Result<()> {
         let control = Control::Plane { height_m: world.plane_m };
         let problem = Problem::new(&surface, &half_space, control, world.hardness_pa)?;
         let sizes = MethodComparison { fine_solves: 20, reference_samples: TRUTH, ..MethodComparison::new(1) };
-        let truth = sizes.run(&problem, &Silent)?.reference.estimate;
+        let truth = sizes.run(&problem, &Silent)?.reference.ok_or("no reference")?.estimate;
         let capped = world.hardness_pa.map_or_else(String::new, |hardness_pa| {
             let plastic = 1.0 - truth.distribution.cdf_left(hardness_pa);
             format!(", hardness {hardness_pa} Pa, which {:.1} % of the pressures reach", 100.0 * plastic)

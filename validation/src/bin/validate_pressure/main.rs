@@ -208,7 +208,7 @@ fn compare(case: &Case, replicates: u64) -> Result<()> {
         ..MethodComparison::new(1)
     };
     let start = Instant::now();
-    let reference = sizes.run(&problem, &Silent)?.reference.estimate;
+    let reference = sizes.run(&problem, &Silent)?.reference.ok_or("no reference")?.estimate;
     eprintln!("{}: reference in {:.0} s", case.name, start.elapsed().as_secs_f64());
     println!(
         "\n## Case {}\n\nP(contact) {:.5} ± {:.5}, mean {:.4} ± {:.4} Pa, standard deviation {:.4} Pa.",

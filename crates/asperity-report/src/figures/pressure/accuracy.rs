@@ -32,7 +32,7 @@ struct Measure {
 }
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
-    let pressure = run.results.pressure.as_ref()?;
+    let pressure = run.results.pressure.as_ref().filter(|pressure| pressure.reference_samples > 0)?;
     let measures = measures(run, pressure);
     let (low, high) = range(measures.iter().flat_map(|m| m.points.iter().map(|(_, work, _)| work)))?;
     let charts = measures.iter().filter_map(|measure| chart(measure, (low / 2.0, high * 2.0)));
@@ -94,7 +94,7 @@ fn measures(run: &Run, pressure: &PressureResult) -> [Measure; 3] {
             points: points(&|method| method.ks_distance),
             // Mean of the Kolmogorov distribution.
             monte_carlo: Some((PI / 2.0).sqrt() * LN_2),
-            resolution: Some(pressure.ks_resolution).filter(|r| *r > 0.0),
+            resolution: pressure.ks_resolution.filter(|r| *r > 0.0),
         },
         Measure {
             label: "W₁ / std",

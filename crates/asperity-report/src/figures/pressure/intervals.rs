@@ -54,7 +54,7 @@ fn chart(
 }
 
 pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
-    let pressure = run.results.pressure.as_ref()?;
+    let pressure = run.results.pressure.as_ref().filter(|pressure| pressure.reference_samples > 0)?;
     let methods = pressure.methods.iter().filter(|method| method.contact_probability.is_some());
     let methods: Vec<&MethodEntry> = methods.collect();
     let contact = |method: &MethodEntry| Some((method.contact_probability?, method.contact_probability_interval));

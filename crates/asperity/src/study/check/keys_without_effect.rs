@@ -3,6 +3,7 @@
 use asperity_results::keys::KEYS;
 use toml::{Table, Value};
 
+use super::pressure::compares_methods;
 use crate::map::BoundaryKind;
 use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection};
 use crate::surface::SurfaceGenerator;
@@ -28,6 +29,11 @@ impl StudyFile {
         let periodic_only = |section: &str| format!("[{section}] mean_compliance has no effect on the free boundary");
         if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free && p.mean_compliance.is_some()) {
             keys.push(periodic_only("pressure"));
+        }
+        if self.pressure.as_ref().is_some_and(|p| p.reference_samples.is_some() && !compares_methods(p)) {
+            keys.push(
+                "[pressure] reference_samples has no effect unless `methods` lists others than \"default\"".into(),
+            );
         }
         if self.friction.as_ref().is_some_and(|f| f.boundary == BoundaryKind::Free && f.mean_compliance.is_some()) {
             keys.push(periodic_only("friction"));

@@ -7,10 +7,13 @@ use crate::chaos::{MAX_TERMS, number_of_terms};
 use crate::contact::{Elastic, ElasticPair, contact_modulus_pa};
 use crate::friction::LevelControl;
 use crate::map::{BoundaryKind, Grid};
+use crate::pressure::PressureMethod;
 use crate::quantity::{Compliance, Pressure};
-use crate::study::file::{CounterfaceSection, StudyFile};
+use crate::study::file::{CounterfaceSection, PressureSection, StudyFile};
 
 const PRESSURE: &str = "pressure";
+/// Contact solutions of the reference if a study does not state them.
+const REFERENCE_SAMPLES: usize = 5000;
 
 /// Elastic and plastic properties.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -37,6 +40,11 @@ impl Material {
     }
 }
 
+/// Returns whether methods are compared with a reference.
+pub(super) fn compares_methods(section: &PressureSection) -> bool {
+    section.methods.iter().any(|method| *method != PressureMethod::Default)
+}
+
 /// Settings of the pressure stage: the pressure at one cell of random patches.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(in crate::study) struct PressureStudy {
@@ -50,6 +58,7 @@ pub(in crate::study) struct PressureStudy {
     /// Row and column of the cell.
     pub(in crate::study) cell: (usize, usize),
     pub(in crate::study) control: LevelControl,
+    pub(in crate::study) methods: Vec<PressureMethod>,
     pub(in crate::study) fine_solves: usize,
     pub(in crate::study) reference_samples: usize,
     /// Number of leading variables, and total degree, of the chaos expansion.
@@ -132,7 +141,8 @@ impl StudyFile {
             }
         };
         at_least(PRESSURE, "fine_solves", p.fine_solves, 10)?;
-        at_least(PRESSURE, "reference_samples", p.reference_samples, 10)?;
+        let reference_samples = p.reference_samples.unwrap_or(REFERENCE_SAMPLES);
+        at_least(PRESSURE, "reference_samples", reference_samples, 10)?;
         at_least(PRESSURE, "variables", p.variables, 1)?;
         if number_of_terms(p.variables, p.degree).is_none_or(|terms| terms > MAX_TERMS) {
             let message =
@@ -150,7 +160,8 @@ impl StudyFile {
             cell: (row, column),
             control,
             fine_solves: p.fine_solves,
-            reference_samples: p.reference_samples,
+            methods: p.methods.clone(),
+            reference_samples: if compares_methods(p) { reference_samples } else { 0 },
             variables: p.variables,
             degree: p.degree,
             stiffness: p.stiffness,

@@ -7,6 +7,7 @@ use super::fixed_list::fixed_list;
 use super::fixed_list::optional_fixed_list;
 use crate::contact::Elastic;
 use crate::map::BoundaryKind;
+use crate::pressure::PressureMethod;
 use crate::quantity::{Compliance, Length, Pressure};
 
 /// The section `[material]`.
@@ -55,12 +56,15 @@ pub struct PressureSection {
     /// Mean pressure on each patch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_pressure: Option<Pressure>,
+    /// Methods beside `default`, whose estimate is the answer. With others, a reference is computed and all are compared with it.
+    #[serde(default = "methods")]
+    pub methods: Vec<PressureMethod>,
     /// Number of contact solutions for each method.
     #[serde(default = "fine_solves")]
     pub fine_solves: usize,
-    /// Number of contact solutions of the reference run.
-    #[serde(default = "reference_samples")]
-    pub reference_samples: usize,
+    /// Number of contact solutions of the reference run, 5000 when left out; needs other methods than `default`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_samples: Option<usize>,
     /// Number of leading variables of the chaos expansion.
     #[serde(default = "variables")]
     pub variables: usize,
@@ -87,8 +91,8 @@ fn free() -> BoundaryKind {
 fn fine_solves() -> usize {
     500
 }
-fn reference_samples() -> usize {
-    5000
+fn methods() -> Vec<PressureMethod> {
+    vec![PressureMethod::Default]
 }
 fn variables() -> usize {
     8

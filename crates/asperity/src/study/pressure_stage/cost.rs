@@ -2,7 +2,7 @@
 
 use crate::contact::memory_bytes;
 use crate::map::BoundaryKind;
-use crate::pressure::pooled_pressures;
+use crate::pressure::{pooled_pressures, stratified_designs};
 use crate::study::estimate::{STIFFNESS_WORK, contact_seconds, countable_surface, fourier_modes};
 use crate::study::{Stage, StageEstimate, Study};
 use crate::surface::model::PatchSize;
@@ -28,8 +28,9 @@ const MOST_FIELD_BYTES: f64 = 536_870_912.0;
 /// Returns the rough cost of the pressure stage; `None` for a study without it.
 pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstimate> {
     let study = whole.pressure.as_ref()?;
-    // The reference, and three samplers that the other methods share.
-    let solutions = study.reference_samples + 3 * study.fine_solves;
+    // The reference, and the samplers that the methods share.
+    let samplers = 1 + stratified_designs(&study.methods).into_iter().filter(|needed| *needed).count();
+    let solutions = study.reference_samples + samplers * study.fine_solves;
     let coarse = COARSE_WORK * study.fine_solves as f64;
     // The stiffness of the Monte Carlo samples and of those on coarser grids.
     let stiffness = if study.stiffness { STIFFNESS_WORK * (study.fine_solves as f64 + coarse) } else { 0.0 };

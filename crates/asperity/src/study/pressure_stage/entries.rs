@@ -1,6 +1,6 @@
 //! Conversion of the pressure distribution to entries of `results.json`.
 
-use crate::pressure::{ComparisonResults, MethodResult, PressureEstimate};
+use crate::pressure::{ComparisonResults, MethodResult, PressureEstimate, PressureMethod};
 use crate::study::pressure_stage::{indices, maps, scalars};
 use crate::study::result::{CoarseEntry, MethodEntry, PressureQuantile, PressureResult, finite, pair};
 
@@ -14,13 +14,18 @@ pub(super) struct Prescribed {
     pub(super) separation_m: Option<f64>,
 }
 
-pub(super) fn summary(results: &ComparisonResults, prescribed: &Prescribed) -> PressureResult {
-    let reference = &results.reference;
-    let estimate = &reference.estimate;
+pub(super) fn summary(
+    results: &ComparisonResults,
+    estimate: &PressureEstimate,
+    prescribed: &Prescribed,
+) -> PressureResult {
+    let reference = results.reference.as_ref();
+    let default = results.methods.iter().find(|method| method.method == PressureMethod::Default);
+    let failed = default.map_or(0, |method| method.failures.len());
     PressureResult {
         cell: [prescribed.cell.0, prescribed.cell.1],
-        reference_samples: reference.samples,
-        sites: reference.sites,
+        reference_samples: reference.map_or(0, |reference| reference.samples),
+        sites: reference.map_or(1, |reference| reference.sites),
         contact_probability: estimate.contact_probability,
         contact_probability_se: finite(estimate.contact_probability_se),
         contact_probability_interval: estimate.contact_probability_interval.map(pair),
@@ -29,8 +34,8 @@ pub(super) fn summary(results: &ComparisonResults, prescribed: &Prescribed) -> P
         mean_interval: estimate.mean_interval_pa().map(pair),
         std_pa: estimate.distribution.std(),
         quantiles: quantiles(estimate),
-        ks_resolution: reference.ks_resolution,
-        failed_samples: reference.failures.len(),
+        ks_resolution: reference.map(|reference| reference.ks_resolution),
+        failed_samples: reference.map_or(failed, |reference| reference.failures.len()),
         mean_compliance_m_per_pa: prescribed.mean_compliance_m_per_pa,
         separation_m: prescribed.separation_m,
         methods: results.methods.iter().map(method_entry).collect(),
@@ -75,8 +80,8 @@ fn method_entry(method: &MethodResult) -> MethodEntry {
         std_pa: finite(estimate.distribution.std()),
         quantiles: quantiles(estimate),
         simultaneous_band_factor: estimate.band.as_ref().and_then(|band| finite(band.simultaneous_factor)),
-        ks_distance: Some(comparison.ks_distance),
-        wasserstein_1_over_std: comparison.wasserstein_1_over_std,
+        ks_distance: comparison.as_ref().map(|comparison| comparison.ks_distance),
+        wasserstein_1_over_std: comparison.as_ref().and_then(|comparison| comparison.wasserstein_1_over_std),
         coefficients: estimate.coefficients,
         leave_one_out_error: estimate.leave_one_out_error,
         interval_failure: estimate.interval_failure.as_ref().map(ToString::to_string),

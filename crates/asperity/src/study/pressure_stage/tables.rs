@@ -1,14 +1,18 @@
 //! Tables behind the figures of the pressure stage.
 
 use crate::chaos::DiscreteDistribution;
-use crate::pressure::{Band, ComparisonResults, PressureMethod};
+use crate::pressure::{Band, ComparisonResults, PressureEstimate, PressureMethod};
 use crate::study::Table;
 use crate::study::pressure_stage::{indices, scalars};
 use crate::study::result::{MethodEntry, PressureResult};
 
-pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> Vec<(&'static str, Table)> {
+pub(super) fn tables(
+    results: &ComparisonResults,
+    answer: &PressureEstimate,
+    summary: &PressureResult,
+) -> Vec<(&'static str, Table)> {
     let mut tables = vec![
-        ("pressure_cdf", cdf(results)),
+        ("pressure_cdf", cdf(results, &answer.distribution)),
         ("pressure_bands", bands(results)),
         ("pressure_methods", methods(summary)),
     ];
@@ -22,17 +26,16 @@ pub(super) fn tables(results: &ComparisonResults, summary: &PressureResult) -> V
     tables
 }
 
-/// Returns the CDF of every method with an estimate, on one grid of pressures: 0, quantiles of the reference, and even
-/// steps between.
-fn cdf(results: &ComparisonResults) -> Table {
+/// Returns the CDF of the reference and of every method with an estimate, on one grid of pressures: 0, quantiles of the answer, and
+/// even steps between.
+fn cdf(results: &ComparisonResults, answer: &DiscreteDistribution) -> Table {
     const ROWS: usize = 400;
-    let reference = &results.reference.estimate.distribution;
-    let atom = reference.cdf(0.0);
-    let highest = reference.quantile(1.0);
+    let atom = answer.cdf(0.0);
+    let highest = answer.quantile(1.0);
     let mut pressures = vec![0.0];
     for k in 0..ROWS {
         let fraction = (k as f64 + 0.5) / ROWS as f64;
-        pressures.push(reference.quantile(atom + (1.0 - atom) * fraction));
+        pressures.push(answer.quantile(atom + (1.0 - atom) * fraction));
         // Even steps too: with a hardness most quantiles are equal to it.
         pressures.push(highest * fraction);
     }
@@ -41,7 +44,9 @@ fn cdf(results: &ComparisonResults) -> Table {
     pressures.dedup();
     let column =
         |distribution: &DiscreteDistribution| -> Vec<f64> { pressures.iter().map(|p| distribution.cdf(*p)).collect() };
-    let mut columns = vec![("pressure_pa".to_owned(), pressures.clone()), ("reference".into(), column(reference))];
+    let mut columns = vec![("pressure_pa".to_owned(), pressures.clone())];
+    let reference = results.reference.as_ref().map(|reference| &reference.estimate.distribution);
+    columns.extend(reference.map(|reference| ("reference".into(), column(reference))));
     for &method in PressureMethod::ALL {
         columns.extend(results.estimate(method).map(|(found, _)| (method.name().into(), column(&found.distribution))));
     }
@@ -51,7 +56,7 @@ fn cdf(results: &ComparisonResults) -> Table {
 /// Returns the CDF of the reference and of every method with a band, each at its own pressures, with standard errors
 /// and 95 % limits, pointwise and simultaneous.
 fn bands(results: &ComparisonResults) -> Table {
-    let reference = std::iter::once(("reference", results.reference.estimate.band.as_ref()));
+    let reference = results.reference.iter().map(|reference| ("reference", reference.estimate.band.as_ref()));
     let methods = PressureMethod::ALL.iter().map(|&method| {
         let estimate = results.estimate(method).map(|(estimate, _)| estimate);
         (method.name(), estimate.and_then(|estimate| estimate.band.as_ref()))
@@ -96,8 +101,9 @@ fn methods(summary: &PressureResult) -> Table {
         ..MethodEntry::default()
     };
     let methods = summary.methods.iter().filter(|method| method.failure.is_none()).cloned();
-    let methods: Vec<MethodEntry> = std::iter::once(reference).chain(methods).collect();
-    let names = methods[1..].iter().map(|method| method.name.name());
-    let names = std::iter::once("reference").chain(names).map(str::to_owned).collect();
+    let reference = (summary.reference_samples > 0).then_some(("reference", reference));
+    let named = methods.map(|method| (method.name.name(), method));
+    let (names, methods): (Vec<&str>, Vec<MethodEntry>) = reference.into_iter().chain(named).unzip();
+    let names = names.into_iter().map(str::to_owned).collect();
     Table::with_names(names, Table::of(&methods).into_columns())
 }
