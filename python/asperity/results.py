@@ -720,31 +720,31 @@ class PressureResult(Record):
     cell: list[int]
     """Cell [row, column] whose pressure is studied."""
     reference_samples: int
-    """Contact solves of the reference run."""
+    """Contact solves of the reference run; 0 if only the default method is used, whose estimate is then the answer."""
     sites: int
     """Cells of each sample whose pressures are pooled: more than one if the surface is stationary on a periodic
     patch.
     """
     contact_probability: float
-    """P(contact) of the reference run."""
+    """P(contact): of the reference run or, without one, of the default method."""
     contact_probability_se: float | None
     """Standard error of `contact_probability`."""
     contact_probability_interval: list[float] | None
     """95 % interval of `contact_probability`."""
     mean_pa: float
-    """Mean pressure of the reference run, zeros out of contact included."""
+    """Mean pressure, zeros out of contact included."""
     mean_se_pa: float | None
     """Standard error of `mean_pa`."""
     mean_interval: list[float] | None
     """95 % interval of `mean_pa`."""
     std_pa: float
-    """Standard deviation of the pressure in the reference run, zeros out of contact included."""
+    """Standard deviation of the pressure, zeros out of contact included."""
     quantiles: list[PressureQuantile]
-    """Quantiles of the reference run."""
-    ks_resolution: float
-    """Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %."""
+    """Quantiles of the pressure."""
+    ks_resolution: float | None
+    """Smallest Kolmogorov–Smirnov distance that the reference resolves at 95 %; `null` without a reference."""
     failed_samples: int
-    """Contact solves of the reference run that failed."""
+    """Contact solves that failed: those of the reference run or, without one, of the default method."""
     mean_compliance_m_per_pa: float | None
     """Mean compliance of a periodic patch."""
     separation_m: float | None
