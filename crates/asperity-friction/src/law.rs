@@ -64,7 +64,7 @@ fn required(stated: &dyn Stated, input: &'static str, reason: &str) -> Result<f6
 }
 
 /// A friction law of windows: the force that resists sliding, from the contact in one window.
-pub trait WindowLaw: Debug + Send + Sync + erased_serde::Serialize {
+pub trait WindowLaw: Debug + Send + Sync {
     /// Returns the friction force of a window in newton; 0 if it carries no load.
     fn force_n(&self, window: &WindowContact) -> f64;
 
@@ -90,8 +90,6 @@ pub trait WindowLaw: Debug + Send + Sync + erased_serde::Serialize {
         window.loaded().then(|| self.force_n(window) / window.load_n)
     }
 }
-
-erased_serde::serialize_trait_object!(WindowLaw);
 
 /// Describes a shear strength in pascal and the contact area that it acts on.
 fn describe_shear(shear_strength_pa: f64) -> String {

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// differs too much from the stated one.
 const LARGEST_CLIPPED_FRACTION: f64 = 0.05;
 
-/// More of the friction values would be clipped than [`LARGEST_CLIPPED_FRACTION`].
+/// More of the friction values would be clipped than 5 %.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
     "{} % of the friction values would be clipped to stay positive, more than {} %",
@@ -18,7 +18,7 @@ const LARGEST_CLIPPED_FRACTION: f64 = 0.05;
 )]
 pub struct TooManyClipped(pub f64);
 
-/// Fails if more of the friction values are clipped than [`LARGEST_CLIPPED_FRACTION`], unless that is `allowed`.
+/// Fails if more of the friction values are clipped than 5 %, unless that is `allowed`.
 pub fn accept_clipping(fraction: f64, allowed: bool) -> Result<(), TooManyClipped> {
     if fraction > LARGEST_CLIPPED_FRACTION && !allowed { Err(TooManyClipped(fraction)) } else { Ok(()) }
 }

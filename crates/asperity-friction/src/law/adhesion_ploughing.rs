@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use asperity_base::statement::Statement;
-use serde::Serialize;
 
 use crate::WindowContact;
 use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, required, shear_strength_pa};
@@ -25,7 +24,7 @@ use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, required, shear_stre
 ///
 /// # References
 /// F. P. Bowden and D. Tabor, *The Friction and Lubrication of Solids*, Clarendon Press (1950), ch. V.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdhesionPloughing {
     /// Shear strength τ_max of the contacts in pascal.
     pub shear_strength_pa: f64,

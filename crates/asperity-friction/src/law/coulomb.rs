@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use asperity_base::statement::Statement;
-use serde::Serialize;
 
 use crate::WindowContact;
 use crate::law::{WindowLaw, required};
 
 /// A constant friction coefficient, independent of the contact. It does not vary along the strip.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
     /// Friction coefficient μ.
     pub coefficient: f64,

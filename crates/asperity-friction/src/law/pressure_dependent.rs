@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use asperity_base::statement::Statement;
-use serde::Serialize;
 
 use crate::WindowContact;
 use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, required, shear_strength_pa};
@@ -15,7 +14,7 @@ use crate::law::{SHEAR_STRENGTH, WindowLaw, describe_shear, required, shear_stre
 ///
 /// # References
 /// B. J. Briscoe and D. Tabor, *J. Adhesion* **9** (1978) 145, <https://doi.org/10.1080/00218467808075110>.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureDependent {
     /// Shear strength τ₀ of the contacts without pressure, in pascal.
     pub shear_strength_pa: f64,

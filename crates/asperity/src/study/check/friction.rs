@@ -8,7 +8,7 @@ use super::invalid_value::{InvalidValue, PERCENT, POSITIVE, at_least, invalid, o
 use super::pressure::Material;
 use crate::chaos::Propagation;
 use crate::friction::cutoff::CutoffPlan;
-use crate::friction::law::WindowLaw;
+use crate::friction::law::{WindowLaw, WindowLawKind};
 use crate::friction::window::{Window, WindowError};
 use crate::friction::{LevelControl, RoughBody};
 use crate::map::{BoundaryKind, Grid};
@@ -26,7 +26,10 @@ pub(in crate::study) struct FrictionStudy {
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,
     pub(in crate::study) material: Material,
+    #[serde(skip)]
     pub(in crate::study) law: Arc<dyn WindowLaw>,
+    /// Kind and inputs of the law, which determine it.
+    pub(in crate::study) law_inputs: (WindowLawKind, Vec<(&'static str, Option<f64>)>),
     /// Bodies that are rough.
     pub(in crate::study) body: RoughBody,
     /// Points (x, y) of a strip.
@@ -108,6 +111,7 @@ impl StudyFile {
             return Ok(None);
         };
         let law = self.stated_law(f.law.statement(), 1.0)?;
+        let law_inputs = (f.law, self.stated_numbers(f.law.statement().inputs));
         let (strip, points, window) = f.sizes(None);
         for side in strip {
             within(SECTION, "strip", side, positive, POSITIVE)?;
@@ -136,6 +140,7 @@ impl StudyFile {
             valid_fraction: self.valid_share,
             material,
             law,
+            law_inputs,
             body: RoughBody::default(),
             points,
             size_m: strip.map(|side| side.0),

@@ -14,6 +14,12 @@ impl StudyFile {
             invalid(section, key, error.reason)
         })
     }
+
+    /// Returns the numbers of a law's inputs in SI.
+    pub(super) fn stated_numbers(&self, inputs: &[&'static str]) -> Vec<(&'static str, Option<f64>)> {
+        let stated = StatedValues { file: self, unit_m_per_s: 1.0 };
+        inputs.iter().map(|input| (*input, stated.number(input))).collect()
+    }
 }
 
 /// Returns the section and the key of an input.
