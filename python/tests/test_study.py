@@ -39,7 +39,9 @@ size = ["100 um", "100 um"]
 points = [16, 16]
 percentile = 50.0
 fine_solves = 30
-methods = ["monte_carlo", "latin_hypercube", "sobol", "polynomial_chaos", "polynomial_chaos_log", "polynomial_chaos_local"]
+methods = [
+    "monte_carlo", "latin_hypercube", "sobol", "polynomial_chaos", "polynomial_chaos_log", "polynomial_chaos_local",
+]
 reference_samples = 100
 """
 
