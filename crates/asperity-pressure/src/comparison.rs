@@ -255,7 +255,9 @@ impl MethodComparison {
             }
         };
         at_least("fine_solves", self.fine_solves, 2, "at least 2")?;
-        at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
+        if self.compares() {
+            at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
+        }
         at_least("surrogate_samples", self.surrogate_samples, 2, "at least 2")?;
         at_least("variables", self.variables, 1, "at least 1")?;
         if self.variables > problem.surface().xi_len() {

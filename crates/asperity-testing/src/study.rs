@@ -1,3 +1,5 @@
+//! Texts of study files for tests.
+
 use std::fmt;
 
 /// Line of `[pressure]` with all methods, so that they are compared with a reference.

@@ -61,8 +61,7 @@ pub(super) fn run(
     let sizes = MethodComparison {
         methods: study.methods.clone(),
         fine_solves: study.fine_solves,
-        // The library refuses none, even where there is no reference.
-        reference_samples: study.reference_samples.max(2),
+        reference_samples: study.reference_samples,
         variables: study.variables.min(surface.xi_len()),
         degree: study.degree,
         stiffness: study.stiffness,

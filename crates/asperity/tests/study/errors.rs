@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use asperity::study::{FailureKind, Stage, Study};
+use asperity_testing::METHODS;
 
 use crate::support::{MODEL, changed, run, run_in, study};
 
@@ -133,5 +134,7 @@ fn a_key_without_effect_gives_a_warning() {
         spectral.file().keys_without_effect(),
         ["[surface] modes has no effect without the generator karhunen_loeve"]
     );
+    let alone = study(&changed(&MODEL, &[(METHODS, "methods = [\"default\"]")])).file().keys_without_effect();
+    assert!(alone.len() == 1 && alone[0].starts_with("[pressure] reference_samples has no effect"), "{alone:?}");
     assert!(study(&MODEL).file().keys_without_effect().is_empty());
 }

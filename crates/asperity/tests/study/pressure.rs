@@ -269,3 +269,24 @@ fn a_strongly_biased_method_gives_a_warning() {
     let warned: Vec<&String> = outcome.results.warnings.iter().filter(is_biased).collect();
     assert!(warned.len() == 1 && warned[0].contains("polynomial chaos local"), "{warned:?}");
 }
+
+#[test]
+fn the_default_method_is_the_answer_and_has_the_same_numbers_beside_others() {
+    let alone = StudyText::new(3, &["surface", "material", "pressure"])
+        .with("surface", "covariance = \"squared_exponential\"\ngenerator = \"spectral\"")
+        .with("pressure", "points = [16, 16]\nfine_solves = 40\nvariables = 2\ndegree = 1");
+    let beside = alone.clone().with("pressure", METHODS).with("pressure", "reference_samples = 60");
+    let [alone, beside] = [alone, beside].map(|study| run_all(&study.to_string()));
+    let pressure = alone.results.pressure.as_ref().unwrap();
+    let default = method(&alone, "default");
+    assert_eq!((pressure.reference_samples, pressure.ks_resolution, pressure.methods.len()), (0, None, 1));
+    assert_eq!(Some(pressure.contact_probability), default.contact_probability);
+    assert_eq!((Some(pressure.mean_pa), &pressure.quantiles), (default.mean_pa, &default.quantiles));
+    assert!(alone.tables["pressure_cdf"].column("reference").is_none());
+    // The reference is another sample, and changes no method.
+    let compared = method(&beside, "default");
+    assert!(compared.ks_distance.is_some() && default.ks_distance.is_none());
+    let without_distances = MethodEntry { ks_distance: None, wasserstein_1_over_std: None, ..compared.clone() };
+    assert_eq!(*default, without_distances);
+    assert_ne!(beside.results.pressure.as_ref().unwrap().contact_probability, pressure.contact_probability);
+}

@@ -70,6 +70,7 @@ pub(super) fn expand_friction(
             propagation.push(responses.axes.iter().map(|axis| axis.xi(point)).collect());
             found.push(solved);
         }
+        monitor.progress("verdict: friction near the limit", near.points.len(), near.points.len());
         let difference = Moments::new(&differences);
         let near_limit = responses.result.points_near_limit + near.points.len();
         responses = FrictionResponses::fit(responses.axes, &propagation, &found, seed)?;
