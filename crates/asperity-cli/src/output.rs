@@ -13,6 +13,7 @@ use console::Term;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
+use textwrap::{Options, WordSplitter};
 
 use crate::failure::{Failure, Kind};
 
@@ -33,7 +34,11 @@ pub(crate) fn print_sentences(sentences: &[String]) -> Result<(), Failure> {
 /// Returns a text in lines that fit a terminal; unchanged elsewhere.
 fn wrapped(text: &str, terminal: &Term) -> String {
     match terminal.size_checked().filter(|_| terminal.is_term()) {
-        Some((_, columns)) => textwrap::fill(text, usize::from(columns)),
+        // Paths and flags stay whole, so that they can be copied.
+        Some((_, columns)) => {
+            let options = Options::new(usize::from(columns)).break_words(false);
+            textwrap::fill(text, options.word_splitter(WordSplitter::NoHyphenation))
+        }
         None => text.to_owned(),
     }
 }

@@ -13,7 +13,7 @@ use asperity_base::monitor::Monitor;
 use asperity_base::stats::{Interval, NORMAL_95, VALID_FRACTION};
 use asperity_chaos::{Basis, Design, DiscreteDistribution, SamplingMethod};
 
-use PressureMethod::{LatinHypercube, PolynomialChaos, PolynomialChaosLocal, PolynomialChaosLog, Sobol};
+use PressureMethod::{LatinHypercube, PolynomialChaosLocal, Sobol};
 
 /// Probabilities of the reported quantiles.
 const PROBABILITIES: [f64; 3] = [0.1, 0.5, 0.9];
@@ -318,14 +318,10 @@ impl Solutions<'_> {
         for &method in PressureMethod::ALL.iter().filter(wanted) {
             let task = format!("pressure/distribution/{}", method.name());
             monitor.progress(&task, 0, 1);
-            let samples = match method {
-                PressureMethod::LatinHypercube
-                | PressureMethod::PolynomialChaos
-                | PressureMethod::PolynomialChaosLog => solved(self.latin.as_ref()).ok(),
-                PressureMethod::Sobol => solved(self.sobol.as_ref()).ok(),
-                PressureMethod::MonteCarlo | PressureMethod::PolynomialChaosLocal | PressureMethod::Default => {
-                    Some(&self.monte_carlo)
-                }
+            let samples = match method.design() {
+                LatinHypercube => solved(self.latin.as_ref()).ok(),
+                Sobol => solved(self.sobol.as_ref()).ok(),
+                _ => Some(&self.monte_carlo),
             };
             methods.push(MethodResult {
                 method,
@@ -394,8 +390,7 @@ impl Solutions<'_> {
 
 /// Returns whether methods need Latin hypercubes, and Sobol' points, beside the independent samples of the default.
 pub fn stratified_designs(methods: &[PressureMethod]) -> [bool; 2] {
-    let needed = |by: &[PressureMethod]| by.iter().any(|method| methods.contains(method));
-    [needed(&[LatinHypercube, PolynomialChaos, PolynomialChaosLog]), needed(&[Sobol])]
+    [LatinHypercube, Sobol].map(|design| methods.iter().any(|method| method.design() == design))
 }
 
 /// Returns the samples of a method that is asked for.

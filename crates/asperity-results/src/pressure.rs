@@ -58,7 +58,12 @@ impl PressureResult {
     pub fn origin(&self) -> String {
         let solves = |method: &MethodEntry| method.name == PressureMethod::Default;
         match (self.reference_samples, self.methods.iter().find(|method| solves(method))) {
-            (0, Some(default)) => format!("{} contact solutions and others on coarser grids", default.fine_solves),
+            (0, Some(default)) if default.coarse_solves.is_empty() => {
+                format!("{} contact solutions of random surfaces", default.fine_solves)
+            }
+            (0, Some(default)) => {
+                format!("{} contact solutions of random surfaces and further, cheaper ones", default.fine_solves)
+            }
             (samples, _) => format!("{samples} contact solutions of the reference run"),
         }
     }
@@ -83,6 +88,17 @@ crate::choice! {
         /// Multilevel estimator by Monte Carlo samples, coarse grids, and normal variables rotated to the cell.
         #[default]
         Default = "default": "default of asperity",
+    }
+}
+
+impl PressureMethod {
+    /// Returns the method whose contact solutions this one uses.
+    pub fn design(self) -> Self {
+        match self {
+            Self::MonteCarlo | Self::PolynomialChaosLocal | Self::Default => Self::MonteCarlo,
+            Self::LatinHypercube | Self::PolynomialChaos | Self::PolynomialChaosLog => Self::LatinHypercube,
+            Self::Sobol => Self::Sobol,
+        }
     }
 }
 

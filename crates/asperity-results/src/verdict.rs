@@ -115,10 +115,10 @@ impl ErrorCause {
     /// Returns what makes the error smaller.
     pub fn remedy(self) -> &'static str {
         match self {
-            Self::Machines => "raise `evaluations` in [verdict]",
+            Self::Machines => "lower `half_width` and, if needed, raise `evaluations` in [verdict]",
             Self::Strips => "raise `realisations` in [friction]",
             Self::Expansion => "state narrower distributions or ranges of remedies",
-            Self::Scan => "take a larger one",
+            Self::Scan => "take a larger scan",
             Self::Grid => "raise `points` in [friction]",
             Self::Model => "take a larger scan, or remove more form (`level`)",
         }

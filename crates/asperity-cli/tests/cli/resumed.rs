@@ -148,6 +148,10 @@ fn the_memory_estimate_is_between_the_peak_and_one_and_a_half_times_the_peak() {
     let studies = [
         ("machine", MACHINE.clone()),
         ("pressure", pressure(32, 200, "periodic")),
+        (
+            "the default pressure",
+            pressure(32, 400, "periodic").replace(METHODS, "").replace("reference_samples = 4000\n", ""),
+        ),
         ("a large patch", pressure(128, 20, "free")),
         ("friction", friction(4096, 96, "periodic")),
         ("friction on free strips", friction(3072, 64, "free")),

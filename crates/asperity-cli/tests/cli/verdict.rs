@@ -246,7 +246,7 @@ fn a_run_prints_the_sentence_of_its_verdict() {
     let [.., error, report] = &shown.stdout.lines().collect::<Vec<_>>()[..] else { panic!("{shown:?}") };
     let machines = 100.0 * found["error_sources"][0]["half_width"].as_f64().unwrap();
     assert!(error.contains(&format!("the number of machines, ±{machines:.2} ")), "{error}");
-    assert!(error.contains("raise `evaluations`") && report.starts_with("Report: run/report.html"), "{shown:?}");
+    assert!(error.contains("lower `half_width`") && report.starts_with("Report: run/report.html"), "{shown:?}");
 }
 
 #[test]

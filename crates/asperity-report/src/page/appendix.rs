@@ -26,7 +26,11 @@ pub(super) fn entries(run: &Run) -> Result<[Option<Section>; 3], ReportError> {
         ),
         Section::new(
             "appendix-pressure",
-            "Comparison of the methods for the pressure",
+            if pressure.is_some_and(|pressure| pressure.reference_samples > 0) {
+                "Comparison of the methods for the pressure"
+            } else {
+                "Numbers of the distribution of the pressure"
+            },
             "",
             pressure.map(tables::methods).into_iter().collect(),
             moved(figures::pressure::figures(run)?, &METHODS),

@@ -39,7 +39,7 @@ pub(super) fn contact(run: &Run, methods: Option<&Section>) -> Result<Option<Sec
         "pressure",
         "Contact pressure",
         format!(
-            "Probability that a point of the surface is in contact, and distribution of the pressure there, by independent methods. {}",
+            "Probability that a point of the surface is in contact, and distribution of the pressure there. {}",
             pressure.map_or_else(String::new, tables::refused_methods)
         ),
         pressure.map(tables::scalars).into_iter().collect(),

@@ -503,7 +503,7 @@ fn state_sizes(table: &mut Table, file: &StudyFile) {
 }
 
 /// Adds the files of samples that distributions in a table name.
-fn sample_files(table: &Table, files: &mut Vec<String>) {
+pub(super) fn sample_files(table: &Table, files: &mut Vec<String>) {
     fn of_value(value: &Value, files: &mut Vec<String>) {
         match value {
             Value::Table(inner) => sample_files(inner, files),

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{self, Path, PathBuf};
 
 use crate::monitor::Monitor;
+use crate::study::campaign::sample_files;
 use crate::study::result::{CampaignResults, Outcome, Program};
 use crate::study::{
     Campaign, Provenance, RunBlocks, RunRecord, Stage, StageEstimate, Staging, StoreError, Study, StudyError,
@@ -117,7 +118,12 @@ impl Computation {
         match &self.work {
             Work::Study { study, .. } => {
                 let folder = self.folder();
-                study.scan_paths(folder).into_iter().chain(study.friction_process_path(folder)).collect()
+                let mut samples = Vec::new();
+                if let Ok(table) = toml::from_str(&self.text) {
+                    sample_files(&table, &mut samples);
+                }
+                let samples = samples.into_iter().map(|file| folder.join(file));
+                study.scan_paths(folder).into_iter().chain(study.friction_process_path(folder)).chain(samples).collect()
             }
             Work::Campaign(campaign) => campaign.inputs(),
         }

@@ -259,7 +259,7 @@ impl StudyError {
             | Self::Pressure(PressureError::Cancelled(_))
             | Self::Friction { error: FrictionError::Cancelled(_), .. }
             | Self::Vibration(VibrationError::Cancelled(_)) => FailureKind::Cancelled,
-            Self::Pressure(PressureError::TooFewValid { .. })
+            Self::Pressure(PressureError::TooFewValid { .. } | PressureError::Method(_))
             | Self::Clipped { computed: true, .. }
             | Self::Friction { .. }
             | Self::Verdict(_) => FailureKind::NotConverged,

@@ -12,7 +12,8 @@ use crate::contact::{Boundary, ContactProblem, Control, HalfSpace, Solver};
 use crate::friction::LevelControl;
 use crate::map::HeightMap;
 use crate::monitor::Monitor;
-use crate::pressure::{MethodComparison, PressureError, PressureMethod, Problem};
+use crate::pressure::PressureMethod::{LatinHypercube, MonteCarlo, PolynomialChaos, PolynomialChaosLog, Sobol};
+use crate::pressure::{MethodComparison, PressureError, Problem};
 use crate::random;
 use crate::study::check::PressureStudy;
 use crate::study::half_space::half_space;
@@ -26,10 +27,6 @@ use entries::Prescribed;
 
 /// Bias of a method over the mean pressure above which the stage warns.
 const LARGE_BIAS: f64 = 0.25;
-
-/// Methods whose contact solutions the others share.
-const DESIGNS: [PressureMethod; 3] =
-    [PressureMethod::MonteCarlo, PressureMethod::LatinHypercube, PressureMethod::Sobol];
 
 /// Output of the pressure stage.
 pub(super) struct PressureStage {
@@ -76,11 +73,14 @@ pub(super) fn run(
     let mut warnings = generated.warnings.clone();
     let failed = results.reference.as_ref().map_or(0, |reference| reference.failures.len());
     warnings.extend(left_out("contact solutions of the reference", failed, study.reference_samples));
-    for method in results.methods.iter().filter(|found| DESIGNS.contains(&found.method)) {
-        let what = format!("contact solutions of {}", method.method.name().replace('_', " "));
+    for design in [MonteCarlo, LatinHypercube, Sobol] {
+        let Some(method) = results.methods.iter().find(|found| found.method.design() == design) else { continue };
+        let what = format!("contact solutions of {}", design.name().replace('_', " "));
         warnings.extend(left_out(&what, method.failures.len(), method.fine_solves));
     }
-    let patch = [patch_sentence(study, &half_space), expansion_sentence(study, surface)];
+    let expands = [PolynomialChaos, PolynomialChaosLog].iter().any(|method| study.methods.contains(method));
+    let expansion = expands.then(|| expansion_sentence(study, surface));
+    let patch = [Some(patch_sentence(study, &half_space)), expansion];
     for method in &results.methods {
         let name = method.method.name().replace('_', " ");
         if let Err(reason) = &method.outcome {
@@ -106,7 +106,7 @@ pub(super) fn run(
         output: StageOutput {
             tables: tables::tables(&results, answer, &result),
             fields,
-            assumptions: patch.into_iter().chain(generated.correction.clone()).collect(),
+            assumptions: patch.into_iter().flatten().chain(generated.correction.clone()).collect(),
             warnings,
         },
         result,

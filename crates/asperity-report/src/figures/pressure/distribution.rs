@@ -141,7 +141,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     let mut charts = if charts.len() > 1 { stacked(charts, 290.0) } else { charts };
     charts.iter_mut().skip(1).for_each(|chart| chart.height = if bands.is_some() { 230.0 } else { 190.0 });
     let tables: &[&str] = if bands.is_some() { &[NAME, BANDS] } else { &[NAME] };
-    CaptionedFigure::from_charts(NAME, "Distribution of the contact pressure by method", caption, 1, &charts, tables)
+    CaptionedFigure::from_charts(NAME, "Distribution of the contact pressure", caption, 1, &charts, tables)
 }
 
 /// Draws the differences from the reference, the first of the methods. Also returns the methods beyond the frame: a biased method

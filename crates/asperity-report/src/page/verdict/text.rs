@@ -16,6 +16,9 @@ use crate::verdict::{RARE, is_exact, not_stated, percent as probability, verdict
 /// measure next, and the largest error with what makes it smaller.
 pub fn verdict_summary(verdict: &VerdictResult) -> Vec<String> {
     let mut sentences = vec![verdict_sentence(verdict)];
+    if verdict.friction_unresolved {
+        return sentences;
+    }
     sentences.extend(not_stated(verdict).into_iter().map(|value| format!("Not stated: {value}.")));
     if !verdict.remedies.is_empty() {
         sentences.push(remedies::sentence(verdict).text());
@@ -23,9 +26,9 @@ pub fn verdict_summary(verdict: &VerdictResult) -> Vec<String> {
     if verdict.drivers.len() > 1 {
         sentences.push(drivers::next(verdict).text());
     }
-    if let Some(ErrorSource { source, half_width }) = verdict.error_sources.first() {
+    if let Some(ErrorSource { source, half_width }) = verdict.error_sources.first().filter(|_| !is_exact(verdict)) {
         sentences.push(format!(
-            "Largest error of the computation: {}, ±{} percentage points; {} for less.",
+            "Largest error of the probability: {}, ±{} percentage points; to reduce it, {}.",
             source.words(),
             significant(100.0 * half_width, 2),
             source.remedy()

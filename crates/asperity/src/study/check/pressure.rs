@@ -160,7 +160,7 @@ impl StudyFile {
             cell: (row, column),
             control,
             fine_solves: p.fine_solves,
-            methods: p.methods.clone(),
+            methods: PressureMethod::ALL.iter().copied().filter(|method| p.methods.contains(method)).collect(),
             reference_samples: if compares_methods(p) { reference_samples } else { 0 },
             variables: p.variables,
             degree: p.degree,

@@ -41,7 +41,8 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
     let all_modes = PatchSize { variables: fourier_modes(study.grid, periodic), expansion_bytes: 0.0 };
     let size = countable_surface(whole, study.grid).map_or(all_modes, |model| model.patch_size(study.grid, periodic));
     let bodies = if whole.counterface.is_some() { 2.0 } else { 1.0 };
-    let samples = study.reference_samples as f64;
+    // With the coarse ones of the default.
+    let samples = solutions as f64 + coarse;
     let pooled = if periodic { pooled_pressures([nx, ny], study.reference_samples) as f64 } else { samples };
     let fields = (4.0 * cells * study.fine_solves as f64).min(MOST_FIELD_BYTES);
     let memory_bytes = DISTRIBUTION_BYTES
