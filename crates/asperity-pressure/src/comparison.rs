@@ -145,7 +145,7 @@ impl MethodComparison {
         // The problem from which scalars are estimated.
         let whole = if self.stiffness { problem.with_stiffness() } else { *problem };
         let stride = site_stride(problem);
-        let reference = self.compares().then(|| {
+        let reference = PressureMethod::are_compared(&self.methods).then(|| {
             let stage = "pressure/reference";
             let sampling = Sampling::monte_carlo(self.seed, stage, self.reference_samples, self.valid_fraction);
             let site_stride = problem.cells_are_alike().then_some(stride);
@@ -186,11 +186,6 @@ impl MethodComparison {
             nested,
             rotated,
         })
-    }
-
-    /// Returns whether there are methods beside [`PressureMethod::Default`], and so a reference.
-    fn compares(&self) -> bool {
-        self.methods.iter().any(|method| *method != PressureMethod::Default)
     }
 
     /// Estimates the distribution by [`PressureMethod::Default`] alone, without a reference. Also returns the numbers of
@@ -255,7 +250,7 @@ impl MethodComparison {
             }
         };
         at_least("fine_solves", self.fine_solves, 2, "at least 2")?;
-        if self.compares() {
+        if PressureMethod::are_compared(&self.methods) {
             at_least("reference_samples", self.reference_samples, 2, "at least 2")?;
         }
         at_least("surrogate_samples", self.surrogate_samples, 2, "at least 2")?;

@@ -92,6 +92,11 @@ crate::choice! {
 }
 
 impl PressureMethod {
+    /// Returns whether methods are more than the default, so that they are compared with a reference.
+    pub fn are_compared(methods: &[Self]) -> bool {
+        methods.iter().any(|method| *method != Self::Default)
+    }
+
     /// Returns the method whose contact solutions this one uses.
     pub fn design(self) -> Self {
         match self {

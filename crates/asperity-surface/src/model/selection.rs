@@ -113,12 +113,10 @@ pub(super) fn select(
         (None, None) => return Err(SurfaceModelError::NoScan("the covariance")),
     };
     let roughness = measured.roughness()?;
-    let kind = translation;
-    let is_plain = kind == TranslationKind::Plain && !matches!(marginal, Marginal::Normal { .. });
-    let translation = if is_plain { Some(Translation::new(marginal)?) } else { None };
-    let judge = Judge { roughness: &roughness, translation, scale: measured.sq_m() / std_m };
-    let spectra: Vec<_> = roughness.spectra.iter().collect();
-    let fits = fit_covariance(&spectra, measured.sq_m(), families);
+    let is_plain = translation == TranslationKind::Plain && !matches!(marginal, Marginal::Normal { .. });
+    let of_heights = if is_plain { Some(Translation::new(marginal)?) } else { None };
+    let judge = Judge { roughness: &roughness, translation: of_heights, scale: measured.sq_m() / std_m };
+    let fits = fit_covariance(&roughness.spectra.iter().collect::<Vec<_>>(), measured.sq_m(), families);
     let models = match &fits {
         Err(_) => vec![],
         Ok(found) => found.fits.iter().map(|fit| judge.model(fit, std_m)).collect::<Result<_, _>>()?,
@@ -135,10 +133,7 @@ pub(super) fn select(
     }
     let is_free = request == CovarianceRequest::Measured;
     // The covariance of the scan keeps an oblique lay, but depends on as few patches as a model.
-    let of_any: Vec<String> = fits.as_ref().map_or(Vec::new(), |fits| {
-        let few = fits.warnings.iter().filter(|warning| matches!(warning, FitWarning::FewLengths { .. }));
-        few.map(|warning| format!("covariance fit: {warning}")).collect()
-    });
+    let of_any = fits.as_ref().map_or(Vec::new(), |fits| few_lengths(&fits.warnings));
     let is_said = !of_any.is_empty();
     let is_oblique = fits.as_ref().is_ok_and(|fits| fits.oblique);
     let model = models.iter().find(|(fit, ..)| !is_oblique && fit.misfit <= LARGEST_MISFIT);
@@ -154,7 +149,7 @@ pub(super) fn select(
     if let Some(slopes) = &roughness.slopes {
         let draw = |covariance: &SurfaceCovariance| {
             let covariance = covariance.clone();
-            let texture = Texture::Translated { covariance, translation: kind, expansion: None };
+            let texture = Texture::Translated { covariance, translation, expansion: None };
             let model = SurfaceModel { marginal: marginal.clone(), texture, shortest_wave_m };
             TrialMaps::draw(&model, judge.scale, measured.map.grid(), measured.level, slopes)
         };
@@ -176,6 +171,12 @@ pub(super) fn select(
     chosen.warnings.extend(noise_warning(measured));
     chosen.shortest_wave_m = shortest_wave_m;
     Ok(chosen)
+}
+
+/// Returns the warnings of fits to few correlation lengths.
+fn few_lengths(warnings: &[FitWarning]) -> Vec<String> {
+    let few = warnings.iter().filter(|warning| matches!(warning, FitWarning::FewLengths { .. }));
+    few.map(|warning| format!("covariance fit: {warning}")).collect()
 }
 
 /// Returns the warning of a covariance of the scan that rests on few patches.

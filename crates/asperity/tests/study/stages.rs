@@ -38,6 +38,22 @@ fn run(text: &str, folder: &Path, threads: usize) -> Outcome {
     pool.install(|| run_in(folder, text, None)).unwrap()
 }
 
+#[test]
+#[ignore = "slow"]
+fn one_and_two_threads_give_the_same_bytes_from_a_scan_to_the_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scan(folder.path(), 0.5e-6, 20e-6);
+    let uncertain = STUDY.replace("damping_ratio = 0.17", "damping_ratio = \"0.17 ± 0.02\"");
+    let text = format!("{uncertain}\n[verdict]\nhalf_width = 0.1\nevaluations = 1000\n");
+    let [one, two] = [1, 2].map(|threads| run(&text, folder.path(), threads));
+    assert!(one.results.verdict.is_some() && one.results.friction.is_some());
+    assert_eq!(json_bytes(&one.results).unwrap(), json_bytes(&two.results).unwrap());
+    assert_eq!(one.tables.len(), two.tables.len());
+    for (name, table) in &one.tables {
+        assert_eq!(table.to_csv().unwrap(), two.tables[name].to_csv().unwrap(), "{name}");
+    }
+}
+
 /// Runs the first stage alone on the named scans.
 fn surface_of(folder: &Path, file: &str) -> Result<Outcome, StudyError> {
     run_in(folder, &STUDY.replace("\"scan.x3p\"", file), Some(Stage::Surface))

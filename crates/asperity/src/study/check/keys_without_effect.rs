@@ -3,8 +3,8 @@
 use asperity_results::keys::KEYS;
 use toml::{Table, Value};
 
-use super::pressure::compares_methods;
 use crate::map::BoundaryKind;
+use crate::pressure::PressureMethod;
 use crate::study::file::{CounterfaceSection, StudyFile, SurfaceSection};
 use crate::surface::SurfaceGenerator;
 
@@ -30,7 +30,11 @@ impl StudyFile {
         if self.pressure.as_ref().is_some_and(|p| p.boundary == BoundaryKind::Free && p.mean_compliance.is_some()) {
             keys.push(periodic_only("pressure"));
         }
-        if self.pressure.as_ref().is_some_and(|p| p.reference_samples.is_some() && !compares_methods(p)) {
+        if self
+            .pressure
+            .as_ref()
+            .is_some_and(|p| p.reference_samples.is_some() && !PressureMethod::are_compared(&p.methods))
+        {
             keys.push(
                 "[pressure] reference_samples has no effect unless `methods` lists others than \"default\"".into(),
             );

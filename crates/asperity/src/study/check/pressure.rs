@@ -9,7 +9,7 @@ use crate::friction::LevelControl;
 use crate::map::{BoundaryKind, Grid};
 use crate::pressure::PressureMethod;
 use crate::quantity::{Compliance, Pressure};
-use crate::study::file::{CounterfaceSection, PressureSection, StudyFile};
+use crate::study::file::{CounterfaceSection, StudyFile};
 
 const PRESSURE: &str = "pressure";
 /// Contact solutions of the reference if a study does not state them.
@@ -38,11 +38,6 @@ impl Material {
             Err(invalid(section, key, message))
         })
     }
-}
-
-/// Returns whether methods are compared with a reference.
-pub(super) fn compares_methods(section: &PressureSection) -> bool {
-    section.methods.iter().any(|method| *method != PressureMethod::Default)
 }
 
 /// Settings of the pressure stage: the pressure at one cell of random patches.
@@ -161,7 +156,7 @@ impl StudyFile {
             control,
             fine_solves: p.fine_solves,
             methods: PressureMethod::ALL.iter().copied().filter(|method| p.methods.contains(method)).collect(),
-            reference_samples: if compares_methods(p) { reference_samples } else { 0 },
+            reference_samples: if PressureMethod::are_compared(&p.methods) { reference_samples } else { 0 },
             variables: p.variables,
             degree: p.degree,
             stiffness: p.stiffness,
