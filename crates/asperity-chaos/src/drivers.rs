@@ -12,9 +12,9 @@
 //! // The variance 1 of x₀ and 4 of 2x₁.
 //! let input = |name| UncertainInput::new(name, Marginal::STANDARD_NORMAL, false);
 //! let inputs = UncertainInputs::new(vec![input("x0")?, input("x1")?], &[])?;
-//! let response = |z: &[f64]| {
-//!     let x = inputs.values(z);
-//!     x[0] + 2.0 * x[1]
+//! let response = |points: &[Vec<f64>]| {
+//!     let values = points.iter().map(|z| inputs.values(z));
+//!     values.map(|x| x[0] + 2.0 * x[1]).collect()
 //! };
 //! let drivers = PickFreeze::new(7).drivers(&inputs, &response)?;
 //! assert!((drivers.total[0].value - 0.2).abs() < 0.01 && (drivers.first_order[1].value - 0.8).abs() < 0.01);
@@ -47,6 +47,9 @@ pub use unknowns::{NestedSampling, ProbabilityOverUnknowns, UnknownEffect};
 /// Largest number of inputs for which Shapley effects are computed from all subsets.
 const MAX_EXACT: usize = 8;
 
+/// Response at points of independent standard normal variables.
+type Response<'a> = dyn Fn(&[Vec<f64>]) -> Vec<f64> + Sync + 'a;
+
 /// Pick-freeze estimates from 16 independent randomisations of a design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PickFreeze {
@@ -78,8 +81,8 @@ impl PickFreeze {
         Self { method: SamplingMethod::Sobol, points: 1024, seed }
     }
 
-    /// Estimates the drivers of a response to independent standard normal variables z, one per input; the response uses
-    /// [`UncertainInputs::values`] for the values of the inputs.
+    /// Estimates the drivers of a response to independent standard normal variables z, one per input; the response returns its
+    /// values at several points, and uses [`UncertainInputs::values`] for the values of the inputs.
     ///
     /// A point of n independent inputs takes 2n + 1 evaluations. Dependent inputs take one evaluation for each of the
     /// 2ⁿ − 1 subsets if n ≤ 8; for more inputs, random permutations give the Shapley effects with n further evaluations.
@@ -90,20 +93,15 @@ impl PickFreeze {
     /// # References
     /// Song, Nelson & Staum, *SIAM/ASA J. Uncertain. Quantif.* **4** (2016) 1060, <https://doi.org/10.1137/15M1048070>
     /// (permutations).
-    pub fn drivers(
-        &self,
-        inputs: &UncertainInputs,
-        response: &(dyn Fn(&[f64]) -> f64 + Sync),
-    ) -> Result<Drivers, DriverError> {
+    pub fn drivers(&self, inputs: &UncertainInputs, response: &Response<'_>) -> Result<Drivers, DriverError> {
         let n = inputs.inputs().len();
         if n > MAX_INPUTS {
             return Err(DriverError::TooManyInputs { inputs: n });
         }
         let design = Design::new(self.method, self.seed, "chaos/drivers", self.points, 2 * n)?;
         let replicates = Replicates::new(&design)?;
-        // Differences from one value of the response avoid cancellation in its variance.
-        let origin = finite(response, &vec![0.0; n])?;
-        let centred = |z: &[f64]| finite(response, z).map(|value| value - origin);
+        let origin = finite(response, &[vec![0.0; n]])?[0];
+        let centred = Centred { response, origin };
         let exact = inputs.is_dependent() && n <= MAX_EXACT;
         let subsets = if exact { Subsets::all(inputs) } else { Subsets::single(inputs) };
         let sums = replicates.sums(subsets.width(), |point, sums| subsets.add(point, &centred, sums))?;
@@ -134,11 +132,28 @@ fn clipped(
     SampleEstimate { value, standard_error, interval: Interval { low, high } }
 }
 
+/// Differences of a response from its value at one point, which avoid cancellation in its variance.
+struct Centred<'a> {
+    response: &'a Response<'a>,
+    origin: f64,
+}
+
+impl Centred<'_> {
+    fn at(&self, points: &[Vec<f64>]) -> Result<Vec<f64>, DriverError> {
+        let mut values = finite(self.response, points)?;
+        values.iter_mut().for_each(|value| *value -= self.origin);
+        Ok(values)
+    }
+}
+
 /// Evaluates a response.
 ///
 /// # Errors
-/// The value is not finite.
-fn finite(response: &(dyn Fn(&[f64]) -> f64 + Sync), z: &[f64]) -> Result<f64, DriverError> {
-    let value = response(z);
-    if value.is_finite() { Ok(value) } else { Err(DriverError::NotFinite { value, z: z.to_vec() }) }
+/// A value is not finite.
+fn finite(response: &Response<'_>, points: &[Vec<f64>]) -> Result<Vec<f64>, DriverError> {
+    let values = response(points);
+    match values.iter().zip(points).find(|(value, _)| !value.is_finite()) {
+        Some((value, z)) => Err(DriverError::NotFinite { value: *value, z: z.clone() }),
+        None => Ok(values),
+    }
 }

@@ -76,6 +76,10 @@ impl Expansion {
     pub fn evaluate_many<G: AsRef<[f64]> + Sync>(&self, xi_samples: &[G]) -> Vec<f64> {
         self.check(xi_samples);
         let mut values = vec![0.0; xi_samples.len()];
+        if xi_samples.len() <= BLOCK {
+            self.evaluate_block(xi_samples, &mut values, &mut Scratch::default());
+            return values;
+        }
         let items = xi_samples.chunks(BLOCK).zip(values.chunks_mut(BLOCK));
         blocks::for_each_with(items, Scratch::default, |scratch, (xi_samples, values)| {
             self.evaluate_block(xi_samples, values, scratch)

@@ -1,5 +1,7 @@
 //! Damping ratios at which the stick-slip cycle ends and at which steady sliding becomes stable.
 
+use std::f64::consts::{PI, TAU};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +12,10 @@ use super::{Oscillator, VibrationError};
 
 /// Upper end of the search for the damping ratio.
 const MAX_DAMPING: f64 = 1e3;
+/// Least start of the search.
+const LEAST_GUESS: f64 = 0.01;
+/// Points of half a turn in the averaging.
+const NODES: usize = 12;
 
 /// Damping ratios that separate stick-slip from steady sliding.
 ///
@@ -27,8 +33,8 @@ pub struct CriticalDamping {
 /// Returns ζ_c and ζ_H of an oscillator, ignoring its own damping ratio and forcing.
 ///
 /// ζ_c is the damping ratio at which the least relative velocity on the slip orbit from a detachment is zero. The orbit
-/// is continued smoothly below zero, and the zero is found by Newton's method with the derivative of the orbit.
-/// First-order averaging of the paper's law gives ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
+/// is continued smoothly below zero, and the zero is sought from that of first-order averaging, for the paper's law
+/// ζ_c ≈ μ_st/(aV²)·[(1+aV)/√(1+2aV) − 1].
 pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, VibrationError> {
     let weakening = oscillator.law().weakening(oscillator.belt_velocity());
     let hopf_damping_ratio = 0.5 * weakening;
@@ -43,7 +49,7 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
         return Err(too_large);
     }
     let free = oscillator.with_forcing(None)?;
-    let guess = if hopf_damping_ratio > 0.0 { hopf_damping_ratio } else { 0.01 };
+    let guess = averaged_damping(&free).clamp(LEAST_GUESS, MAX_DAMPING);
     let critical_damping_ratio = match grazing_damping(&free, 0.0, guess, MAX_DAMPING)? {
         Some(damping) => damping,
         // Friction that rises with the speed damps the motion, or weakening and jump are below rounding.
@@ -51,6 +57,23 @@ pub fn critical_damping(oscillator: &Oscillator) -> Result<CriticalDamping, Vibr
         None => return Err(too_large),
     };
     Ok(CriticalDamping { critical_damping_ratio, hopf_damping_ratio })
+}
+
+/// Returns about the damping ratio at which the slip orbit from a detachment touches the belt velocity.
+///
+/// With the jump J of friction over the belt velocity, the orbit W = 1 − a cos θ has the amplitude √(1 + J²) at first
+/// and 1 at its end. In one turn friction of the slope g = −dμ/d|v| adds the energy ∫ g W′² dθ, and damping takes
+/// 2ζ ∫ W′² dθ.
+fn averaged_damping(oscillator: &Oscillator) -> f64 {
+    let (law, belt_velocity) = (oscillator.law(), oscillator.belt_velocity());
+    let jump = (oscillator.static_friction() - law.kinetic()) / belt_velocity;
+    let amplitude = 0.5 * (1.0 + jump.hypot(1.0));
+    let gained = |node: usize| {
+        let theta = PI * (node as f64 + 0.5) / NODES as f64;
+        let speed = (1.0 - amplitude * theta.cos()).max(0.0);
+        law.weakening(belt_velocity * speed) * theta.sin().powi(2)
+    };
+    jump.hypot(1.0).ln() / TAU + (0..NODES).map(gained).sum::<f64>() / NODES as f64
 }
 
 /// Returns ζ_v, the largest damping ratio at which any vibration persists, ignoring the oscillator's own damping ratio

@@ -6,6 +6,7 @@
 
 use rand::RngExt;
 
+use super::Centred;
 use super::error::DriverError;
 use super::replicates::Point;
 use crate::UncertainInputs;
@@ -46,26 +47,23 @@ impl<'a> Permutations<'a> {
     ///
     /// # Errors
     /// The error of the response.
-    pub(super) fn add(
-        &self,
-        point: &Point<'_>,
-        response: &dyn Fn(&[f64]) -> Result<f64, DriverError>,
-        sums: &mut [f64],
-    ) -> Result<(), DriverError> {
+    pub(super) fn add(&self, point: &Point<'_>, response: &Centred<'_>, sums: &mut [f64]) -> Result<(), DriverError> {
         let n = self.n();
         let order = self.order(point.index);
         let redraw = self.inputs.redraw(&order);
         let (effects, rest) = sums.split_at_mut(n);
         let (last, totals) = rest.split_at_mut(n);
-        let here = response(point.z)?;
+        let redrawn = (1..n).map(|count| redraw.last(count, point.z, point.fresh));
+        let points: Vec<Vec<f64>> = std::iter::once(point.z.to_vec()).chain(redrawn).collect();
+        let values = response.at(&points)?;
+        let here = values[0];
         let mut add = |value: f64| {
             totals.iter_mut().zip([1.0, value, value * value]).for_each(|(sum, term)| *sum += term);
         };
         add(here);
         let mut before = 0.0;
-        for count in 1..n {
-            let there = response(&redraw.last(count, point.z, point.fresh))?;
-            add(there);
+        for (count, there) in (1..n).zip(&values[1..]) {
+            add(*there);
             let added = 0.5 * (here - there).powi(2);
             effects[order[n - count]] += added - before;
             before = added;

@@ -3,6 +3,7 @@
 //! For a subset u, c(u) = E Var\[f | inputs outside u\]/Var f. The total index of input i is c({i}), and its first-order
 //! index is 1 − c(all but i). Its Shapley effect is the weighted sum of c(u ∪ {i}) − c(u) over the subsets u without i.
 
+use super::Centred;
 use super::error::DriverError;
 use super::replicates::Point;
 use crate::{Redraw, UncertainInputs};
@@ -55,20 +56,17 @@ impl Subsets {
     ///
     /// # Errors
     /// The error of the response.
-    pub(super) fn add(
-        &self,
-        point: &Point<'_>,
-        response: &dyn Fn(&[f64]) -> Result<f64, DriverError>,
-        sums: &mut [f64],
-    ) -> Result<(), DriverError> {
-        let here = response(point.z)?;
+    pub(super) fn add(&self, point: &Point<'_>, response: &Centred<'_>, sums: &mut [f64]) -> Result<(), DriverError> {
+        let redrawn = self.sets.iter().zip(&self.redraws);
+        let redrawn = redrawn.map(|(set, redraw)| redraw.last(set.count_ones() as usize, point.z, point.fresh));
+        let points: Vec<Vec<f64>> = std::iter::once(point.z.to_vec()).chain(redrawn).collect();
+        let values = response.at(&points)?;
+        let here = values[0];
         let mut add = |column: usize, there: f64| {
             let terms = [0.5 * (here - there).powi(2), 0.5 * (here + there), 0.5 * (here * here + there * there), 1.0];
             sums[SUMS * column..][..SUMS].iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         };
-        for (column, (set, redraw)) in self.sets.iter().zip(&self.redraws).enumerate() {
-            add(column, response(&redraw.last(set.count_ones() as usize, point.z, point.fresh))?);
-        }
+        values[1..].iter().enumerate().for_each(|(column, there)| add(column, *there));
         add(self.sets.len(), here);
         Ok(())
     }

@@ -5,6 +5,11 @@ use crate::UncertainInput;
 use asperity_base::distribution::{Marginal, standard_normal_cdf};
 use std::f64::consts::PI;
 
+/// Returns the response of single points at several.
+fn each(response: impl Fn(&[f64]) -> f64 + Sync) -> impl Fn(&[Vec<f64>]) -> Vec<f64> + Sync {
+    move |points| points.iter().map(|z| response(z)).collect()
+}
+
 /// Returns independent inputs with these distributions.
 fn independent(texts: &[&str]) -> UncertainInputs {
     dependent(texts, &[])
@@ -44,12 +49,12 @@ fn machine() -> UncertainInputs {
 #[test]
 fn the_margin_and_the_event_of_a_linear_machine_have_their_closed_indices() {
     let inputs = machine();
-    let drivers = PickFreeze::new(1).drivers(&inputs, &|z| margin(&inputs.values(z))).unwrap();
+    let drivers = PickFreeze::new(1).drivers(&inputs, &each(|z| margin(&inputs.values(z)))).unwrap();
     check(&drivers.first_order, &[0.8, 0.2], 1e-12, 2e-3);
     check(&drivers.total, &[0.8, 0.2], 1e-12, 2e-3);
     assert_eq!(drivers.shapley, None);
     let event = |z: &[f64]| f64::from(u8::from(margin(&inputs.values(z)) < 0.0));
-    let drivers = PickFreeze::new(1).drivers(&inputs, &event).unwrap();
+    let drivers = PickFreeze::new(1).drivers(&inputs, &each(event)).unwrap();
     // To three digits, by quadrature in another program.
     check(&drivers.first_order, &[0.581, 0.121], 5e-4, 8e-3);
     check(&drivers.total, &[0.879, 0.419], 5e-4, 8e-3);
@@ -60,7 +65,7 @@ fn ishigami_has_its_closed_indices() {
     let inputs = independent(&["beta:1,1,-1,1"; 3]);
     let ishigami = |z: &[f64]| (ISHIGAMI.evaluate)(&inputs.values(z));
     for method in [SamplingMethod::Sobol, SamplingMethod::MonteCarlo] {
-        let drivers = PickFreeze { method, ..PickFreeze::new(2) }.drivers(&inputs, &ishigami).unwrap();
+        let drivers = PickFreeze { method, ..PickFreeze::new(2) }.drivers(&inputs, &each(ishigami)).unwrap();
         check(&drivers.first_order, ISHIGAMI.first, 1e-8, 0.015);
         check(&drivers.total, ISHIGAMI.total, 1e-8, 0.015);
     }
@@ -72,7 +77,7 @@ fn a_linear_response_to_correlated_normal_inputs_has_its_closed_drivers() {
     // Uncertain. Quantif. 9 (2019) 493, doi 10.1615/Int.J.UncertaintyQuantification.2019028372).
     let (rho, s) = (-0.6, 2.0);
     let inputs = dependent(&["normal", "normal", "normal:0,2"], &[(1, 2, spearman(rho))]);
-    let drivers = PickFreeze::new(3).drivers(&inputs, &|z| inputs.values(z).iter().sum()).unwrap();
+    let drivers = PickFreeze::new(3).drivers(&inputs, &each(|z| inputs.values(z).iter().sum())).unwrap();
     let variance = 2.0 + s * s + 2.0 * rho * s;
     let part = 0.5 * rho * rho * (s * s - 1.0);
     let exact = |terms: [f64; 3]| terms.map(|term| term / variance);
@@ -89,7 +94,7 @@ fn permutations_of_many_inputs_agree_with_the_closed_form() {
     let (rho, beta) = (0.7, [1.0, 2.0, 0.5, 0.5, 0.5, 0.5, 1.0, 1.0, 0.0]);
     let inputs = dependent(&["normal"; 9], &[(0, 1, spearman(rho))]);
     let linear = |z: &[f64]| inputs.values(z).iter().zip(beta).map(|(x, b)| b * x).sum();
-    let drivers = PickFreeze { points: 512, ..PickFreeze::new(4) }.drivers(&inputs, &linear).unwrap();
+    let drivers = PickFreeze { points: 512, ..PickFreeze::new(4) }.drivers(&inputs, &each(linear)).unwrap();
     let variance = beta.iter().map(|b| b * b).sum::<f64>() + 2.0 * rho * beta[0] * beta[1];
     let pair = |a: f64, b: f64| a * a * (1.0 - 0.5 * rho * rho) + rho * a * b + 0.5 * b * b * rho * rho;
     let mut exact: Vec<f64> = beta.iter().map(|b| b * b / variance).collect();
@@ -102,10 +107,10 @@ fn permutations_of_many_inputs_agree_with_the_closed_form() {
 
 #[test]
 fn one_input_explains_everything_and_an_idle_one_nothing() {
-    let single = PickFreeze::new(1).drivers(&independent(&["normal"]), &|z| z[0].powi(3)).unwrap();
+    let single = PickFreeze::new(1).drivers(&independent(&["normal"]), &each(|z| z[0].powi(3))).unwrap();
     assert_eq!((single.first_order[0].value, single.total[0].value), (1.0, 1.0));
     let inputs = independent(&["normal"; 2]);
-    let drivers = PickFreeze::new(1).drivers(&inputs, &|z| 5.0 + z[0]).unwrap();
+    let drivers = PickFreeze::new(1).drivers(&inputs, &each(|z| 5.0 + z[0])).unwrap();
     assert_eq!((drivers.first_order[0].value, drivers.total[1].interval), (1.0, Interval { low: 0.0, high: 0.0 }));
     assert!(drivers.first_order[1].interval.contains(0.0));
 }
@@ -114,12 +119,12 @@ fn one_input_explains_everything_and_an_idle_one_nothing() {
 fn a_response_without_variance_or_value_is_an_error() {
     let inputs = machine();
     let settings = PickFreeze { points: 32, ..PickFreeze::new(1) };
-    assert_eq!(settings.drivers(&inputs, &|_| 0.3), Err(DriverError::Constant));
-    let error = settings.drivers(&inputs, &|z| (z[0] + 1.0).sqrt()).unwrap_err();
+    assert_eq!(settings.drivers(&inputs, &each(|_| 0.3)), Err(DriverError::Constant));
+    let error = settings.drivers(&inputs, &each(|z| (z[0] + 1.0).sqrt())).unwrap_err();
     assert!(matches!(&error, DriverError::NotFinite { value, z } if value.is_nan() && z[0] < -1.0), "{error}");
-    assert!(matches!(settings.drivers(&independent(&[]), &|_| 1.0), Err(DriverError::Design(_))));
+    assert!(matches!(settings.drivers(&independent(&[]), &each(|_| 1.0)), Err(DriverError::Design(_))));
     assert_eq!(
-        settings.drivers(&independent(&["normal"; 65]), &|z| z[0]),
+        settings.drivers(&independent(&["normal"; 65]), &each(|z| z[0])),
         Err(DriverError::TooManyInputs { inputs: 65 })
     );
 }
@@ -131,7 +136,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
         let inputs = dependent(&["normal"; 9], &[(0, 1, 0.5), (3, 7, -0.2)]);
         let response = |z: &[f64]| inputs.values(z).iter().map(|x| x.exp()).sum();
         let settings = PickFreeze { points: 128, ..PickFreeze::new(5) };
-        pool.install(|| settings.drivers(&inputs, &response)).unwrap()
+        pool.install(|| settings.drivers(&inputs, &each(response))).unwrap()
     });
     let [one, three] = &mut found;
     assert_eq!(one, three);
@@ -148,7 +153,7 @@ fn coverage(
 ) -> f64 {
     let (mut held, seeds) = (0, repetitions(SEEDS));
     for seed in 0..seeds as u64 {
-        let drivers = PickFreeze { method, points: 64, seed }.drivers(inputs, &response).unwrap();
+        let drivers = PickFreeze { method, points: 64, seed }.drivers(inputs, &each(&response)).unwrap();
         held += estimates(drivers).iter().zip(exact).filter(|(e, exact)| e.interval.contains(**exact)).count();
     }
     covered(kind, &format!("{case}, {method:?}"), held, seeds * exact.len())
@@ -229,7 +234,7 @@ fn probabilities_over_unknowns_have_their_closed_form() {
     let rho: f64 = 0.4;
     for (inputs, rho) in [(unknowns(&[]), 0.0), (unknowns(&[(0, 1, spearman(rho))]), rho)] {
         let response = |z: &[f64]| linear(&inputs.values(z));
-        let found = NestedSampling::new(1).probability_over_unknowns(&inputs, &response).unwrap().unwrap();
+        let found = NestedSampling::new(1).probability_over_unknowns(&inputs, &each(response)).unwrap().unwrap();
         // Φ(−(0.5 + s g)/0.7) at the quantiles of g; the unknown part has the standard deviation s.
         let s = (1.0 + 2.0 * rho * 0.48).sqrt();
         for (found, g) in [(found.q05, z95), (found.q50, 0.0), (found.q95, -z95)] {
@@ -260,10 +265,10 @@ fn a_probability_without_varying_inputs_is_zero_or_one() {
     let input = UncertainInput::new("u", Marginal::STANDARD_NORMAL, true).unwrap();
     let inputs = UncertainInputs::new(vec![input], &[]).unwrap();
     let sampling = NestedSampling::new(1);
-    let found = sampling.probability_over_unknowns(&inputs, &|z| z[0] - 1.0).unwrap().unwrap();
+    let found = sampling.probability_over_unknowns(&inputs, &each(|z| z[0] - 1.0)).unwrap().unwrap();
     assert_eq!((found.q05, found.q50, found.q95), (0.0, 1.0, 1.0));
     let effect = found.effects[0];
     assert_eq!((effect.input, effect.probability_at_q05, effect.probability_at_q95), (0, 1.0, 0.0));
-    assert_eq!(sampling.probability_over_unknowns(&machine(), &|z| z[0]), Ok(None));
-    assert!(sampling.probability_over_unknowns(&inputs, &|z| z[0].ln()).is_err());
+    assert_eq!(sampling.probability_over_unknowns(&machine(), &each(|z| z[0])), Ok(None));
+    assert!(sampling.probability_over_unknowns(&inputs, &each(|z| z[0].ln())).is_err());
 }

@@ -1,6 +1,6 @@
 //! Probabilities over unknown inputs: how probable an event is, depending on values that are not known.
 
-use super::{DriverError, finite};
+use super::{DriverError, Response, finite};
 use crate::{Design, SamplingMethod, UncertainInputs};
 use asperity_base::blocks;
 
@@ -64,7 +64,7 @@ impl NestedSampling {
     pub fn probability_over_unknowns(
         &self,
         inputs: &UncertainInputs,
-        response: &(dyn Fn(&[f64]) -> f64 + Sync),
+        response: &Response<'_>,
     ) -> Result<Option<ProbabilityOverUnknowns>, DriverError> {
         let n = inputs.inputs().len();
         let (unknown, varying): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| inputs.inputs()[i].is_unknown());
@@ -72,21 +72,17 @@ impl NestedSampling {
             return Ok(None);
         }
         let outer = self.design("outer", self.outer, unknown.len())?;
-        let inner: Vec<Vec<f64>> = if varying.is_empty() {
-            vec![vec![]]
-        } else {
+        let mut inner = vec![vec![0.0; n]];
+        if !varying.is_empty() {
             let design = self.design("inner", self.inner, varying.len())?;
-            (0..self.inner).map(|k| design.xi(k)).collect()
-        };
+            inner.resize(self.inner, vec![0.0; n]);
+            let set = |(k, z): (usize, &mut Vec<f64>)| varying.iter().zip(design.xi(k)).for_each(|(&i, xi)| z[i] = xi);
+            inner.iter_mut().enumerate().for_each(set);
+        }
         let probability = |k: usize| {
-            let mut z = vec![0.0; n];
-            unknown.iter().zip(outer.xi(k)).for_each(|(&i, xi)| z[i] = xi);
-            let mut count = 0;
-            for xi in &inner {
-                varying.iter().zip(xi).for_each(|(&i, xi)| z[i] = *xi);
-                count += usize::from(finite(response, &z)? < 0.0);
-            }
-            Ok(count as f64 / inner.len() as f64)
+            let (mut points, outer) = (inner.clone(), outer.xi(k));
+            points.iter_mut().for_each(|z| unknown.iter().zip(&outer).for_each(|(&i, xi)| z[i] = *xi));
+            Ok(count_negative(&finite(response, &points)?) as f64 / points.len() as f64)
         };
         let mut probabilities = blocks::map::<_, Result<Vec<f64>, DriverError>>(0..self.outer, probability)?;
         probabilities.sort_by(f64::total_cmp);
@@ -101,7 +97,7 @@ impl NestedSampling {
         &self,
         inputs: &UncertainInputs,
         input: usize,
-        response: &(dyn Fn(&[f64]) -> f64 + Sync),
+        response: &Response<'_>,
     ) -> Result<UnknownEffect, DriverError> {
         let n = inputs.inputs().len();
         let design = self.design("effects", EFFECT_POINTS, n)?;
@@ -110,11 +106,8 @@ impl NestedSampling {
         let probability_at = |quantile: f64| {
             let fixed = inputs.point_with(input, quantile);
             let block = |number: usize| {
-                let mut count = 0;
-                for k in number * BLOCK..(number + 1) * BLOCK {
-                    count += usize::from(finite(response, &redraw.last(n - 1, &fixed, &design.xi(k)))? < 0.0);
-                }
-                Ok(count)
+                let points = (number * BLOCK..(number + 1) * BLOCK).map(|k| redraw.last(n - 1, &fixed, &design.xi(k)));
+                Ok(count_negative(&finite(response, &points.collect::<Vec<_>>())?))
             };
             let counts = blocks::map::<_, Result<Vec<usize>, DriverError>>(0..EFFECT_POINTS / BLOCK, block)?;
             Ok::<f64, DriverError>(counts.iter().sum::<usize>() as f64 / EFFECT_POINTS as f64)
@@ -129,4 +122,8 @@ impl NestedSampling {
     fn design(&self, stage: &str, points: usize, dimensions: usize) -> Result<Design, DriverError> {
         Ok(Design::new(self.method, self.seed, &format!("chaos/unknowns/{stage}"), points, dimensions)?)
     }
+}
+
+fn count_negative(values: &[f64]) -> usize {
+    values.iter().filter(|value| **value < 0.0).count()
 }

@@ -1,10 +1,12 @@
 //! Slip orbit that touches the belt velocity, and its derivatives.
 
+use std::f64::consts::TAU;
+
 use super::super::scaled_forcing::ScaledForcing;
-use super::super::slip_orbit::{Minimum, first_minimum_from};
+use super::super::slip_orbit::{Minimum, first_minimum, first_minimum_from};
 use super::super::{Oscillator, VibrationError};
 use super::tangent::Linear;
-use asperity_base::numeric::newton_between;
+use asperity_base::numeric::try_root_between;
 
 /// Least W of the slip orbit from a detachment, with derivatives with respect to ζ and to the time of the detachment.
 #[derive(Debug, Clone, Copy)]
@@ -50,24 +52,20 @@ pub(crate) fn grazing_damping(
     most: f64,
 ) -> Result<Option<f64>, VibrationError> {
     // An orbit without a minimum does not reach the belt velocity.
-    let least = |damping: f64| -> Result<(f64, f64), VibrationError> {
-        Ok(graze(&oscillator.with_damping(damping)?, tau)?.map_or((1.0, 0.0), |g| (g.minimum.w, g.w_by[0])))
+    let least = |damping: f64| -> Result<f64, VibrationError> {
+        Ok(first_minimum(&oscillator.with_damping(damping)?, tau)?.map_or(1.0, |minimum| minimum.w))
     };
-    let (at_guess, slope) = least(guess)?;
-    if at_guess > 0.0 {
-        if least(0.0)?.0 >= 0.0 {
-            return Ok(None);
+    let mut near = [guess, least(guess)?];
+    // An orbit of one turn ends higher by some 2π per damping ratio. A longer step passes the root of a good guess.
+    let mut step = 1.2 * near[1].abs() / TAU;
+    while near[0] > 0.0 && near[0] < most {
+        let damping = if near[1] > 0.0 { (near[0] - step).max(0.0) } else { (near[0] + step).min(most) };
+        let next = [damping, least(damping)?];
+        if near[1] <= 0.0 && next[1] > 0.0 || near[1] > 0.0 && next[1] < 0.0 {
+            return try_root_between(least, near, next, 0.0);
         }
-        return newton_between(least, 0.0, guess, guess - at_guess / slope).map(Some);
-    }
-    let mut low = guess;
-    while low < most {
-        let high = f64::min(1.5 * low, most);
-        let (at_high, slope) = least(high)?;
-        if at_high > 0.0 {
-            return newton_between(least, low, high, high - at_high / slope).map(Some);
-        }
-        low = high;
+        step *= 2.0;
+        near = next;
     }
     Ok(None)
 }

@@ -365,7 +365,7 @@ impl Campaign {
             let answer = |study: &Study| {
                 let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
                 let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;
-                let damping = study.vibration.as_ref().map(|vibration| vibration.damping_ratio);
+                let damping = study.vibration.as_ref().map(|vibration| vibration.machine.damping_ratio);
                 Ok((answers(&found.0, found.1.as_ref(), damping), found.0.warnings))
             };
             let found = on(alone(count), || study.as_ref().map_err(String::clone).and_then(answer));
@@ -424,8 +424,9 @@ impl Campaign {
         let names: Vec<&str> = self.factors.iter().flat_map(Factor::keys).map(|key| &key.name[..]).collect();
         let varied = SCALES.iter().find(|key| names.contains(key))?;
         let study = (0..self.members()).find_map(|member| self.member(member).ok())?;
-        let vibration = study.vibration.as_ref().filter(|vibration| vibration.coupled.is_none())?;
-        let law = vibration.dimensionless_rate.filter(|_| !matches!(vibration.friction, FrictionSource::File(_)));
+        let vibration = study.vibration.as_ref().filter(|vibration| vibration.machine.coupled.is_none())?;
+        let law =
+            vibration.dimensionless_rate.filter(|_| !matches!(vibration.machine.friction, FrictionSource::File(_)));
         let velocity = study.file().vibration.as_ref().and_then(|file| file.dimensionless_belt_velocity.as_ref());
         let keys = law.map(|(key, _)| key).into_iter().chain(velocity.map(|_| "dimensionless_belt_velocity"));
         let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();

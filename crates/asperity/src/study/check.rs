@@ -23,7 +23,7 @@ pub use invalid_value::InvalidValue;
 pub(super) use pressure::PressureStudy;
 pub(super) use surface::SurfaceStudy;
 pub(super) use verdict::{RemedyStudy, VerdictStudy};
-pub(super) use vibration_study::{FrictionSource, VibrationStudy};
+pub(super) use vibration_study::{FrictionSource, MachineInputs, VibrationStudy};
 
 /// Study with checked values, made from a [`StudyFile`].
 #[derive(Debug, Clone)]
@@ -80,7 +80,7 @@ impl StudyFile {
         let body = self.check_body(friction.as_ref(), vibration.as_ref())?;
         let friction = friction.map(|friction| FrictionStudy { body, ..friction });
         let file = self.with_defaults(friction.as_ref(), vibration.as_ref());
-        let verdict = file.check_verdict(friction.as_ref())?;
+        let verdict = file.check_verdict(friction.as_ref(), vibration.as_ref())?;
         Ok(Study { file, surface, counterface, pressure, friction, vibration, verdict })
     }
 
@@ -125,8 +125,8 @@ impl StudyFile {
             section.body = Some(study.body);
         }
         if let (Some(section), Some(study)) = (&mut self.vibration, vibration) {
-            section.stribeck = study.stribeck;
-            if let Some(coupled) = study.coupled {
+            section.stribeck = study.machine.stribeck;
+            if let Some(coupled) = study.machine.coupled {
                 section.spring_angles = Some(coupled.angles_deg);
                 section.springs = Some(coupled.springs);
                 section.contact_spring = Some(coupled.contact_spring);

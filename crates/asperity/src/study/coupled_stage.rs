@@ -47,7 +47,7 @@ pub fn modes_table(scan: &EigenvalueScan) -> Table {
 
 /// Computes the stability of steady sliding and the vibration that follows. `model` is the machine with this friction.
 pub(super) fn run(study: &VibrationStudy, model: &Model, window: &WindowFriction) -> Result<CoupledStage, StudyError> {
-    let (scales, friction) = (&study.scales, model.sliding_friction());
+    let (scales, friction) = (&study.machine.scales, model.sliding_friction());
     let hertz = |frequency: f64| frequency / (std::f64::consts::TAU * scales.time_s());
     let critical = onset(model)?;
     let kind = instability_result(instability(model)?);
@@ -61,7 +61,7 @@ pub(super) fn run(study: &VibrationStudy, model: &Model, window: &WindowFriction
     };
     let contact_spring = model.parameters().contact_stiffness;
     let result = ModeCouplingResult {
-        damping_ratio: study.damping_ratio,
+        damping_ratio: study.machine.damping_ratio,
         belt_velocity: model.belt_velocity(),
         friction,
         stiffness: model.stiffness(),
@@ -96,7 +96,7 @@ fn sentences(study: &VibrationStudy, window: &WindowFriction, result: &ModeCoupl
         window.origin,
         sentence::digits(result.friction)
     )];
-    if study.coupled.is_some_and(|coupled| coupled.contact_spring == ContactSpring::Surface) {
+    if study.machine.coupled.is_some_and(|coupled| coupled.contact_spring == ContactSpring::Surface) {
         sentences.push("The contact spring is the stiffness of the rough contact over the nominal area.".into());
     }
     if window.std > 0.0 {

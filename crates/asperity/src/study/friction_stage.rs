@@ -36,7 +36,7 @@ const NOMINAL_AREA: Area = Area(833e-6);
 impl Study {
     /// Returns the nominal area that `[friction]` or `[vibration]` states.
     pub(super) fn stated_nominal_area(&self) -> Option<Area> {
-        let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.nominal_area);
+        let of_vibration = || self.vibration.as_ref().map(|vibration| vibration.machine.nominal_area);
         self.friction.as_ref().and_then(|friction| friction.nominal_area).or_else(of_vibration)
     }
 }

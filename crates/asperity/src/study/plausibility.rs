@@ -91,20 +91,20 @@ impl Study {
         let coulomb = file.friction.as_ref().filter(|f| f.law == WindowLawKind::Coulomb).and_then(|f| f.coefficient);
         warnings.extend(coulomb.and_then(implausible_friction).map(|warning| format!("[friction] {warning}")));
         if let Some(v) = &self.vibration {
-            let stated = match &v.friction {
+            let stated = match &v.machine.friction {
                 FrictionSource::Stated(friction) => implausible_friction(friction.mean),
                 FrictionSource::Computed(_) | FrictionSource::File(_) => None,
             };
-            let found = [stated, implausible_damping(v.damping_ratio)];
+            let found = [stated, implausible_damping(v.machine.damping_ratio)];
             warnings.extend(found.into_iter().flatten().map(|warning| format!("[vibration] {warning}")));
             // A measured process may have another distribution.
-            warnings.extend(v.load_warning().filter(|_| !matches!(v.friction, FrictionSource::File(_))));
-            let nominal_pa = v.nominal_contact().pressure_pa;
+            warnings.extend(v.load_warning().filter(|_| !matches!(v.machine.friction, FrictionSource::File(_))));
+            let nominal_pa = v.machine.nominal_contact().pressure_pa;
             if let Some(hardness) = file.hardness().filter(|hardness| nominal_pa >= hardness.0) {
                 warnings.push(format!(
                     "[vibration] the normal force {} presses the nominal area {} with {}, which is not below the hardness {hardness}",
-                    v.normal_force,
-                    v.nominal_area,
+                    v.machine.normal_force,
+                    v.machine.nominal_area,
                     si(nominal_pa, "Pa")
                 ));
             }

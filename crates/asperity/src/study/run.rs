@@ -30,7 +30,7 @@ impl Study {
 
     /// Returns the file of the friction process that the study reads, `folder` being the folder of the study file.
     pub fn friction_process_path(&self, folder: &Path) -> Option<PathBuf> {
-        match &self.vibration.as_ref()?.friction {
+        match &self.vibration.as_ref()?.machine.friction {
             FrictionSource::File(file) => Some(folder.join(file)),
             FrictionSource::Computed(_) | FrictionSource::Stated(_) => None,
         }
@@ -48,12 +48,10 @@ impl Study {
 
     /// Returns the level at which friction drives the vibration.
     pub(super) fn operating_level(&self) -> OperatingLevel {
-        match &self.vibration {
-            None => OperatingLevel::Deepest,
-            Some(VibrationStudy { friction: FrictionSource::Computed(Some(percentile)), .. }) => {
-                OperatingLevel::Percentile(*percentile)
-            }
-            Some(vibration) => OperatingLevel::NominalPressure(vibration.nominal_contact().pressure_pa),
+        let Some(VibrationStudy { machine, .. }) = &self.vibration else { return OperatingLevel::Deepest };
+        match machine.friction {
+            FrictionSource::Computed(Some(percentile)) => OperatingLevel::Percentile(percentile),
+            _ => OperatingLevel::NominalPressure(machine.nominal_contact().pressure_pa),
         }
     }
 
@@ -74,14 +72,14 @@ impl Study {
     /// Returns the friction that the study states or reads; `None` if its friction stage computes it.
     fn known_friction(&self, folder: &Path) -> Result<Option<WindowFriction>, StudyError> {
         let Some(vibration) = &self.vibration else { return Ok(None) };
-        let (nominal, stribeck) = (vibration.nominal_contact(), vibration.dimensionless_stribeck());
-        Ok(match &vibration.friction {
+        let (nominal, stribeck) = (vibration.machine.nominal_contact(), vibration.machine.dimensionless_stribeck());
+        Ok(match &vibration.machine.friction {
             FrictionSource::Computed(_) => None,
             FrictionSource::File(file) => {
                 let process = friction_process::read(&folder.join(file), file)?;
                 // The folder of a run states the absolute path, so results contain the name alone.
                 let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let unit_m_per_s = vibration.scales.velocity_m_per_s();
+                let unit_m_per_s = vibration.machine.scales.velocity_m_per_s();
                 let mut found = WindowFriction::from_process(&process, &name, nominal, stribeck, unit_m_per_s);
                 if found.stribeck != stribeck && self.varies("vibration.stribeck") {
                     let stated = sentence::digits(found.stribeck.unwrap_or_default() / unit_m_per_s);
@@ -104,7 +102,7 @@ impl Study {
     fn known_warnings(&self, known: Option<&mut WindowFriction>) -> Result<Vec<String>, StudyError> {
         let mut warnings = self.warnings();
         if let (Some(section), Some(known)) = (&self.vibration, known) {
-            if section.coupled.is_none() {
+            if section.machine.coupled.is_none() {
                 vibration_stage::refuse_clipping(section, known)?;
             }
             warnings.append(&mut known.warnings);
@@ -194,9 +192,10 @@ impl Study {
     /// Returns a key of all inputs of the friction stage and the stages before it, if the friction of the machine is computed.
     pub(super) fn friction_key(&self, folder: &Path) -> Option<String> {
         let vibration = self.vibration.as_ref()?;
-        let FrictionSource::Computed(_) = vibration.friction else { return None };
+        let FrictionSource::Computed(_) = vibration.machine.friction else { return None };
         let (_, friction) = (self.surface.as_ref()?, self.friction.as_ref()?);
-        let of_machine = (self.operating_level(), self.stated_nominal_area(), vibration.nominal_contact(), self.seed());
+        let of_machine =
+            (self.operating_level(), self.stated_nominal_area(), vibration.machine.nominal_contact(), self.seed());
         key_of(&(bodies_text(self.file()).ok()?, self.scan_paths(folder), friction, of_machine)).ok()
     }
 
@@ -212,7 +211,7 @@ impl Study {
         let stage = self.run_friction(&stages, "", &surface, &mut gathered)?;
         let (level, body) = stage.ok_or(StudyError::NoStage(Stage::Friction.name()))?;
         // The Stribeck coefficient is that of each machine.
-        let window = WindowFriction::from_level(&level, body, vibration.nominal_contact(), None);
+        let window = WindowFriction::from_level(&level, body, vibration.machine.nominal_contact(), None);
         Ok(SharedFriction { window, warnings: gathered.results.warnings })
     }
 
@@ -250,10 +249,9 @@ impl Study {
         let stage = stage.ok_or(StudyError::Incomplete)?;
         gathered.add(stage.output);
         gathered.results.friction = Some(stage.result);
-        let stribeck_s_per_m = self
-            .vibration
-            .as_ref()
-            .and_then(|vibration| Some(vibration.stribeck?.s_per_m(vibration.scales.velocity_m_per_s())));
+        let stribeck_s_per_m = self.vibration.as_ref().and_then(|vibration| {
+            Some(vibration.machine.stribeck?.s_per_m(vibration.machine.scales.velocity_m_per_s()))
+        });
         // The file of a process cannot state differences between parts.
         let process = (study.body == RoughBody::Track).then(|| stage.level.fitted_process(stribeck_s_per_m));
         match process.transpose() {
@@ -291,14 +289,14 @@ impl Study {
         window: &WindowFriction,
         gathered: &mut Gathered,
     ) -> Result<(), StudyError> {
-        if let Some(model) = study.coupled_model(window.mean, window.stiffness_pa_per_m) {
+        if let Some(model) = study.machine.coupled_model(window.mean, window.stiffness_pa_per_m) {
             let stage = coupled_stage::run(study, &model?, window)?;
             gathered.add(stage.output);
             gathered.results.mode_coupling = Some(stage.result);
             return Ok(());
         }
         let mut own = study.clone();
-        if let FrictionSource::File(file) = &mut own.friction {
+        if let FrictionSource::File(file) = &mut own.machine.friction {
             // The friction of the file is that of the window.
             *file = PathBuf::new();
         }
@@ -362,7 +360,7 @@ impl Study {
         };
         let mut window = None;
         if let Some(study) = self.vibration.as_ref().filter(|_| drives) {
-            let (nominal, stribeck) = (study.nominal_contact(), study.dimensionless_stribeck());
+            let (nominal, stribeck) = (study.machine.nominal_contact(), study.machine.dimensionless_stribeck());
             let given = given.map(|given| WindowFriction { stribeck, ..given.window.clone() });
             let computed = friction.map(|(level, body)| WindowFriction::from_level(&level, body, nominal, stribeck));
             window = known.or(given).or(computed);

@@ -128,7 +128,7 @@ pub(super) fn run(
         first_failure,
         duration_s: judge.duration_s,
         leaves_out_fluctuation: judge.friction_fluctuates && judge.is_coupled,
-        nominal: nominal.dynamics.nominal(vibrates, &nominal.study.scales)?,
+        nominal: nominal.dynamics.nominal(vibrates, &nominal.inputs.scales)?,
         if_vibrating: vibrating_machines(&machines, sampled, monitor)?,
         margin_quantiles: margin_quantiles(sampled),
         remedies,

@@ -47,12 +47,14 @@ pub(super) fn run(
     let (paper, paper_ensemble) = ensembles.run(Upscaling::Paper, monitor, &mut warnings)?;
     let (area, area_ensemble) = ensembles.run(Upscaling::Area, monitor, &mut warnings)?;
     // For a study without a measured process, the study file alone decides.
-    let is_stated = || window.stribeck == study.dimensionless_stribeck();
-    warnings.extend(study.load_warning().filter(|_| matches!(study.friction, FrictionSource::File(_)) && is_stated()));
+    let is_stated = || window.stribeck == study.machine.dimensionless_stribeck();
+    warnings.extend(
+        study.load_warning().filter(|_| matches!(study.machine.friction, FrictionSource::File(_)) && is_stated()),
+    );
     let critical = found_or_none(critical_damping(&oscillator))?;
     let free = oscillator.forcing().is_none();
     let regime = limit_cycle(&oscillator)?;
-    let velocity_scale = study.scales.velocity_m_per_s();
+    let velocity_scale = study.machine.scales.velocity_m_per_s();
     let kick = if free { found_or_none(smallest_kick(&oscillator))?.flatten() } else { None };
     let mut tables = vec![("cycles_over_damping", damping_table(&paper, &area))];
     tables.extend(ensembles.portraits(monitor)?);
@@ -74,7 +76,7 @@ pub(super) fn run(
     }
     let (assumptions, machine) = (ensembles.sentences(), has_path.then(|| ensembles.machine()));
     let result = VibrationResult {
-        damping_ratio: study.damping_ratio,
+        damping_ratio: study.machine.damping_ratio,
         belt_velocity: oscillator.belt_velocity(),
         static_friction: window.mean,
         level_percentile: window.level_percentile,
@@ -90,7 +92,7 @@ pub(super) fn run(
         steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
         kick_m_per_s: kick.map(|kick| kick * velocity_scale),
         cycle: cycle_result(oscillator.damping_ratio(), &regime),
-        upscaling: study.upscaling.name().into(),
+        upscaling: study.machine.upscaling.name().into(),
         map,
         paper,
         area,

@@ -62,8 +62,8 @@ impl Default for RecordHistory {
 /// Correlation of a record, estimated together with its observation model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedLengths {
-    /// Both families, each with its most likely observation model. Their ln L is reduced by half the gain that this
-    /// model had to have.
+    /// Both families, each with an observation model. Their ln L is the largest of all observation models, because a
+    /// family with the wrong one may be less likely than the other family.
     pub families: FamilyFits,
     /// Observation model of the chosen family.
     pub observation: Observation,
@@ -159,8 +159,8 @@ impl Candidates<'_> {
         for other in scores.iter().filter(alike) {
             interval = interval.around(fit(*other)?.interval);
         }
-        let log_likelihood = found.log_likelihood - cost(best.0, best.1);
-        Ok(LengthFit { interval, log_likelihood, ..found })
+        let likelihoods = scores.iter().map(|(observation, noise, score)| score + cost(*observation, *noise));
+        Ok(LengthFit { interval, log_likelihood: likelihoods.fold(f64::NEG_INFINITY, f64::max), ..found })
     }
 }
 

@@ -63,7 +63,8 @@ impl StudyFile {
                 format!("law = \"{law}\" requires a smooth counterface: the slopes of the harder body alone plough");
             return Err(invalid("friction", "law", message));
         }
-        let computed = vibration.is_some_and(|vibration| matches!(vibration.friction, FrictionSource::Computed(_)));
+        let computed =
+            vibration.is_some_and(|vibration| matches!(vibration.machine.friction, FrictionSource::Computed(_)));
         if computed && friction.is_some_and(|friction| friction.boundary == BoundaryKind::Free) {
             let message = "found \"free\", but [vibration] with two rough bodies requires strips along which the track can move: \
                            state boundary = \"periodic\"";

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::FrictionStudy;
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
+use super::{FrictionStudy, VibrationStudy};
 use crate::chaos::{UncertainInput, UncertainInputs};
 use crate::study::StudyFile;
 use crate::study::file::{Hold, RemedySection, VerdictSection};
@@ -30,8 +30,8 @@ pub(in crate::study) struct VerdictStudy {
     pub(in crate::study) proportional: Option<Place>,
     /// Whether the verdict counts what the scans leave uncertain of both bodies.
     pub(in crate::study) scan_errors: bool,
-    /// Duration T; `None` for the duration of the vibration stage.
-    pub(in crate::study) duration_s: Option<f64>,
+    /// Duration T.
+    pub(in crate::study) duration_s: f64,
     /// Fraction of the time above which a machine counts as vibrating.
     pub(in crate::study) threshold: f64,
     pub(in crate::study) remedies: Vec<RemedyStudy>,
@@ -67,13 +67,17 @@ impl VerdictStudy {
 
 impl StudyFile {
     /// Checks the verdict; `None` for a study without vibration.
-    pub(super) fn check_verdict(&self, friction: Option<&FrictionStudy>) -> Result<Option<VerdictStudy>, InvalidValue> {
-        if self.vibration.is_none() {
+    pub(super) fn check_verdict(
+        &self,
+        friction: Option<&FrictionStudy>,
+        vibration: Option<&VibrationStudy>,
+    ) -> Result<Option<VerdictStudy>, InvalidValue> {
+        let Some(vibration) = vibration else {
             return match &self.verdict {
                 Some(_) => Err(invalid(SECTION, "remedies", "a verdict requires [vibration]")),
                 None => Ok(None),
             };
-        }
+        };
         let inputs = self.joint_inputs()?;
         let central = Point::central(self);
         let stated = self.verdict.clone().unwrap_or_default();
@@ -104,7 +108,7 @@ impl StudyFile {
             inputs,
             places: self.uncertain.iter().map(UncertainValue::place).collect(),
             scan_errors: self.uncertainty.as_ref().is_none_or(|section| section.surface),
-            duration_s: duration.map(|duration| duration.0),
+            duration_s: duration.map_or_else(|| vibration.duration_s(), |duration| duration.0),
             threshold,
             remedies,
             targets,

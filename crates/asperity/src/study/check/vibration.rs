@@ -1,12 +1,11 @@
 //! Checks of `[vibration]`.
 
-use asperity_base::choice::ByName;
 use asperity_results::keys::{self, Key};
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use super::mode_coupling::check_springs;
 use super::stated_law::split;
-use super::vibration_study::{FrictionSource, SECTION, VibrationStudy};
+use super::vibration_study::{FrictionSource, MachineInputs, SECTION, VibrationStudy};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::StatedFriction;
 use crate::friction::process::Generator;
@@ -24,32 +23,13 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
 const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(keys::STRIBECK);
 
 impl StudyFile {
-    pub(in crate::study) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
+    pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
         let Some(v) = &self.vibration else { return Ok(None) };
-        let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
-            .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
-        let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
-            (Some(velocity), None) => velocity.0 / scales.velocity_m_per_s(),
-            (None, Some(value)) => value,
-            _ => {
-                let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
-                return Err(invalid(SECTION, "belt_velocity", message));
-            }
-        };
-        let coupled = self.check_coupled(v)?;
-        let (law, table) = (v.velocity_law, VelocityLawKind::Table);
-        let of_table = || (split(table.statement().inputs[0]).1, table.name());
-        let of_table = v.friction_table.as_ref().filter(|_| law != table).map(|_| of_table());
-        let of_other = self.unmet(SECTION, "velocity_law", law.name()).map(|(key, law)| (key.name, law));
-        if let Some((key, law)) = of_other.chain(of_table).next() {
-            return Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\"")));
-        }
-        let velocity_law = self.check_velocity_law(v, &scales)?;
-        let stribeck =
-            (law == VelocityLawKind::Stribeck && coupled.is_none()).then(|| v.stribeck.unwrap_or(USUAL_STRIBECK));
-        let forcing = forcing(v)?;
+        self.check_model(v)?;
+        self.check_keys_of_law(v)?;
+        let Some(machine) = self.machine()? else { return Ok(None) };
         let stated = v.friction_marginal.as_deref().and_then(|text| text.parse::<Marginal>().ok());
-        if let (Some(ByName(Generator::Jacobi)), Some(marginal)) = (v.generator, &stated)
+        if let (Some(Generator::Jacobi), Some(marginal)) = (machine.generator, &stated)
             && !matches!(marginal, Marginal::Beta { .. })
         {
             let message = format!("the diffusion requires a Beta distribution, found {marginal}");
@@ -64,38 +44,71 @@ impl StudyFile {
         at_least(SECTION, "trajectories", v.trajectories, 2)?;
         within(SECTION, "duration", v.duration, positive, POSITIVE)?;
         let study = VibrationStudy {
-            valid_fraction: self.valid_share,
-            coupled,
-            scales,
-            normal_force: v.normal_force,
-            nominal_area: v.nominal_area,
-            damping_ratio: v.damping_ratio,
-            belt_velocity,
-            forcing,
-            kinetic_fraction: v.kinetic_share,
-            velocity_law,
+            machine,
             dimensionless_rate: self.dimensionless_rate(v),
-            stribeck,
-            friction: self.check_source(v)?,
-            generator: v.generator.map(|generator| generator.0),
-            drive: v.drive,
-            upscaling: v.upscaling,
+            valid_fraction: self.valid_share,
             allow_clipping: v.allow_clipping,
             damping_sweep: v.damping_sweep,
             trajectories: v.trajectories,
             duration: v.duration,
             map: v.map.clone(),
         };
-        match &study.friction {
-            _ if study.coupled.is_some() => check_springs(&study)?,
+        match &study.machine.friction {
+            _ if study.machine.coupled.is_some() => check_springs(&study.machine)?,
             FrictionSource::Stated(friction) => check_motion(v, &study, friction)?,
             FrictionSource::Computed(_) | FrictionSource::File(_) => {}
         }
         Ok(Some(study))
     }
 
-    /// Checks the source of the friction: exactly one of the friction stage, a file and the keys of the section.
-    fn check_source(&self, v: &VibrationSection) -> Result<FrictionSource, InvalidValue> {
+    /// Refuses keys of other velocity laws than the stated one.
+    fn check_keys_of_law(&self, v: &VibrationSection) -> Result<(), InvalidValue> {
+        let (law, table) = (v.velocity_law, VelocityLawKind::Table);
+        let of_table = || (split(table.statement().inputs[0]).1, table.name());
+        let of_table = v.friction_table.as_ref().filter(|_| law != table).map(|_| of_table());
+        let of_other = self.unmet(SECTION, "velocity_law", law.name()).map(|(key, law)| (key.name, law));
+        match of_other.chain(of_table).next() {
+            Some((key, law)) => Err(invalid(SECTION, key, format!("this key requires velocity_law = \"{law}\""))),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the machine; `None` without the section. A study with other values of its inputs has the same keys, which
+    /// [`check_vibration`](Self::check_vibration) has checked.
+    pub(in crate::study) fn machine(&self) -> Result<Option<MachineInputs>, InvalidValue> {
+        let Some(v) = &self.vibration else { return Ok(None) };
+        let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
+            .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
+        let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
+            (Some(velocity), None) => velocity.0 / scales.velocity_m_per_s(),
+            (None, Some(value)) => value,
+            _ => {
+                let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
+                return Err(invalid(SECTION, "belt_velocity", message));
+            }
+        };
+        let coupled = v.coupled();
+        let has_stribeck = v.velocity_law == VelocityLawKind::Stribeck && coupled.is_none();
+        Ok(Some(MachineInputs {
+            coupled,
+            scales,
+            normal_force: v.normal_force,
+            nominal_area: v.nominal_area,
+            damping_ratio: v.damping_ratio,
+            belt_velocity,
+            forcing: forcing(v)?,
+            kinetic_fraction: v.kinetic_share,
+            velocity_law: self.velocity_law(v, &scales)?,
+            stribeck: has_stribeck.then(|| v.stribeck.unwrap_or(USUAL_STRIBECK)),
+            friction: self.friction_source(v)?,
+            generator: v.generator.map(|generator| generator.0),
+            drive: v.drive,
+            upscaling: v.upscaling,
+        }))
+    }
+
+    /// Returns the source of the friction: exactly one of the friction stage, a file and the keys of the section.
+    fn friction_source(&self, v: &VibrationSection) -> Result<FrictionSource, InvalidValue> {
         if let Some(level) = v.level
             && !self.friction.as_ref().is_some_and(|f| f.percentiles().contains(&level))
         {
@@ -182,23 +195,24 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         // A run reports motions that the search cannot determine.
         _ => Ok(()),
     };
-    let oscillator = match study.oscillator(friction.mean, None) {
+    let machine = &study.machine;
+    let oscillator = match machine.oscillator(friction.mean, None) {
         Ok(oscillator) => oscillator,
         Err(error) => return of_key(error),
     };
-    let unit_m = study.scales.length_m();
+    let unit_m = machine.scales.length_m();
     let length = Length(friction.length_m);
     if !LENGTHS.contains(&(length.0 / unit_m)) {
         let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
         return Err(invalid(SECTION, "friction_correlation_length", message));
     }
-    let settings = TrajectorySettings { duration: study.duration.min(FIRST_TIME), start: None, drive: study.drive };
+    let settings = TrajectorySettings { duration: study.duration.min(FIRST_TIME), start: None, drive: machine.drive };
     deterministic_slips(&[oscillator], &settings).remove(0).map_or_else(of_key, |_| Ok(()))
 }
 
 impl StudyFile {
-    /// Checks the velocity law and returns it for a kinetic friction coefficient of 1.
-    fn check_velocity_law(&self, v: &VibrationSection, scales: &Scales) -> Result<VelocityLaw, InvalidValue> {
+    /// Returns the velocity law for a kinetic friction coefficient of 1.
+    fn velocity_law(&self, v: &VibrationSection, scales: &Scales) -> Result<VelocityLaw, InvalidValue> {
         if v.model == MachineModel::ModeCoupling {
             return Ok(Coulomb { kinetic: 1.0 }.into());
         }

@@ -17,11 +17,28 @@ use crate::vibration::{Drive, Forcing, MapOver, Oscillator, Parameters, Scales, 
 /// Name of the section.
 pub(super) const SECTION: &str = "vibration";
 
-/// Settings of the vibration stage: a mass on a belt.
+/// Settings of the vibration stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(in crate::study) struct VibrationStudy {
+    pub(in crate::study) machine: MachineInputs,
+    /// Key and number of the law per unit of dimensionless velocity, if a key of it is.
+    pub(in crate::study) dimensionless_rate: Option<(&'static str, f64)>,
     /// Least fraction of valid samples.
     pub(in crate::study) valid_fraction: f64,
+    /// Whether more than 5 % of the friction values may be clipped to stay positive.
+    pub(in crate::study) allow_clipping: bool,
+    /// Damping ratios: from, to, count.
+    pub(in crate::study) damping_sweep: (f64, f64, usize),
+    /// Trajectories per damping ratio.
+    pub(in crate::study) trajectories: usize,
+    /// Dimensionless duration of a trajectory.
+    pub(in crate::study) duration: f64,
+    pub(in crate::study) map: Option<MapSection>,
+}
+
+/// A mass on a belt: all that decides its motion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(in crate::study) struct MachineInputs {
     /// Springs of two coupled modes; `None` for stick-slip of a mass with one degree of freedom.
     pub(in crate::study) coupled: Option<CoupledStudy>,
     pub(in crate::study) scales: Scales,
@@ -36,8 +53,6 @@ pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) kinetic_fraction: f64,
     /// Velocity law of a kinetic friction coefficient of 1.
     pub(in crate::study) velocity_law: VelocityLaw,
-    /// Key and number of the law per unit of dimensionless velocity, if a key of it is.
-    pub(in crate::study) dimensionless_rate: Option<(&'static str, f64)>,
     /// Stribeck coefficient as stated, if the law has one.
     pub(in crate::study) stribeck: Option<Stribeck>,
     pub(in crate::study) friction: FrictionSource,
@@ -46,15 +61,6 @@ pub(in crate::study) struct VibrationStudy {
     pub(in crate::study) drive: Drive,
     /// Upscaling of the main result.
     pub(in crate::study) upscaling: Upscaling,
-    /// Whether more than 5 % of the friction values may be clipped to stay positive.
-    pub(in crate::study) allow_clipping: bool,
-    /// Damping ratios: from, to, count.
-    pub(in crate::study) damping_sweep: (f64, f64, usize),
-    /// Trajectories per damping ratio.
-    pub(in crate::study) trajectories: usize,
-    /// Dimensionless duration of a trajectory.
-    pub(in crate::study) duration: f64,
-    pub(in crate::study) map: Option<MapSection>,
 }
 
 /// Springs of two coupled modes, in units of mω₀².
@@ -76,7 +82,7 @@ pub(in crate::study) enum FrictionSource {
     Stated(StatedFriction),
 }
 
-impl VibrationStudy {
+impl MachineInputs {
     /// Returns the nominal area and its pressure.
     pub(in crate::study) fn nominal_contact(&self) -> NominalContact {
         let area_m2 = self.nominal_area.0;
@@ -139,14 +145,16 @@ impl VibrationStudy {
             belt_velocity: self.belt_velocity,
         }))
     }
+}
 
+impl VibrationStudy {
     /// Returns a warning about a dimensionless law in a study that varies the load.
     pub(in crate::study) fn load_warning(&self) -> Option<String> {
         if self.map.as_ref().is_none_or(|map| map.over != MapOver::VelocityLoad) {
             return None;
         }
         let (key, value) = self.dimensionless_rate?;
-        let si = sentence::digits(value / self.scales.velocity_m_per_s());
+        let si = sentence::digits(value / self.machine.scales.velocity_m_per_s());
         let in_si =
             numbers().map(|(row, _)| row).find(|row| (row.section, row.name) == (SECTION, key) && !row.unit.is_empty());
         let instead = in_si.map_or(String::new(), |row| {
@@ -156,12 +164,17 @@ impl VibrationStudy {
             "`{key}` = {} is per unit of dimensionless velocity and depends on the stated normal force of {}: there it means {si} s/m, \
              which the map keeps over the load{instead}",
             sentence::digits(value),
-            self.normal_force
+            self.machine.normal_force
         ))
+    }
+
+    /// Returns the duration of a trajectory in seconds.
+    pub(in crate::study) fn duration_s(&self) -> f64 {
+        self.duration * self.machine.scales.time_s()
     }
 
     /// Returns the distance in metre that the belt travels during a trajectory.
     pub(in crate::study) fn sliding_distance_m(&self) -> f64 {
-        self.duration * self.belt_velocity * self.scales.length_m()
+        self.duration * self.machine.belt_velocity * self.machine.scales.length_m()
     }
 }

@@ -26,7 +26,7 @@ const DOUBLE_BYTES: f64 = 8.0;
 /// Returns the rough cost of the friction stage with scans of a number of heights; `None` for a study without it.
 pub(in crate::study) fn cost(whole: &Study, scan_points: usize, threads: usize) -> Option<StageEstimate> {
     let study = whole.friction.as_ref()?;
-    let nominal = whole.vibration.as_ref().is_some_and(|v| v.friction == FrictionSource::Computed(None));
+    let nominal = whole.vibration.as_ref().is_some_and(|v| v.machine.friction == FrictionSource::Computed(None));
     let uncertain = study.uncertainty.as_ref().map_or(0, |u| u.points * u.realisations);
     let levels = study.levels.len() + usize::from(nominal);
     // Two rough bodies are solved again after several sliding distances, at one level.

@@ -44,14 +44,14 @@ pub(super) fn area_as_one(
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<AreaAsOne>>, Cancelled> {
     let Some(window_m2) = nominal.window.area_m2 else { return Ok(None) };
-    let all = nominal.study.nominal_contact().area_m2 / window_m2;
+    let all = nominal.inputs.nominal_contact().area_m2 / window_m2;
     if all < 2.0 {
         return Ok(None);
     }
     let numbers_of_machines = if fluctuates { [FIRST, FLUCTUATING] } else { [CONSTANT; 2] };
     let rows = numbers(all).into_iter().map(|windows| {
         let sharing = if windows < all { Sharing::Windows(windows) } else { Sharing::Area };
-        let (probability, interval) = if sharing.is_the_studys(nominal.study.upscaling) {
+        let (probability, interval) = if sharing.is_the_studys(nominal.inputs.upscaling) {
             (verdict.value, verdict.interval)
         } else {
             let shared = machines.with_sharing(sharing);

@@ -218,7 +218,7 @@ mod tests {
     fn the_fraction_of_the_time_is_that_of_the_changed_machines() {
         // φ = .3 at the kinetic share 1, and .5 at .9.
         let evaluate = |machine: &Machine, index: usize| {
-            let fraction = 0.3 + 2.0 * (1.0 - machine.study.kinetic_fraction);
+            let fraction = 0.3 + 2.0 * (1.0 - machine.inputs.kinetic_fraction);
             Ok(Evaluated { fraction, vibrates: fraction > 0.4, ..constant(machine, index)? })
         };
         let (_, assumed, _) = found(JUMP, None, &evaluate);
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn an_end_without_answers_is_a_warning() {
         let evaluate =
-            |machine: &Machine, index: usize| match machine.study.kinetic_fraction < 1.0 && index.is_multiple_of(2) {
+            |machine: &Machine, index: usize| match machine.inputs.kinetic_fraction < 1.0 && index.is_multiple_of(2) {
                 true => Err("no reason".into()),
                 false => constant(machine, index),
             };

@@ -14,7 +14,7 @@ use crate::study::vibration_stage::trajectory_seconds;
 use crate::study::{Stage, StageEstimate, Study};
 
 /// Seconds per machine without fluctuation: its values, and the search for the limit of its damping.
-const MACHINE_SECONDS: f64 = 0.2e-3;
+const MACHINE_SECONDS: f64 = 0.04e-3;
 /// Trajectories that decide a typical machine whose friction fluctuates, and one of those that remedies choose near the limit.
 const TRAJECTORIES: usize = 12;
 const TRAJECTORIES_NEAR_LIMIT: usize = 100;
@@ -27,11 +27,12 @@ const CYCLES: usize = vibrating::MOST_ROWS + vibrating::MOST;
 /// Returns the rough cost of the verdict beyond that of the stages that it needs; `None` for a study without vibration.
 pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstimate> {
     let (study, vibration) = (whole.verdict.as_ref()?, whole.vibration.as_ref()?);
-    let friction = whole.friction.as_ref().filter(|_| matches!(vibration.friction, FrictionSource::Computed(_)));
-    let model = if vibration.coupled.is_some() { MachineModel::ModeCoupling } else { MachineModel::StickSlip };
+    let friction =
+        whole.friction.as_ref().filter(|_| matches!(vibration.machine.friction, FrictionSource::Computed(_)));
+    let model = if vibration.machine.coupled.is_some() { MachineModel::ModeCoupling } else { MachineModel::StickSlip };
     // Coupled modes have the mean friction coefficient.
     let fluctuates = model == MachineModel::StickSlip
-        && match &vibration.friction {
+        && match &vibration.machine.friction {
             FrictionSource::Stated(stated) => stated.std > 0.0,
             FrictionSource::File(_) => true,
             FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
@@ -54,7 +55,7 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
     let [of_remedies, decided] = of_remedies.fold([0, 0], |[a, b], [machines, decided]| [a + machines, b + decided]);
     let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
     // Coupled modes do not depend on these values.
-    let ends = if vibration.coupled.is_some() { 0 } else { rests_on::assumed_ends(&file.unstated) };
+    let ends = if vibration.machine.coupled.is_some() { 0 } else { rests_on::assumed_ends(&file.unstated) };
     let of_ends = ends * samples.min(assumed::MACHINES);
     if fluctuates {
         // The samples follow the fluctuation, and so do their longer paths, the windows that share the load, the ends of the ranges of
@@ -71,7 +72,7 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
         (expansion::solved_points(values) + scans * SCAN_POINTS) * points::strips_per_point(friction.realisations)
     });
     let cells = contact.map_or(0, |friction| friction.points[0].saturating_mul(friction.points[1]));
-    let longer = study.duration_s.map_or(1.0, |s| s / (vibration.duration * vibration.scales.time_s()));
+    let longer = study.duration_s / vibration.duration_s();
     Some(StageEstimate {
         stage: Stage::Verdict,
         contact_solutions: solutions,

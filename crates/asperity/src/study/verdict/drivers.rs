@@ -78,13 +78,18 @@ impl MarginModel {
         Ok(Some(model))
     }
 
-    fn margin(&self, variables: &[f64]) -> f64 {
-        self.expansion.evaluate(variables) + dot(&self.effect, variables) - self.threshold
+    fn margins(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        let mut margins = self.expansion.evaluate_many(points);
+        let change = |(margin, variables): (&mut f64, &Vec<f64>)| {
+            *margin = *margin + dot(&self.effect, variables) - self.threshold;
+        };
+        margins.iter_mut().zip(points).for_each(change);
+        margins
     }
 
     /// Returns the sensitivity of the margin.
     pub(super) fn margin_drivers(&self, machines: &Machines<'_>, seed: u64) -> Result<Vec<Driver>, DriverError> {
-        let drivers = PickFreeze::new(seed).drivers(machines.inputs(), &|variables| self.margin(variables))?;
+        let drivers = PickFreeze::new(seed).drivers(machines.inputs(), &|points| self.margins(points))?;
         let reductions = self.range_reductions(machines, seed);
         let mut results = self.results(machines, &drivers);
         results.iter_mut().zip(reductions).for_each(|(driver, reduction)| driver.range_reduction = Some(reduction));
@@ -93,7 +98,10 @@ impl MarginModel {
 
     /// Returns the sensitivity of the event that a machine vibrates.
     pub(super) fn event_drivers(&self, machines: &Machines<'_>, seed: u64) -> Result<Vec<Driver>, DriverError> {
-        let event = |variables: &[f64]| if self.margin(variables) < 0.0 { 1.0 } else { 0.0 };
+        let event = |points: &[Vec<f64>]| {
+            let margins = self.margins(points).into_iter();
+            margins.map(|margin| if margin < 0.0 { 1.0 } else { 0.0 }).collect()
+        };
         Ok(self.results(machines, &PickFreeze::new(seed).drivers(machines.inputs(), &event)?))
     }
 
@@ -124,11 +132,12 @@ impl MarginModel {
         let draws: Vec<Vec<f64>> = (0..MACHINES)
             .map(|index| random::standard_normal(&mut random::stream(seed, STREAM, index as u64), variables))
             .collect();
-        let range = |mut margins: Vec<f64>| {
+        let range = |points: &[Vec<f64>]| {
+            let mut margins = self.margins(points);
             margins.sort_by(f64::total_cmp);
             quantile_sorted(&margins, 0.95) - quantile_sorted(&margins, 0.05)
         };
-        let whole = range(draws.iter().map(|variables| self.margin(variables)).collect());
+        let whole = range(&draws);
         let reduction = |input: usize| {
             let order: Vec<usize> =
                 std::iter::once(input).chain((0..variables).filter(|other| *other != input)).collect();
@@ -136,7 +145,8 @@ impl MarginModel {
             let ranges = (0..KNOWN_VALUES).map(|known| {
                 let probability = (known as f64 + 0.5) / KNOWN_VALUES as f64;
                 let point = inputs.point_with(input, probability);
-                range(draws.iter().map(|fresh| self.margin(&redraw.last(variables - 1, &point, fresh))).collect())
+                let redrawn = draws.iter().map(|fresh| redraw.last(variables - 1, &point, fresh));
+                range(&redrawn.collect::<Vec<_>>())
             });
             1.0 - ranges.sum::<f64>() / KNOWN_VALUES as f64 / whole
         };
@@ -151,7 +161,7 @@ impl MarginModel {
         seed: u64,
     ) -> Result<Option<(Quantiles, Vec<Guess>)>, DriverError> {
         let inputs = machines.inputs();
-        let found = NestedSampling::new(seed).probability_over_unknowns(inputs, &|variables| self.margin(variables))?;
+        let found = NestedSampling::new(seed).probability_over_unknowns(inputs, &|points| self.margins(points))?;
         Ok(found.map(|ProbabilityOverUnknowns { q05, q50, q95, effects }| {
             let guesses = effects.into_iter().map(|effect| Guess {
                 input: inputs.inputs()[effect.input].name().into(),
@@ -221,7 +231,7 @@ mod tests {
         let margins: Vec<f64> = points.iter().map(|[x, y]| 0.2 + 0.6 * x + 0.8 * y).collect();
         let (expansion, _) = Expansion::fit(Basis::hermite(2, 1).unwrap(), &points, &margins).unwrap();
         let model = MarginModel { expansion, effect: vec![0.0; 2], unexplained: 0.1, threshold: 0.3 };
-        assert!((model.margin(&[1.0, 1.0]) - 1.3).abs() < 1e-12);
+        assert!((model.margins(&[vec![1.0; 2]])[0] - 1.3).abs() < 1e-12);
         let drivers = model.margin_drivers(&machines, 1).unwrap();
         assert_eq!(drivers.len(), 2);
         for (driver, index) in drivers.iter().zip([0.36, 0.64]) {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::friction::WindowFriction;
-use crate::study::check::VibrationStudy;
+use crate::study::check::MachineInputs;
 use crate::study::motion_entries::{coupled_cycle_result, instability_result};
 use crate::study::result::{MachineModel, MotionKind, NominalMachine};
 use crate::vibration::mode_coupling::{Model, friction_margin, instability, limit_cycle_within, modes};
@@ -44,10 +44,10 @@ pub(super) struct Vibration {
 
 impl Dynamics {
     /// Returns the machine of a study with this friction.
-    pub(super) fn new(study: &VibrationStudy, window: &WindowFriction) -> Result<Self, VibrationError> {
-        match study.coupled_model(window.mean, window.stiffness_pa_per_m) {
+    pub(super) fn new(machine: &MachineInputs, window: &WindowFriction) -> Result<Self, VibrationError> {
+        match machine.coupled_model(window.mean, window.stiffness_pa_per_m) {
             Some(model) => model.map(Self::ModeCoupling),
-            None => study.oscillator(window.mean, window.stribeck).map(Self::StickSlip),
+            None => machine.oscillator(window.mean, window.stribeck).map(Self::StickSlip),
         }
     }
 
@@ -166,7 +166,7 @@ mod tests {
              kinetic_share = 0.8333333333333334\n",
         );
         let Dynamics::StickSlip(oscillator) = &jumps.dynamics else { panic!() };
-        let (scales, limit) = (&jumps.study.scales, limit_damping(oscillator).unwrap());
+        let (scales, limit) = (&jumps.inputs.scales, limit_damping(oscillator).unwrap());
         let found = jumps.dynamics.nominal(true, scales).unwrap();
         let kick = smallest_kick(oscillator).unwrap().unwrap() * 2500.0 / 316.0;
         assert!((found.kick_m_per_s.unwrap() / kick - 1.0).abs() < 1e-12, "{found:?}");
@@ -186,7 +186,7 @@ mod tests {
             let window = stated_window(&study);
             let machine = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).nominal().unwrap();
             let Dynamics::ModeCoupling(model) = &machine.dynamics else { panic!() };
-            let found = machine.dynamics.nominal(is_unstable, &machine.study.scales).unwrap();
+            let found = machine.dynamics.nominal(is_unstable, &machine.inputs.scales).unwrap();
             assert_eq!(found.damping_margin, friction_margin(model).unwrap());
             assert_eq!((found.damping_margin < 0.0, found.steady_sliding_unstable), (is_unstable, is_unstable));
         }

@@ -38,19 +38,19 @@ pub(super) fn fraction(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<Count>, String> {
-    let (study, window) = (&machine.study, &machine.window);
+    let (inputs, window) = (&machine.inputs, &machine.window);
     let Dynamics::StickSlip(oscillator) = &machine.dynamics else { return Ok(None) };
-    let model = window.process_model(study.upscaling, study.generator, study.scales.length_m());
+    let model = window.process_model(inputs.upscaling, inputs.generator, inputs.scales.length_m());
     if model.std < NEGLIGIBLE_STD * window.mean {
         return Ok(None);
     }
     let process = FrictionProcess::new(clipped_to_positive(oscillator, model, 1.0)).map_err(|e| e.to_string())?;
-    let duration = wanted.duration_s / study.scales.time_s();
+    let duration = wanted.duration_s / inputs.scales.time_s();
     let last = TRAJECTORIES.len() - 1;
     for (round, &trajectories) in TRAJECTORIES.iter().enumerate().skip(if wanted.levels.is_empty() { last } else { 0 })
     {
         let settings = EnsembleSettings {
-            drive: study.drive,
+            drive: inputs.drive,
             sample_capacity: 0,
             ..EnsembleSettings::new(trajectories, duration, seed)
         };
@@ -188,8 +188,11 @@ mod tests {
             let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
             let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
             let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
-            let model =
-                machine.window.process_model(vibration.upscaling, vibration.generator, vibration.scales.length_m());
+            let model = machine.window.process_model(
+                vibration.machine.upscaling,
+                vibration.machine.generator,
+                vibration.machine.scales.length_m(),
+            );
             let settings = EnsembleSettings { drive, ..EnsembleSettings::new(128, DURATION_S * 316.0, 7) };
             let process = FrictionProcess::new(model).unwrap();
             let fraction = Ensemble::simulate(oscillator, &process, &settings, &Silent).unwrap().passages.late_share;
@@ -218,12 +221,17 @@ mod tests {
             let (verdict, vibration) = (study.verdict.as_ref().unwrap(), study.vibration.as_ref().unwrap());
             let machine = Machines::new(verdict, &window, None, 1).nominal().unwrap();
             let Dynamics::StickSlip(oscillator) = &machine.dynamics else { panic!() };
-            let model =
-                machine.window.process_model(vibration.upscaling, vibration.generator, vibration.scales.length_m());
+            let model = machine.window.process_model(
+                vibration.machine.upscaling,
+                vibration.machine.generator,
+                vibration.machine.scales.length_m(),
+            );
             let process = FrictionProcess::new(model).unwrap();
             let fraction = |trajectories: usize| {
-                let settings =
-                    EnsembleSettings { drive: vibration.drive, ..EnsembleSettings::new(trajectories, 60.0, seed) };
+                let settings = EnsembleSettings {
+                    drive: vibration.machine.drive,
+                    ..EnsembleSettings::new(trajectories, 60.0, seed)
+                };
                 Ensemble::simulate(oscillator, &process, &settings, &Silent).unwrap().passages.late_share.mean
             };
             let wanted = fraction(256) >= 0.5;

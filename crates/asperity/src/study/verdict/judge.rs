@@ -38,10 +38,10 @@ impl<'a> Judge<'a> {
         monitor: &'a dyn Monitor,
     ) -> Self {
         let is_coupled = nominal.dynamics.model() == MachineModel::ModeCoupling;
-        let upscaled_std = nominal.window.upscaled_std(nominal.study.upscaling);
+        let upscaled_std = nominal.window.upscaled_std(nominal.inputs.upscaling);
         Self {
             threshold: study.threshold,
-            duration_s: study.duration_s.unwrap_or(nominal.study.duration * nominal.study.scales.time_s()),
+            duration_s: study.duration_s,
             is_coupled,
             friction_fluctuates: !is_negligible(&nominal.window, upscaled_std),
             one_window_fluctuates: !is_negligible(window, window.std) && !is_coupled,

@@ -12,7 +12,7 @@ use crate::chaos::{Design, InputError, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
 use crate::friction::{MeanErrors, Upscaling, WindowFriction};
 use crate::study::StudyFile;
-use crate::study::check::{FrictionSource, VerdictStudy, VibrationStudy};
+use crate::study::check::{FrictionSource, MachineInputs, VerdictStudy};
 use crate::study::file::{Hold, MachineModel};
 use crate::study::uncertain::{BETWEEN_PARTS, CUT_OFF, Place, Point, numbers};
 
@@ -29,7 +29,7 @@ pub(super) struct NoAnswer(pub(super) String);
 /// Machine with exact values.
 #[derive(Debug, Clone)]
 pub(super) struct Machine {
-    pub(super) study: VibrationStudy,
+    pub(super) inputs: MachineInputs,
     pub(super) dynamics: Dynamics,
     /// Friction of one window.
     pub(super) window: WindowFriction,
@@ -82,7 +82,7 @@ impl<'a> Machines<'a> {
     ) -> Self {
         let mut central = study.central.clone();
         central.file.pressure = None;
-        let stated = central.machine().ok().and_then(|study| study.dimensionless_stribeck());
+        let stated = central.machine().ok().and_then(|machine| machine.dimensionless_stribeck());
         Self {
             proportional: study
                 .proportional
@@ -241,29 +241,33 @@ impl<'a> Machines<'a> {
         }
         let part = self.between_parts.and_then(|place| place.value_in(&point));
         let shortest_m = self.cut_off.and_then(|place| place.value_in(&point));
-        let mut study = point.machine()?;
-        window.stribeck = match &study.friction {
+        let mut inputs = point.machine()?;
+        window.stribeck = match &inputs.friction {
             FrictionSource::File(_) if self.process_has_stribeck => window.stribeck.map(|rate| rate * ratio),
-            _ => study.dimensionless_stribeck(),
+            _ => inputs.dimensionless_stribeck(),
         };
-        if let FrictionSource::Stated(stated) = &study.friction {
-            let area_m2 = study.nominal_contact().area_m2;
-            window = WindowFriction::from_statement(stated.clone(), area_m2, window.stribeck);
+        match &inputs.friction {
+            FrictionSource::Stated(stated) if stated.std > 0.0 => {
+                let area_m2 = inputs.nominal_contact().area_m2;
+                window = WindowFriction::from_statement(stated.clone(), area_m2, window.stribeck);
+            }
+            FrictionSource::Stated(stated) => (window.mean, window.std) = (stated.mean, 0.0),
+            FrictionSource::Computed(_) | FrictionSource::File(_) => {}
         }
         if let Some(sharing) = self.sharing {
-            study.upscaling = Upscaling::Area;
+            inputs.upscaling = Upscaling::Area;
             window.variance_reduction = sharing.variance_reduction(&window);
         }
         if let Some(normal) = part {
             // A lognormal factor of mean 1.
-            let reduction = if study.upscaling == Upscaling::Area { window.variance_reduction } else { 1.0 };
+            let reduction = if inputs.upscaling == Upscaling::Area { window.variance_reduction } else { 1.0 };
             let std = (window.between_parts_std / window.mean).powi(2).mul_add(reduction, 1.0).ln().sqrt();
             window.mean *= (std * normal - 0.5 * std * std).exp();
         }
         let of_waves = shortest_m.and_then(|shortest_m| self.window.mean_errors.at_cut_off(shortest_m));
         window.mean *= self.friction_factor * of_waves.unwrap_or(1.0);
-        let dynamics = Dynamics::new(&study, &window).map_err(|error| error.to_string())?;
-        Ok(Machine { study, dynamics, window })
+        let dynamics = Dynamics::new(&inputs, &window).map_err(|error| error.to_string())?;
+        Ok(Machine { inputs, dynamics, window })
     }
 }
 
@@ -289,8 +293,8 @@ pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, Uncertai
 }
 
 impl Point {
-    fn machine(&self) -> Result<VibrationStudy, String> {
-        self.file.check_vibration().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
+    fn machine(&self) -> Result<MachineInputs, String> {
+        self.file.machine().map_err(|error| error.to_string())?.ok_or_else(|| "no vibration".into())
     }
 
     /// Returns mω₀, to which the damper of a damping ratio is proportional.
@@ -332,9 +336,11 @@ pub(super) mod tests {
     /// Returns the friction that a study states.
     pub(in crate::study::verdict) fn stated_window(study: &Study) -> WindowFriction {
         let vibration = study.vibration.as_ref().unwrap();
-        let FrictionSource::Stated(stated) = &vibration.friction else { panic!("{:?}", vibration.friction) };
-        let area_m2 = vibration.nominal_contact().area_m2;
-        WindowFriction::from_statement(stated.clone(), area_m2, vibration.dimensionless_stribeck())
+        let FrictionSource::Stated(stated) = &vibration.machine.friction else {
+            panic!("{:?}", vibration.machine.friction)
+        };
+        let area_m2 = vibration.machine.nominal_contact().area_m2;
+        WindowFriction::from_statement(stated.clone(), area_m2, vibration.machine.dimensionless_stribeck())
     }
     use super::super::axis::contact_places;
     use super::super::rests_on::tests::{STUDY, computed_window};
@@ -391,7 +397,7 @@ pub(super) mod tests {
         let machines = Machines::new(verdict, &window, None, 1);
         let [load, mass, frequency] = ["normal_force", "mass", "natural_frequency"]
             .map(|key| Place::named(&format!("vibration.{key}"), &verdict.central).unwrap());
-        let nominal = machines.nominal().unwrap().study.normal_force.0;
+        let nominal = machines.nominal().unwrap().inputs.normal_force.0;
         assert!((machines.central_value(load).unwrap() / nominal - 1.0).abs() < 1e-12);
         assert!((machines.central_value(mass).unwrap() - 1.0).abs() < 1e-12);
         for (changes, held) in [
@@ -403,16 +409,16 @@ pub(super) mod tests {
             let growth = if changes.is_empty() { 1.0 } else { 4.0 };
             let changed = machines.with_changes(changes.clone());
             let machine = changed.at(&[1.5]).unwrap();
-            let loaded = machine.study.normal_force.0 / nominal;
+            let loaded = machine.inputs.normal_force.0 / nominal;
             assert!(loaded > 1.2, "{loaded}");
             let unit = loaded / growth;
             for change in &changes {
                 assert_eq!(changed.value_of(change.place, &[1.5]), Some(change.value));
             }
-            assert!((changed.value_of(load, &[1.5]).unwrap() / machine.study.normal_force.0 - 1.0).abs() < 1e-12);
-            assert!((machine.study.belt_velocity * unit / 0.1 - 1.0).abs() < 1e-12, "{changes:?}");
+            assert!((changed.value_of(load, &[1.5]).unwrap() / machine.inputs.normal_force.0 - 1.0).abs() < 1e-12);
+            assert!((machine.inputs.belt_velocity * unit / 0.1 - 1.0).abs() < 1e-12, "{changes:?}");
             assert!((machine.window.stribeck.unwrap() / (4.0 * unit) - 1.0).abs() < 1e-12, "{changes:?}");
-            assert!((machine.study.damping_ratio * held / 0.05 - 1.0).abs() < 1e-12, "{changes:?}");
+            assert!((machine.inputs.damping_ratio * held / 0.05 - 1.0).abs() < 1e-12, "{changes:?}");
         }
     }
 

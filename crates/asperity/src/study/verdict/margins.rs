@@ -45,7 +45,7 @@ fn answers(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monitor) -> Resu
     let answer = |point: &Vec<f64>| {
         let machine = machines.as_ref().map_err(Clone::clone).and_then(|machines| machines.at(point));
         let answer = machine.and_then(|machine| {
-            Ok([machine.study.damping_ratio, Evaluated::constant_friction(&machine)?.margins.from_stick])
+            Ok([machine.inputs.damping_ratio, Evaluated::constant_friction(&machine)?.margins.from_stick])
         });
         answer.unwrap_or([0.0, f64::NEG_INFINITY])
     };

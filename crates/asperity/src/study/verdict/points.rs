@@ -75,7 +75,7 @@ impl ContactPoints<'_> {
         let level = match own.operating_level() {
             OperatingLevel::Percentile(percentile) => LevelControl::Percentile(percentile),
             OperatingLevel::NominalPressure(pascal) => LevelControl::Nominal(pascal),
-            OperatingLevel::Deepest => LevelControl::Nominal(vibration.nominal_contact().pressure_pa),
+            OperatingLevel::Deepest => LevelControl::Nominal(vibration.machine.nominal_contact().pressure_pa),
         };
         let strips = (strips_per_point(friction.realisations), self.mean_errors.pitch_factor);
         solve_level(friction, &model, level, strips, own.seed(), &Quiet(self.monitor))

@@ -83,7 +83,7 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
         inputs.push(entry("vibration.friction_process", InputValue::Name(name), "", InputKind::Stated));
     }
     let sheared = file.friction.as_ref().is_some_and(|friction| friction.law.is_sheared());
-    let coupled = whole.vibration.as_ref().is_some_and(|vibration| vibration.coupled.is_some());
+    let coupled = whole.vibration.as_ref().is_some_and(|vibration| vibration.machine.coupled.is_some());
     let matters = |key: &&Key| match (key.section, key.name, key.link) {
         (_, _, Link::Model) => false,
         (_, _, Link::Fall) if coupled => false,
@@ -171,7 +171,7 @@ fn left_out(name: &str, whole: &Study) -> Option<RestsOn> {
 
 /// Returns the Stribeck coefficient of a friction process, if it replaces the one of the study.
 fn replaced_stribeck(whole: &Study, window: &WindowFriction) -> Option<RestsOn> {
-    let stated = whole.vibration.as_ref()?.dimensionless_stribeck()?;
+    let stated = whole.vibration.as_ref()?.machine.dimensionless_stribeck()?;
     let own = window.stribeck.filter(|own| *own != stated)?;
     Some(entry("vibration.stribeck", InputValue::Number(own), "", InputKind::Stated))
 }
@@ -252,7 +252,7 @@ pub(super) mod tests {
         let study = Study::parse(&text, "study.toml").unwrap();
         let verdict = study.verdict.as_ref().unwrap();
         let nominal = study.vibration.as_ref().unwrap();
-        let window = computed_window(nominal.dimensionless_stribeck());
+        let window = computed_window(nominal.machine.dimensionless_stribeck());
         let of = |computed: bool, fluctuates: bool| {
             rests_on(&study, verdict, &WindowFriction { computed, ..window.clone() }, fluctuates)
         };

@@ -34,7 +34,7 @@ pub(super) fn vibrating_machines(
     let task = Task::new(monitor, "verdict: cycles", indices.len());
     let vibration = |index: usize| {
         let machine = machines.at(&machines.variables_of(index)).ok()?;
-        machine.dynamics.vibration(&machine.study.scales).ok()?
+        machine.dynamics.vibration(&machine.inputs.scales).ok()?
     };
     let found = task.map(indices.len(), |place| Ok::<_, Cancelled>(vibration(indices[place])))?;
     let found: Vec<Vibration> = found.into_iter().flatten().collect();
@@ -76,7 +76,7 @@ pub(super) fn samples_table(
             machine.dynamics.kind().ok()?.name().to_owned(),
             machines.inputs().values(&variables),
             machine.window.mean,
-            machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.study.nominal_area.0),
+            machine.window.stiffness_pa_per_m.map(|stiffness| stiffness * machine.inputs.nominal_area.0),
             margin,
         ))
     };

@@ -15,7 +15,7 @@ const FLUCTUATION_VALUES: f64 = 20.0;
 
 /// Returns the rough cost of the vibration stage; `None` for a study without ensembles.
 pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstimate> {
-    let study = whole.vibration.as_ref().filter(|study| study.coupled.is_none())?;
+    let study = whole.vibration.as_ref().filter(|study| study.machine.coupled.is_none())?;
     // Both upscalings, and a map whose front is refined: a line of cells at each depth.
     let points = study.map.as_ref().map_or(0, |map| {
         let (nx, ny) = (map.x.2, map.y.2);
@@ -36,7 +36,7 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
 /// Returns the seconds of one trajectory.
 pub(in crate::study) fn trajectory_seconds(whole: &Study, study: &VibrationStudy) -> f64 {
     // Friction that a study computes is correlated over at least one window.
-    let length_m = match &study.friction {
+    let length_m = match &study.machine.friction {
         FrictionSource::Stated(friction) => Some(friction.length_m),
         FrictionSource::Computed(_) | FrictionSource::File(_) => whole.friction.as_ref().map(|f| f.window_m[0]),
     };

@@ -48,22 +48,22 @@ pub(super) struct Ensembles<'a> {
 impl<'a> Ensembles<'a> {
     /// Prepares the ensembles of a study with this friction.
     pub(super) fn new(study: &'a VibrationStudy, window: &'a WindowFriction, seed: u64) -> Result<Self, StudyError> {
-        Ok(Self { study, oscillator: study.oscillator(window.mean, window.stribeck)?, window, seed })
+        Ok(Self { study, oscillator: study.machine.oscillator(window.mean, window.stribeck)?, window, seed })
     }
 
     /// Returns the model of the dimensionless fluctuation.
     pub(super) fn model(&self, upscaling: Upscaling) -> ProcessModel {
-        self.window.process_model(upscaling, self.study.generator, self.study.scales.length_m())
+        self.window.process_model(upscaling, self.study.machine.generator, self.study.machine.scales.length_m())
     }
 
     pub(super) fn machine(&self) -> RunMachine {
-        let (study, model) = (self.study, self.model(self.study.upscaling));
+        let (study, model) = (self.study, self.model(self.study.machine.upscaling));
         RunMachine {
             parameters: self.oscillator.parameters().clone(),
             process: (model.std >= CONSTANT_STD).then_some(model),
-            length_m: study.scales.length_m(),
-            time_s: study.scales.time_s(),
-            drive: study.drive,
+            length_m: study.machine.scales.length_m(),
+            time_s: study.machine.scales.time_s(),
+            drive: study.machine.drive,
             trajectories: study.trajectories,
             duration: study.duration,
             seed: self.seed,
@@ -72,7 +72,7 @@ impl<'a> Ensembles<'a> {
 
     /// Returns the dimensionless correlation length.
     pub(super) fn correlation_length(&self) -> f64 {
-        self.window.length_m / self.study.scales.length_m()
+        self.window.length_m / self.study.machine.scales.length_m()
     }
 
     /// Returns the process of the fluctuation; `None` if friction is constant.
@@ -94,7 +94,7 @@ impl<'a> Ensembles<'a> {
     /// # Errors
     /// It exceeds the limit of the study, under the main upscaling. The other upscaling serves for comparison and only warns.
     pub(super) fn accepted(&self, fraction: f64, upscaling: Upscaling) -> Result<f64, StudyError> {
-        let allowed = self.study.allow_clipping || upscaling != self.study.upscaling;
+        let allowed = self.study.allow_clipping || upscaling != self.study.machine.upscaling;
         let clipped =
             |error| StudyError::Clipped { upscaling: upscaling.name(), error, computed: self.window.computed };
         accept_clipping(fraction, allowed).map_err(clipped)?;
@@ -103,14 +103,14 @@ impl<'a> Ensembles<'a> {
 
     pub(super) fn settings(&self) -> EnsembleSettings {
         EnsembleSettings {
-            drive: self.study.drive,
+            drive: self.study.machine.drive,
             least_valid_share: self.study.valid_fraction,
             ..EnsembleSettings::new(self.study.trajectories, self.study.duration, self.seed)
         }
     }
 
     fn followed(&self) -> TrajectorySettings {
-        TrajectorySettings { duration: self.study.duration, start: None, drive: self.study.drive }
+        TrajectorySettings { duration: self.study.duration, start: None, drive: self.study.machine.drive }
     }
 
     /// Simulates ensembles over the sweep, and one at the study's own damping ratio. If slips are faster than expected,
@@ -230,7 +230,7 @@ impl<'a> Ensembles<'a> {
         let settings = self.followed();
         let from = (settings.duration - TRAJECTORY_SPAN).max(0.0);
         for margin in MARGINS {
-            let process = match self.process(self.study.upscaling, margin) {
+            let process = match self.process(self.study.machine.upscaling, margin) {
                 Ok(Some(process)) => process,
                 // The ensembles did not reach this velocity.
                 Ok(None) | Err(StudyError::Clipped { .. }) => break,
@@ -284,7 +284,7 @@ impl<'a> Ensembles<'a> {
             sentence::si(window.length_m, "m"),
             sentence::digits(self.correlation_length())
         ));
-        if let Some(generator) = study.generator.or(window.generator) {
+        if let Some(generator) = study.machine.generator.or(window.generator) {
             let other = self.model(Upscaling::Area).generator;
             let but = if other == generator {
                 String::new()
@@ -293,7 +293,7 @@ impl<'a> Ensembles<'a> {
             };
             sentences.push(format!("The fluctuation is made by the {} generator{but}.", generator.name()));
         }
-        if study.drive == Drive::Time {
+        if study.machine.drive == Drive::Time {
             sentences.push("The fluctuation goes on with the travel of the belt, also in stick.".into());
         }
         sentences.extend(window.area_m2.map(|area_m2| {
@@ -301,9 +301,9 @@ impl<'a> Ensembles<'a> {
                 "Upscaling: with `paper` one window carries the whole normal force of {}, {} on its area. With `area` the \
                  windows of a square nominal area of {} average, so that the standard deviation falls to {}{}. Both keep the correlation \
                  length of one window.",
-                study.normal_force,
-                sentence::si(study.normal_force.0 / area_m2, "Pa"),
-                study.nominal_area,
+                study.machine.normal_force,
+                sentence::si(study.machine.normal_force.0 / area_m2, "Pa"),
+                study.machine.nominal_area,
                 sentence::digits(window.upscaled_std(Upscaling::Area)),
                 if window.holds_many() { " and the distribution becomes normal" } else { "" }
             )

@@ -25,7 +25,7 @@ impl Ensembles<'_> {
     /// # Errors
     /// At a point of the first grid more friction is clipped than the study allows.
     pub(super) fn map_clipping(&self, map: &MapSection) -> Result<Option<String>, StudyError> {
-        let upscaling = self.study.upscaling;
+        let upscaling = self.study.machine.upscaling;
         let found = self.map_settings(map).clipped_fraction(map.over, &self.oscillator, &self.model(upscaling))?;
         let largest = self.accepted(found, upscaling)?;
         Ok(clipping_warning(largest).map(|warning| format!("stability map: at the worst point, {warning}")))
@@ -33,7 +33,7 @@ impl Ensembles<'_> {
 
     /// Computes the map over the parameters of the study, with its main upscaling.
     pub(super) fn map(&self, section: &MapSection, monitor: &dyn Monitor) -> Result<StabilityMap, StudyError> {
-        let friction = self.model(self.study.upscaling);
+        let friction = self.model(self.study.machine.upscaling);
         let machine = |x: f64, y: f64| {
             let (oscillator, model) = section.over.machine(&self.oscillator, &friction, [x, y])?;
             Ok((oscillator, model.map(FrictionProcess::new).transpose()?))
