@@ -9,6 +9,20 @@ use asperity_process::Steady;
 /// Number of oscillators per work item of a thread.
 const CHUNK: usize = 64;
 
+/// Checks that friction without fluctuation stays positive at the velocities of a motion.
+///
+/// # Errors
+/// [`VibrationError::FrictionNotPositive`]. Other errors of the motion are none of this check.
+pub fn check_positive(oscillator: &Oscillator, settings: &TrajectorySettings) -> Result<(), VibrationError> {
+    if oscillator.law().is_positive() {
+        return Ok(());
+    }
+    match deterministic_slips(std::slice::from_ref(oscillator), settings).pop() {
+        Some(Err(error @ VibrationError::FrictionNotPositive { .. })) => Err(error),
+        _ => Ok(()),
+    }
+}
+
 /// Returns the slip counts of many oscillators without fluctuation, simulated in lockstep on all threads.
 ///
 /// See [`super::Trajectory::simulate`] for a single oscillator.

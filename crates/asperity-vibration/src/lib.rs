@@ -67,7 +67,7 @@ pub use clipping::{TooManyClipped, accept_clipping, clipped_to_positive};
 pub use cloud::phase_cloud;
 pub use critical::{CriticalDamping, critical_damping, limit_damping};
 pub use cycle::{LimitCycle, Regime, limit_cycle};
-pub use deterministic::deterministic_slips;
+pub use deterministic::{check_positive, deterministic_slips};
 pub use ensemble::{Ensemble, EnsembleSettings, Estimate, FailedTrajectory, Passages};
 pub use events::{Drive, Event, EventKind, Phase};
 pub use law::{FrictionTable, VelocityLaw};

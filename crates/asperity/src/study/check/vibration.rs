@@ -13,10 +13,8 @@ use crate::quantity::Length;
 use crate::study::file::{MachineModel, MapSection, Stribeck, StudyFile, VibrationSection, usual_window_m};
 use crate::study::uncertain::numbers;
 use crate::vibration::law::{Coulomb, VelocityLawKind};
-use crate::vibration::{Forcing, Scales, TrajectorySettings, VelocityLaw, VibrationError, deterministic_slips};
+use crate::vibration::{Forcing, Scales, VelocityLaw, VibrationError};
 
-/// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
-const FIRST_TIME: f64 = 100.0;
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
 /// Default coefficient a of the Stribeck law, the paper's value.
@@ -55,7 +53,7 @@ impl StudyFile {
         };
         match &study.machine.friction {
             _ if study.machine.coupled.is_some() => check_springs(&study.machine)?,
-            FrictionSource::Stated(friction) => check_motion(v, &study, friction)?,
+            FrictionSource::Stated(friction) => check_motion(v, &study.machine, friction)?,
             FrictionSource::Computed(_) | FrictionSource::File(_) => {}
         }
         Ok(Some(study))
@@ -175,7 +173,7 @@ impl StudyFile {
 
 /// Checks that the oscillator can move: its parameters are in range, and friction stays positive at the velocities of
 /// its motion.
-fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedFriction) -> Result<(), InvalidValue> {
+fn check_motion(v: &VibrationSection, machine: &MachineInputs, friction: &StatedFriction) -> Result<(), InvalidValue> {
     let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
     let law = split(v.velocity_law.statement().inputs[0]).1;
     let of_key = |error: VibrationError| match error {
@@ -191,11 +189,8 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
             };
             Err(invalid(SECTION, key, format!("in the units of the machine, {error}")))
         }
-        VibrationError::FrictionNotPositive { .. } => Err(invalid(SECTION, law, error.to_string())),
-        // A run reports motions that the search cannot determine.
-        _ => Ok(()),
+        error => Err(invalid(SECTION, law, error.to_string())),
     };
-    let machine = &study.machine;
     let oscillator = match machine.oscillator(friction.mean, None) {
         Ok(oscillator) => oscillator,
         Err(error) => return of_key(error),
@@ -206,8 +201,7 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
         let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
         return Err(invalid(SECTION, "friction_correlation_length", message));
     }
-    let settings = TrajectorySettings { duration: study.duration.min(FIRST_TIME), start: None, drive: machine.drive };
-    deterministic_slips(&[oscillator], &settings).remove(0).map_or_else(of_key, |_| Ok(()))
+    machine.check_motion(&oscillator).or_else(of_key)
 }
 
 impl StudyFile {

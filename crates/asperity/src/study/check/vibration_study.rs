@@ -12,8 +12,13 @@ use crate::study::sentence;
 use crate::study::uncertain::numbers;
 use crate::vibration::law::Coulomb;
 use crate::vibration::mode_coupling::{CoupledParameters, Damping, Model};
-use crate::vibration::{Drive, Forcing, MapOver, Oscillator, Parameters, Scales, VelocityLaw, VibrationError};
+use crate::vibration::{
+    Drive, Forcing, MapOver, Oscillator, Parameters, Scales, TrajectorySettings, VelocityLaw, VibrationError,
+    check_positive,
+};
 
+/// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
+const FIRST_TIME: f64 = 100.0;
 /// Name of the section.
 pub(super) const SECTION: &str = "vibration";
 
@@ -111,6 +116,11 @@ impl MachineInputs {
             belt_velocity: self.belt_velocity,
             forcing: self.forcing,
         })
+    }
+
+    /// Checks that friction stays positive in the first motions of the mass.
+    pub(in crate::study) fn check_motion(&self, oscillator: &Oscillator) -> Result<(), VibrationError> {
+        check_positive(oscillator, &TrajectorySettings { duration: FIRST_TIME, start: None, drive: self.drive })
     }
 
     /// Returns the model of two coupled modes with this friction coefficient and this stiffness of the rough contact over its area

@@ -267,6 +267,9 @@ impl<'a> Machines<'a> {
         let of_waves = shortest_m.and_then(|shortest_m| self.window.mean_errors.at_cut_off(shortest_m));
         window.mean *= self.friction_factor * of_waves.unwrap_or(1.0);
         let dynamics = Dynamics::new(&inputs, &window).map_err(|error| error.to_string())?;
+        if let Dynamics::StickSlip(oscillator) = &dynamics {
+            inputs.check_motion(oscillator).map_err(|error| error.to_string())?;
+        }
         Ok(Machine { inputs, dynamics, window })
     }
 }
