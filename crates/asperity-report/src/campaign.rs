@@ -59,7 +59,7 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         answers: answers::answers(results),
         warnings: &results.warnings,
         sections: sections.into_iter().flatten().collect(),
-        appendix: Vec::new(),
+        details: Vec::new(),
         script: SORT,
         machine: None,
     };

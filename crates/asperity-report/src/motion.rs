@@ -73,8 +73,7 @@ pub fn render_vibration(
     tables: &BTreeMap<String, Table>,
 ) -> Result<Report, ReportError> {
     let units = "Displacement, time and velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.";
-    let source = "answer.json";
-    let table = DataTable::properties("Numbers of the answer", rows(answer), source);
+    let table = DataTable::properties("Numbers of the answer", rows(answer));
     let sections = [
         Section::new("figures", "Figures", units, Vec::new(), vibration::of_command(figures, tables)?),
         Section::new("answer", "Answer", "", vec![table], Vec::new()),
@@ -86,7 +85,7 @@ pub fn render_vibration(
         answers: Vec::new(),
         warnings,
         sections: sections.into_iter().flatten().collect(),
-        appendix: Vec::new(),
+        details: Vec::new(),
         script: "",
         machine: None,
     };

@@ -1,14 +1,13 @@
-//! The HTML page: the verdict or headline answers, sections with tables and figures, inputs, assumptions, provenance, references, and
-//! an appendix.
+//! The HTML page: the verdict or headline answers, a section with one or two figures for each link of the chain, and folded details.
 
 pub(crate) mod answer;
 mod answer_table;
 pub(crate) mod answers;
-mod appendix;
 mod certainty;
 mod chain;
 mod cutoff;
 pub(crate) mod data_table;
+mod details;
 mod friction;
 mod machine;
 mod mode_coupling;
@@ -54,7 +53,8 @@ pub(crate) struct Page<'a> {
     pub(crate) answers: Vec<Answer>,
     pub(crate) warnings: &'a [String],
     pub(crate) sections: Vec<Section>,
-    pub(crate) appendix: Vec<Section>,
+    /// Folded sections at the end.
+    pub(crate) details: Vec<Section>,
     /// Script of the page beside that of its figures; empty for none.
     pub(crate) script: &'static str,
     /// Machine that the reader can move.
@@ -64,19 +64,18 @@ pub(crate) struct Page<'a> {
 impl Page<'_> {
     /// Renders the page. Figures are numbered through all sections.
     pub(crate) fn render(self) -> Report {
-        let Self { title, intro, first_screen, answers, warnings, mut sections, appendix, script, machine } = self;
+        let Self { title, intro, first_screen, answers, warnings, mut sections, details, script, machine } = self;
         if let Some(machine) = &machine {
             machine.add_to(&mut sections);
         }
-        let links = answers.first().map(|_| ("answers", "Answers")).into_iter();
+        let links = first_screen.as_ref().map(|_| ("answer", "Verdict")).into_iter();
+        let links = links.chain(answers.first().map(|_| ("answers", "Answers")));
         let links = links.chain(sections.iter().map(|section| (section.id, section.title)));
-        let links = links.chain(appendix.first().map(|_| ("appendix", "Appendix")));
-        let links = links.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title));
-        let nav = html!("<nav aria-label=\"Sections\"><ul>\n{}</ul></nav>\n", links.collect::<Html>());
-        let values = first_screen.as_ref().map(|_| "The chain with all values at their centres:");
+        let links = links.chain(details.first().map(|_| ("details", "Details")));
+        let links = links.map(|(id, title)| html!("<li><a href=\"#{}\">{}</a></li>\n", id, title)).collect::<Html>();
         let (opening, first_screen) = match first_screen {
-            Some(screen) => (html!("<h1 class=\"small\">{}</h1>\n", &title), html!("{}{}", screen, nav)),
-            None => (html!("<h1>{}</h1>\n<p>{}</p>\n{}", &title, intro, nav), Html::default()),
+            Some(screen) => (html!("<h1 class=\"small\">{}</h1>\n", &title), screen),
+            None => (html!("<h1>{}</h1>\n<p>{}</p>\n", &title, intro), Html::default()),
         };
         let warnings = match warnings {
             [] => Html::default(),
@@ -85,7 +84,7 @@ impl Page<'_> {
                 unordered(warnings)
             ),
         };
-        let draws = sections.iter().chain(&appendix).any(|section| !section.figures.is_empty());
+        let draws = sections.iter().chain(&details).any(|section| !section.figures.is_empty());
         let scripts = [script, if draws { FIGURES } else { "" }].map(str::trim_end).into_iter();
         let scripts: Vec<&str> = scripts.filter(|script| !script.is_empty()).collect();
         let hash = |text: &&str| format!(" 'sha256-{}'", BASE64.encode(Sha256::digest(text)));
@@ -107,14 +106,15 @@ impl Page<'_> {
                 .collect::<Html>(),
             title = title,
             style = Html::from_markup(STYLE.to_owned()),
+            links = links,
             opening = opening,
             first_screen = first_screen,
-            answers = answer::list(&answers, values),
+            answers = answer::list(&answers),
             warnings = warnings,
             sections = sections.iter().map(|section| section.html(&mut number)).collect::<Html>(),
-            appendix = appendix::html(&appendix, &mut number),
+            details = details::html(&details, &mut number),
         );
-        let figures = sections.into_iter().chain(appendix).flat_map(|section| section.figures).map(Figure::from);
+        let figures = sections.into_iter().chain(details).flat_map(|section| section.figures).map(Figure::from);
         Report { html: html.into_string(), figures: figures.collect() }
     }
 }
@@ -125,30 +125,25 @@ impl Page<'_> {
 /// The PNG encoder failed.
 pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
     let results = &run.results;
-    let [heights, methods, models] = appendix::entries(run)?;
-    let surface = stages::surface(run, heights.as_ref())?;
-    let contact = stages::contact(run, methods.as_ref())?;
-    let coefficient = stages::coefficient(run, models.as_ref());
-    let motion = stages::motion(run)?;
-    let coupled = stages::coupled(run);
+    let links = [
+        stages::judged(run)?,
+        stages::surface(run)?,
+        stages::contact(run)?,
+        stages::coefficient(run)?,
+        stages::motion(run)?,
+        stages::coupled(run),
+    ];
     let cited = [
-        surface.is_some() || results.surface.is_some(),
-        contact.is_some() || results.pressure.is_some(),
-        coefficient.is_some() || results.friction.is_some(),
-        motion.is_some() || results.vibration.is_some(),
-        coupled.is_some(),
+        links[1][0].is_some() || results.surface.is_some(),
+        links[2][0].is_some() || results.pressure.is_some(),
+        links[3][0].is_some() || results.friction.is_some(),
+        links[4][0].is_some() || results.vibration.is_some(),
+        links[5][0].is_some(),
     ];
     let inputs = "The study with all defaults, and where each value comes from. Settings change the error of the computation, not the \
                   machine.";
     let assumptions = "Conventions and defaults behind the results above.";
-    let sections = [
-        stages::judged(run)?,
-        surface,
-        contact,
-        coefficient,
-        stages::quotient(run)?,
-        motion,
-        coupled,
+    let conditions = [
         Section::new(
             "certainty",
             "How sure, and why",
@@ -167,6 +162,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         Section::provenance(run.provenance.as_ref()),
         Some(Section::references(&references::references(cited)).with_citation(run.provenance.as_ref())),
     ];
+    let (sections, details): (Vec<_>, Vec<_>) = links.into_iter().map(|[section, entry]| (section, entry)).unzip();
     let sections: Vec<Section> = sections.into_iter().flatten().collect();
     let ids: Vec<&str> = sections.iter().map(|section| section.id).collect();
     let first_screen =
@@ -175,10 +171,10 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         title: run.name.clone(),
         intro: "From the rough surface to friction and vibration: report of a study by asperity.",
         first_screen,
-        answers: answers::answers(run),
+        answers: if results.verdict.is_some() { Vec::new() } else { answers::answers(run) },
         warnings: &results.warnings,
         sections,
-        appendix: [heights, methods, models].into_iter().flatten().collect(),
+        details: details.into_iter().chain(conditions).flatten().collect(),
         script: "",
         machine: run.machine.as_deref().map(|json| Machine { json, is_centre: results.verdict.is_some() }),
     })

@@ -53,7 +53,7 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
         answers: [likeness(comparison), model(comparison), draws(comparison)].into_iter().flatten().collect(),
         warnings: &comparison.warnings,
         sections: sections.into_iter().flatten().collect(),
-        appendix: Vec::new(),
+        details: Vec::new(),
         script: "",
         machine: None,
     };
@@ -79,7 +79,7 @@ fn table(comparison: &Comparison) -> DataTable {
     let headers = ["Parameter", "Symbol", "Scan", "Twins: mean [95 % band]", "Distance", "Scan in band"];
     let rows = statistics.iter().map(row).collect();
     let outside = (0..statistics.len()).filter(|place| statistics[*place].1.inside == Some(false));
-    DataTable::new("Scan and twins", &headers, rows, "comparison.json").with_highlighted(outside.collect())
+    DataTable::new("Scan and twins", &headers, rows).with_highlighted(outside.collect())
 }
 
 fn band_sentence(comparison: &Comparison) -> String {

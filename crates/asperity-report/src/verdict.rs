@@ -1,12 +1,16 @@
 //! The verdict in words.
 
-use asperity_results::{Assumed, MachineModel, MotionKind, VerdictResult};
+use asperity_results::choice::Choice;
+use asperity_results::{Assumed, ErrorSource, Guess, MachineModel, MotionKind, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::named;
 
 /// Probability below which a number rests on the tails of the assumed distributions.
 pub(crate) const RARE: f64 = 1e-3;
+
+/// Effect of an unknown value on the probability, relative to the largest, below which it is not named.
+const LITTLE: f64 = 0.1;
 
 /// The verdict in one sentence of three parts.
 pub(crate) struct Headline {
@@ -111,13 +115,27 @@ pub(crate) fn leading_range(verdict: &VerdictResult) -> Option<[f64; 2]> {
     verdict.probability_range.filter(|range| width(*range) > width(verdict.probability_interval))
 }
 
-/// Returns a name for the unknown values.
+/// Returns a name for the unknown values that matter: those that change the probability by more than a tenth of what the first one does.
 pub(crate) fn unknown_values(verdict: &VerdictResult) -> String {
-    match verdict.guesses.as_slice() {
+    let effect = |guess: &Guess| (guess.probability_at_q95 - guess.probability_at_q05).abs();
+    let most = verdict.guesses.iter().map(effect).fold(0.0, f64::max);
+    let decisive: Vec<&Guess> = verdict.guesses.iter().filter(|guess| effect(guess) >= LITTLE * most).collect();
+    match decisive.as_slice() {
         [guess] if guess.input.ends_with(".scan") => "the limited scan".into(),
         [guess] => format!("the unknown {}", named(&guess.input)),
         guesses => format!("the {} unknown values", guesses.len()),
     }
+}
+
+/// Returns the largest error of the probability in a sentence, with what makes it smaller; `None` for a machine without uncertain values.
+pub(crate) fn largest_error(verdict: &VerdictResult) -> Option<String> {
+    let ErrorSource { source, half_width } = verdict.error_sources.first().filter(|_| !is_exact(verdict))?;
+    Some(format!(
+        "Largest error of the probability: {}, ±{} percentage points; to reduce it, {}.",
+        source.words(),
+        significant(100.0 * half_width, 2),
+        source.remedy()
+    ))
 }
 
 /// Returns a fraction of the time in words: `a tenth of the time`.

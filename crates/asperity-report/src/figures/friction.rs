@@ -6,7 +6,6 @@ pub(crate) mod distribution;
 mod levels;
 mod trace;
 mod uncertainty;
-mod windows;
 
 use asperity_results::{FrictionResult, Table};
 
@@ -16,7 +15,10 @@ use crate::words::distribution_name;
 use crate::{ReportError, Run};
 
 /// Draws the figures of the friction coefficient.
-pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
+///
+/// # Errors
+/// The PNG encoder failed.
+pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let level = run.results.friction.as_ref().and_then(FrictionResult::operating_level);
     let first = match level.and_then(|level| level.process.at_mean_load.marginal.as_ref()) {
         Some(distribution) => format!("ranked first ({})", distribution_name(distribution)),
@@ -56,37 +58,17 @@ pub(crate) fn figures(run: &Run) -> Vec<CaptionedFigure> {
             chart("friction_acf", &|table| correlation::autocorrelation(table, "windows")),
         ),
         (
-            "friction_windows",
-            "The correlation of friction through several windows",
-            windows::CAPTION,
-            run.tables.get("friction_windows").map_or_else(Vec::new, |table| windows::charts(table, level)),
-        ),
-        (
             "friction_spectrum",
             "Power spectral density of the friction coefficient",
             "One-sided power spectral density of μ at the operating point, taken at the mean load: its integral over the frequency is \
              the variance. The window alone has zeros at multiples of 1/W, where the mean over a bin stays above them.",
             chart("friction_spectrum", &correlation::spectrum),
         ),
-        (
-            "friction_area_load",
-            "Contact area and load of a window",
-            "Correlation of the contact area of a window with the load of the window that lies the lag further on.",
-            chart("friction_area_load", &correlation::area_and_load),
-        ),
     ];
     let drawn = drawn.into_iter().filter_map(|(name, title, caption, charts)| {
         CaptionedFigure::from_charts(name, title, caption, 1, &charts, &[name])
     });
     let first = [levels::load_curve(run), cutoff::figure(run)].into_iter().flatten();
-    first.chain(drawn).chain(uncertainty::figure(run)).collect()
-}
-
-/// Draws the figures of the quotient F/N of single windows.
-///
-/// # Errors
-/// The PNG encoder failed.
-pub(crate) fn quotient_figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
-    let trace = trace::figure(run)?;
-    Ok(levels::figures(run).into_iter().chain(trace).collect())
+    let last = levels::figures(run).into_iter().chain(trace::figure(run)?);
+    Ok(first.chain(drawn).chain(uncertainty::figure(run)).chain(last).collect())
 }

@@ -1,11 +1,9 @@
-//! Contact pressure: one surface, all cells, one point by every method, errors and costs of the methods, and sensitivities.
+//! Contact pressure: one surface, all cells, one point by every method, and errors and costs of the methods.
 
 mod accuracy;
 mod distribution;
 mod intervals;
 mod maps;
-mod scalars;
-pub(super) mod sensitivities;
 mod style;
 
 use super::{CaptionedFigure, field_map};
@@ -21,12 +19,6 @@ pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let caption = "Pressure on one realisation of the surface; white points are not in contact. The colours saturate \
                    beyond the 99.9 % quantile.";
     let sample = field_map(run, "pressure_sample", Kind::Pressure, title, caption)?;
-    let charts = [
-        distribution::figure(run),
-        intervals::figure(run),
-        accuracy::figure(run),
-        scalars::figure(run),
-        sensitivities::figure(run),
-    ];
+    let charts = [distribution::figure(run), intervals::figure(run), accuracy::figure(run)];
     Ok(sample.into_iter().chain(maps::figures(run)?).chain(charts.into_iter().flatten()).collect())
 }

@@ -28,7 +28,7 @@ fn maps(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let which = scan_sentence(run);
     let caption = format!("Heights relative to their mean, form included; {SATURATE}{which}");
     let mut maps: Vec<_> =
-        field_map(run, "height_raw", Kind::Height, "Heights as measured", &caption)?.into_iter().collect();
+        field_map(run, "height_raw", Kind::Form, "Heights as measured", &caption)?.into_iter().collect();
     let names = [
         ("height_levelled", "Heights after levelling"),
         ("surface_sample", "One realisation of the random surface"),

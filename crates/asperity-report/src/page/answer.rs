@@ -10,9 +10,8 @@ pub(crate) struct Answer {
     pub(crate) detail: String,
 }
 
-/// Returns the answers as HTML, below a sentence on the values that they hold for, if there is one.
-pub(super) fn list(answers: &[Answer], lead: Option<&str>) -> Html {
-    let lead = lead.map_or_else(Html::default, |lead| html!("<p class=\"lead\">{}</p>\n", lead));
+/// Returns the answers as HTML.
+pub(super) fn list(answers: &[Answer]) -> Html {
     let items = answers.iter().map(|Answer { question, answer, detail }| {
         let template =
             html!("<dt>{}</dt><dd class=\"answer\">{}</dd><dd class=\"detail\">{}</dd>", question, answer, detail);
@@ -21,8 +20,7 @@ pub(super) fn list(answers: &[Answer], lead: Option<&str>) -> Html {
     match answers {
         [] => Html::default(),
         _ => html!(
-            "<section id=\"answers\" aria-label=\"Answers\">\n{}<dl class=\"answers\">\n{}</dl>\n</section>\n",
-            lead,
+            "<section id=\"answers\" aria-label=\"Answers\">\n<dl class=\"answers\">\n{}</dl>\n</section>\n",
             items.collect::<Html>()
         ),
     }

@@ -8,7 +8,6 @@ use serde_json::Value;
 use crate::cells::{self, DASH};
 use crate::format::{Dimension, count, significant};
 use crate::page::data_table::DataTable;
-use crate::run::RESULTS;
 use crate::words::{distribution_name, in_words, meaning};
 
 impl DataTable {
@@ -16,7 +15,7 @@ impl DataTable {
     /// out, and those whose key, such as `cycle.period`, `keep` refuses.
     pub(super) fn of<T: Answer>(caption: &str, answer: &T, keep: impl Fn(&str) -> bool) -> Self {
         let rows = rows(&fields_of::<T>(keep), &[&answer.json()]);
-        Self::new(caption, &["Property", "Value"], rows, RESULTS)
+        Self::new(caption, &["Property", "Value"], rows)
     }
 
     /// Returns the table of several answers of one type, with a column for each, below its name.
@@ -24,7 +23,7 @@ impl DataTable {
         let values: Vec<Value> = answers.iter().map(|(_, answer)| answer.json()).collect();
         let rows = rows(&fields_of::<T>(keep), &values.iter().collect::<Vec<_>>());
         let names = answers.iter().map(|(name, _)| name.as_str());
-        Self::new(caption, &std::iter::once("Property").chain(names).collect::<Vec<_>>(), rows, RESULTS)
+        Self::new(caption, &std::iter::once("Property").chain(names).collect::<Vec<_>>(), rows)
     }
 
     /// Returns the table of a list of answers, with a row for each and a column for each of their entries.
@@ -44,7 +43,7 @@ impl DataTable {
             let title = (!name.is_empty() && !answers.is_empty()).then(|| vec![(*name).to_owned()]);
             title.into_iter().chain(answers.iter().map(cells))
         });
-        Self::new(caption, &headers, rows.collect(), RESULTS).without_empty_columns()
+        Self::new(caption, &headers, rows.collect()).without_empty_columns()
     }
 }
 

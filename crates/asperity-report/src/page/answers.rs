@@ -145,15 +145,6 @@ pub(super) fn of_friction(result: &FrictionResult) -> String {
     format!("{}; it differs by ± {std} from window to window of {window}.", friction(result).answer)
 }
 
-/// Returns the quotient F/N at the operating point in a sentence, if it has a mean.
-pub(super) fn of_quotient(friction: &FrictionResult) -> Option<String> {
-    let level = friction.operating_level()?;
-    Some(format!(
-        "Its mean at the operating point is {}.",
-        shown(Dimension::None, Some(level.mean?), level.mean_interval)
-    ))
-}
-
 /// Returns whether the machine vibrates, and the damping that stops it, in a sentence.
 pub(super) fn of_vibration(vibration: &VibrationResult) -> String {
     let limit =

@@ -7,7 +7,6 @@ use crate::cells::shown;
 use crate::format::{Dimension, significant};
 use crate::page::data_table::DataTable;
 use crate::page::parameters;
-use crate::run::RESULTS;
 use crate::verdict::percent;
 
 /// Name, value with its interval, and the origin of the error.
@@ -21,7 +20,7 @@ pub(super) fn table(run: &Run) -> DataTable {
     let rows = rows.chain(results.friction.iter().flat_map(of_friction));
     let rows = rows.chain(results.vibration.iter().flat_map(of_vibration)).chain(of_verdict(run));
     let headers = ["Result", "Value, 95 % interval", "What its error comes from"];
-    DataTable::new("", &headers, rows.map(Vec::from).collect(), RESULTS)
+    DataTable::new("", &headers, rows.map(Vec::from).collect())
 }
 
 fn row(name: &str, value: String, why: impl Into<String>) -> Row {

@@ -5,8 +5,7 @@ use std::fmt::{self, Display};
 use crate::cells::DASH;
 use crate::markup::{Html, html};
 
-/// A table of the page: header cells, rows of text, and the file that holds the numbers. A row of one cell is the title of
-/// the rows below it.
+/// A table of the page: header cells and rows of text. A row of one cell is the title of the rows below it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DataTable {
     pub(super) caption: String,
@@ -14,19 +13,18 @@ pub(crate) struct DataTable {
     pub(super) rows: Vec<Vec<String>>,
     /// Rows whose last cell is highlighted.
     pub(super) highlighted: Vec<usize>,
-    pub(super) source: String,
 }
 
 impl DataTable {
-    pub(crate) fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>, source: &str) -> Self {
+    pub(crate) fn new(caption: &str, headers: &[&str], rows: Vec<Vec<String>>) -> Self {
         let headers = headers.iter().map(|header| (*header).to_owned()).collect();
-        Self { caption: caption.into(), headers, rows, highlighted: Vec::new(), source: source.into() }
+        Self { caption: caption.into(), headers, rows, highlighted: Vec::new() }
     }
 
     /// Returns a table of names and values. A name with an empty value is the title of the rows below it.
-    pub(crate) fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>, source: &str) -> Self {
+    pub(crate) fn properties(caption: &str, rows: impl IntoIterator<Item = (String, String)>) -> Self {
         let row = |(name, value): (String, String)| if value.is_empty() { vec![name] } else { vec![name, value] };
-        Self::new(caption, &["Property", "Value"], rows.into_iter().map(row).collect(), source)
+        Self::new(caption, &["Property", "Value"], rows.into_iter().map(row).collect())
     }
 
     /// Highlights the last cell of some rows.
@@ -69,13 +67,11 @@ impl DataTable {
             [] => Html::default(),
         });
         html!(
-            "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n\
-             <p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
+            "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n<table>\n{}<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n",
             if self.caption.is_empty() { "Table" } else { &self.caption },
             caption,
             headers.collect::<Html>(),
             rows.collect::<Html>(),
-            &self.source,
         )
     }
 }

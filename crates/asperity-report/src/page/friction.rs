@@ -12,7 +12,6 @@ use crate::format::{Dimension, significant};
 use crate::page::answer_table::{all, distribution};
 use crate::page::cutoff;
 use crate::page::data_table::DataTable;
-use crate::run::RESULTS;
 use crate::words::conditions;
 
 /// Returns the name of a level: its percentile, or the depth or mean pressure that defines it.
@@ -36,9 +35,7 @@ pub(super) fn place(point: &OperatingPoint) -> String {
 /// Returns the introduction of the friction section.
 pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
     let stated = friction.map_or_else(String::new, |friction| {
-        let point = &friction.operating_point;
-        let mean = shown(Dimension::None, point.mean, point.mean_interval);
-        format!(" At the operating point ({}) μ = {mean}. {}", place(point), conditions(friction))
+        format!(" At the operating point: {}. {}", place(&friction.operating_point), conditions(friction))
     });
     let described = match friction.map(|friction| friction.body).unwrap_or_default() {
         RoughBody::Track => {
@@ -56,29 +53,13 @@ pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
     format!("{described}; windows are weighted by the load they carry.{stated}")
 }
 
-/// Returns the introduction of the section of the quotient F/N, with the levels at which it has no variance.
-pub(super) fn quotient_lead(friction: Option<&FrictionResult>) -> String {
-    let mut lead =
-        "The paper’s definition, friction force over load of every single window. It differs from the friction \
-                    coefficient above if windows carry few contacts. The vibration stage does not use it."
-            .to_owned();
-    for level in friction.iter().flat_map(|friction| &friction.levels) {
-        if let Some(reason) = &level.no_variance {
-            lead += &format!(
-                " Level {}: F/N has no variance, and thus no standard deviation, distribution or return level: {reason}.",
-                level_name(level)
-            );
-        }
-    }
-    lead
-}
-
 /// Returns a part of the levels with their names.
 fn levels<T>(friction: &FrictionResult, of: fn(&LevelResult) -> &T) -> Vec<(String, &T)> {
     friction.levels.iter().map(|level| (level_name(level), of(level))).collect()
 }
 
-/// Returns the tables of `friction`: friction at the mean load by level, the cut-off, and uncertain surfaces.
+/// Returns the tables of `friction`: friction at the mean load by level, the cut-off, uncertain surfaces, fitted distributions and
+/// correlation families, and the quotient F/N of single windows.
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let caption = "Friction at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the \
                    load they carry; brackets are 95 % intervals";
@@ -88,11 +69,13 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     tables.extend(friction.cutoff.iter().flat_map(cutoff::tables));
     tables.extend(friction.scan.iter().flat_map(cutoff::of_scan));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));
+    tables.extend(model_tables(friction));
+    tables.extend(quotient_tables(friction));
     tables
 }
 
 /// Returns the distributions and the correlation families fitted at the operating point.
-pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
+fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let Some(level) = friction.operating_level() else { return Vec::new() };
     let AtMeanLoad { marginal, marginal_parameter_intervals, laws, correlation_curves, correlation_models, .. } =
         &level.process.at_mean_load;
@@ -117,20 +100,18 @@ pub(super) fn model_tables(friction: &FrictionResult) -> Vec<DataTable> {
 fn fitted(of: &str, marginal: Option<&DistributionResult>, intervals: &BTreeMap<String, Option<Pair>>) -> DataTable {
     let caption = format!("Distribution of μ {of} that is ranked first; brackets are 95 % intervals");
     let rows = marginal.map_or_else(Vec::new, |fit| distribution(fit, intervals, Dimension::None));
-    DataTable::new(&caption, &["Property", "Value"], rows, RESULTS)
+    DataTable::new(&caption, &["Property", "Value"], rows)
 }
 
 /// Returns the numbers of F/N by level, and its distribution at the operating point.
-pub(super) fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
+fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let caption = format!(
         "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
         Dimension::Length.show(friction.window_m)
     );
     let of_process = LevelProcess::fields();
-    let keep = |key: &str| {
-        of_process.iter().all(|field| field.key != key)
-            && !["marginal.parameters", "beta", "no_variance"].contains(&key)
-    };
+    let keep =
+        |key: &str| of_process.iter().all(|field| field.key != key) && !["marginal.parameters", "beta"].contains(&key);
     let lead = friction.operating_level();
     let of_lead = lead.into_iter().flat_map(|level| {
         let place = level_name(level);
@@ -182,5 +163,5 @@ fn uncertain(friction: &FrictionResult, uncertainty: &UncertaintyResult) -> Opti
         uncertainty.points
     );
     let headers = ["Moment", "Mean", "Std", "95 % of surfaces", "Noise", "Unexplained", "Total indices"];
-    Some(DataTable::new(&caption, &headers, rows, RESULTS))
+    Some(DataTable::new(&caption, &headers, rows))
 }

@@ -8,17 +8,15 @@ use crate::fits::{HeightFit, height_fits};
 use crate::format::{Dimension, significant};
 use crate::page::answer_table::{cell, entries, shown};
 use crate::page::data_table::DataTable;
-use crate::run::RESULTS;
 use crate::words::in_words;
 
 /// Groups of parameters, each with its first one, in the order of the fields.
-const GROUPS: [(&str, &str); 8] = [
+const GROUPS: [(&str, &str); 7] = [
     ("nx", "Map"),
     ("Sa_m", "Height"),
     ("Sdq", "Hybrid"),
     ("Sal_m", "Spatial"),
     ("Sk_m", "Functional, core by the least-squares line (ISO 25178-2)"),
-    ("Sk_secant_m", "Functional, core by the flattest secant"),
     ("Vmp_m", "Volume"),
     ("psd_reliable_low_rad_per_m", "Spectrum and correlation"),
 ];
@@ -53,7 +51,8 @@ pub(super) fn value(measured: &MeasuredSurface, key: &str) -> Option<String> {
 pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
     let (values, fields) = (measured.json(), SurfaceStatistics::fields());
     let mut rows = Vec::new();
-    for entry in entries(&fields) {
+    // `results.json` also has the family of Sk by the flattest secant.
+    for entry in entries(&fields).filter(|entry| !entry.key.contains("_secant")) {
         let LabelledField { key, label, .. } = entry;
         rows.extend(GROUPS.iter().find(|(first, _)| first == key).map(|(_, title)| vec![(*title).to_owned()]));
         let std = |ending: &str| shown(key, &values[format!("{key}{ending}")], None, None);
@@ -66,7 +65,7 @@ pub(super) fn table(measured: &MeasuredSurface) -> DataTable {
         _ => "Surface parameters".to_owned(),
     };
     let headers = ["Parameter", "Symbol", "Value, 95 % interval", "Std of one scan", "Std between scans"];
-    DataTable::new(&caption, &headers, rows, RESULTS).without_empty_columns()
+    DataTable::new(&caption, &headers, rows).without_empty_columns()
 }
 
 /// Returns every scan of a part with its most important parameters.
@@ -102,7 +101,7 @@ pub(super) fn distributions(run: &Run) -> Option<DataTable> {
     let of = first.map_or(String::new(), |scan| format!(" of {}", scan.file));
     let caption = format!("Distributions fitted to the heights{of}, ranked by Akaike’s criterion{size}");
     let headers = ["Rank", "Distribution", "Parameters", "ΔAIC", "Weight", "KS distance", "p (KS)"];
-    Some(DataTable::new(&caption, &headers, rows, "tables/height_fits.csv").without_empty_columns())
+    Some(DataTable::new(&caption, &headers, rows).without_empty_columns())
 }
 
 /// Formats the parameters with the symbols of the literature.

@@ -42,7 +42,7 @@ pub(super) fn table(provenance: &Provenance) -> DataTable {
     let time = |(task, seconds): (&String, &f64)| (task.replace('_', " "), Dimension::Time.show_short(*seconds));
     let heading = ("Computing time, largest memory".into(), String::new());
     let times = std::iter::once(heading).chain(stages).chain(provenance.seconds.iter().map(time));
-    DataTable::properties("", rows.chain(times), "provenance.json")
+    DataTable::properties("", rows.chain(times))
 }
 
 fn or_dash(text: &str) -> String {

@@ -7,13 +7,12 @@ use asperity_results::SurfaceResult;
 use crate::format::Dimension;
 use crate::page::answer_table::{all, distribution};
 use crate::page::data_table::DataTable;
-use crate::run::RESULTS;
 use crate::words::length_in_words;
 
 /// Returns the random surface: distribution of the heights, covariance, covariances that were tried, expansion.
 pub(super) fn tables(surface: &SurfaceResult) -> Vec<DataTable> {
     let heights = distribution(&surface.marginal, &BTreeMap::new(), Dimension::Length);
-    let mut tables = vec![DataTable::new("Heights of random surfaces", &["Property", "Value"], heights, RESULTS)];
+    let mut tables = vec![DataTable::new("Heights of random surfaces", &["Property", "Value"], heights)];
     tables.extend(surface.covariance.iter().flat_map(|found| {
         [
             DataTable::of(

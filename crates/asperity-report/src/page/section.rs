@@ -7,6 +7,9 @@ use super::{provenance, references};
 use crate::figures::CaptionedFigure;
 use crate::markup::{Html, html};
 
+/// Most figures of a link of the chain before the details.
+const PICTURES: usize = 2;
+
 /// A section of a page.
 #[derive(Default)]
 pub(crate) struct Section {
@@ -18,8 +21,8 @@ pub(crate) struct Section {
     tables: Vec<DataTable>,
     pub(super) figures: Vec<CaptionedFigure>,
     list: Html,
-    /// Id and title of the entry of the appendix with further tables and figures.
-    further: Option<(&'static str, &'static str)>,
+    /// Id of the entry of the details with further figures and all tables.
+    further: Option<&'static str>,
 }
 
 impl Section {
@@ -71,9 +74,24 @@ impl Section {
         Self { answer: answer.unwrap_or_default(), ..self }
     }
 
-    /// Names the entry of the appendix that belongs to the section, if there is one.
-    pub(super) fn with_further(self, entry: Option<&Self>) -> Self {
-        Self { further: entry.map(|entry| (entry.id, entry.title)), ..self }
+    /// Keeps the first two figures of these names, and moves the others and all tables to an entry of the details, given by its id, its
+    /// title and its first sentence. A section of which nothing else is left is dropped.
+    pub(super) fn folded(
+        section: Option<Self>,
+        shown: &[&str],
+        entry: (&'static str, &'static str, &str),
+    ) -> [Option<Self>; 2] {
+        let Some(mut section) = section else { return [None, None] };
+        let place =
+            |figure: &CaptionedFigure| shown.iter().position(|name| *name == figure.name).unwrap_or(shown.len());
+        section.figures.sort_by_key(place);
+        let kept = section.figures.iter().filter(|figure| place(figure) < shown.len()).count().min(PICTURES);
+        let (id, title, lead) = entry;
+        let figures = section.figures.split_off(kept);
+        let details = Self::new(id, title, lead, std::mem::take(&mut section.tables), figures);
+        section.further = details.as_ref().map(|_| id);
+        let is_empty = section.figures.is_empty() && section.answer.is_empty() && section.lead.is_empty();
+        [(!is_empty).then_some(section), details]
     }
 
     pub(super) fn html(&self, number: &mut usize) -> Html {
@@ -92,14 +110,18 @@ impl Section {
             *number += 1;
             figure_html(*number, figure)
         });
-        let further = self.further.map_or_else(Html::default, |(id, title)| {
-            html!("<p class=\"further\">In the appendix: <a href=\"#{}\">{}</a></p>\n", id, title)
+        let further = self.further.map_or_else(Html::default, |id| {
+            html!("<p class=\"further\"><a href=\"#{}\">All figures and numbers</a></p>\n", id)
         });
+        let block = |class: &'static str, count: usize, parts: Html| match count {
+            0 => Html::default(),
+            _ => html!("<div class=\"{}\">\n{}</div>\n", class, parts),
+        };
         html!(
-            "{}<div class=\"tables\">\n{}</div>\n<div class=\"figures\">\n{}</div>\n{}{}",
+            "{}{}{}{}{}",
             lead,
-            self.tables.iter().map(DataTable::html).collect::<Html>(),
-            figures.collect::<Html>(),
+            block("figures", self.figures.len(), figures.collect::<Html>()),
+            block("tables", self.tables.len(), self.tables.iter().map(DataTable::html).collect::<Html>()),
             &self.list,
             further,
         )

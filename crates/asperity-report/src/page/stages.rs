@@ -1,105 +1,69 @@
-//! Sections of the stages of a study.
+//! The links of the chain: for each a section with its answer and one or two figures, and an entry of the details with the rest.
 
 use super::section::Section;
-use super::{answers, appendix, friction, mode_coupling, tables, verdict, vibration};
+use super::{answers, friction, mode_coupling, parameters, tables, verdict, vibration};
 use crate::{ReportError, Run, figures};
 
-/// Returns what the verdict follows from.
-pub(super) fn judged(run: &Run) -> Result<Option<Section>, ReportError> {
-    let found = run.results.verdict.as_ref();
-    let section = Section::new(
-        "verdict",
-        "Behind the verdict",
-        verdict::lead(found.map(|verdict| verdict.model).unwrap_or_default()),
-        found.map_or_else(Vec::new, verdict::tables),
-        figures::verdict::figures(run)?,
-    )
-    .map(|section| section.with_answer(found.map(crate::verdict_sentence)));
-    Ok(section)
+/// Section of a link and its entry among the details.
+pub(super) type Link = [Option<Section>; 2];
+
+/// Returns what the verdict follows from: its map, and among the details how much each value decides.
+pub(super) fn judged(run: &Run) -> Result<Link, ReportError> {
+    let Some(found) = &run.results.verdict else { return Ok([None, None]) };
+    let figures = figures::verdict::figures(run)?;
+    let section = Section::new("verdict", "Map of the verdict", "", verdict::tables(found), figures);
+    let entry = ("details-verdict", "Verdict: sensitivities and inputs", verdict::lead(found.model));
+    Ok(Section::folded(section, &["verdict_map"], entry))
 }
 
-/// Returns the surface; `heights` is its section of the appendix.
-pub(super) fn surface(run: &Run, heights: Option<&Section>) -> Result<Option<Section>, ReportError> {
-    let section = Section::new(
-        "surface",
-        "Surface",
-        "Height statistics of the measured map, and the random surface fitted to it. Every statistic belongs to the bandwidth \
-         between field size and pixel size.",
-        tables::surface(run),
-        figures::surface::figures(run)?,
-    )
-    .map(|section| section.with_further(heights).with_answer(answers::of_surface(run)));
-    Ok(section)
+/// Returns the surface.
+pub(super) fn surface(run: &Run) -> Result<Link, ReportError> {
+    let tables = tables::surface(run).into_iter().chain(parameters::distributions(run));
+    let section = Section::new("surface", "Surface", "", tables.collect(), figures::surface::figures(run)?)
+        .map(|section| section.with_answer(answers::of_surface(run)));
+    let lead = "Every statistic belongs to the bandwidth between field size and pixel size.";
+    let entry = ("details-surface", "Surface: parameters, spectrum and random surface", lead);
+    Ok(Section::folded(section, &["height_levelled", "surface_sample", "height_psd"], entry))
 }
 
-/// Returns the distribution of the pressure; `methods` is its section of the appendix.
-pub(super) fn contact(run: &Run, methods: Option<&Section>) -> Result<Option<Section>, ReportError> {
+/// Returns the distribution of the pressure.
+pub(super) fn contact(run: &Run) -> Result<Link, ReportError> {
     let pressure = run.results.pressure.as_ref();
-    let section = Section::new(
-        "pressure",
-        "Contact pressure",
-        format!(
-            "Probability that a point of the surface is in contact, and distribution of the pressure there. {}",
-            pressure.map_or_else(String::new, tables::refused_methods)
-        ),
-        pressure.map(tables::scalars).into_iter().collect(),
-        appendix::without_moved(figures::pressure::figures(run)?),
-    )
-    .map(|section| section.with_further(methods).with_answer(pressure.map(answers::of_pressure)));
-    Ok(section)
+    let tables = pressure.into_iter().flat_map(|pressure| [tables::scalars(pressure), tables::methods(pressure)]);
+    let section = Section::new("pressure", "Contact", "", tables.collect(), figures::pressure::figures(run)?)
+        .map(|section| section.with_answer(pressure.map(answers::of_pressure)));
+    let lead = pressure.map_or_else(String::new, tables::refused_methods);
+    let entry = ("details-pressure", "Contact: distributions and methods", &*lead);
+    Ok(Section::folded(section, &["pressure_sample", "pressure_cdf"], entry))
 }
 
-/// Returns the friction coefficient; `models` is its section of the appendix.
-pub(super) fn coefficient(run: &Run, models: Option<&Section>) -> Option<Section> {
+/// Returns the friction coefficient.
+pub(super) fn coefficient(run: &Run) -> Result<Link, ReportError> {
     let friction = run.results.friction.as_ref();
-    Section::new(
-        "friction",
-        "Friction coefficient",
-        friction::lead(friction),
-        friction.map_or_else(Vec::new, friction::tables),
-        appendix::without_moved(figures::friction::figures(run)),
-    )
-    .map(|section| section.with_further(models).with_answer(friction.map(answers::of_friction)))
-}
-
-/// Returns the quotient F/N of single windows.
-pub(super) fn quotient(run: &Run) -> Result<Option<Section>, ReportError> {
-    let friction = run.results.friction.as_ref();
-    let section = Section::new(
-        "quotient",
-        "Quotient F/N of single windows",
-        friction::quotient_lead(friction),
-        friction.map_or_else(Vec::new, friction::quotient_tables),
-        figures::friction::quotient_figures(run)?,
-    )
-    .map(|section| section.with_answer(friction.and_then(answers::of_quotient)));
-    Ok(section)
+    let tables = friction.map_or_else(Vec::new, friction::tables);
+    let section =
+        Section::new("friction", "Friction", friction::lead(friction), tables, figures::friction::figures(run)?)
+            .map(|section| section.with_answer(friction.map(answers::of_friction)));
+    let entry = ("details-friction", "Friction: levels, correlation and fitted distributions", "");
+    Ok(Section::folded(section, &["friction_trace", "friction_levels"], entry))
 }
 
 /// Returns the motion of one degree of freedom.
-pub(super) fn motion(run: &Run) -> Result<Option<Section>, ReportError> {
+pub(super) fn motion(run: &Run) -> Result<Link, ReportError> {
     let vibration = run.results.vibration.as_ref();
-    let section = Section::new(
-        "vibration",
-        "Friction-induced vibration",
-        "The vibration of the machine without roughness, and the effect of the roughness on it. Displacement, time and \
-         velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.",
-        vibration.map_or_else(Vec::new, vibration::tables),
-        figures::vibration::figures(run)?,
-    )
-    .map(|section| section.with_answer(vibration.map(answers::of_vibration)));
-    Ok(section)
+    let tables = vibration.map_or_else(Vec::new, vibration::tables);
+    let section = Section::new("vibration", "Vibration", "", tables, figures::vibration::figures(run)?)
+        .map(|section| section.with_answer(vibration.map(answers::of_vibration)));
+    let lead = "Displacement, time and velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.";
+    let entry = ("details-vibration", "Vibration: cycles over the damping ratio", lead);
+    Ok(Section::folded(section, &["stability_map", "limit_cycle", "sustained_over_damping"], entry))
 }
 
 /// Returns the motion of two coupled modes.
-pub(super) fn coupled(run: &Run) -> Option<Section> {
+pub(super) fn coupled(run: &Run) -> Link {
     let found = run.results.mode_coupling.as_ref();
-    Section::new(
-        "mode-coupling",
-        "Mode coupling",
-        "Stability of steady sliding of a mass with two modes that friction couples, and the vibration that follows.",
-        found.map_or_else(Vec::new, mode_coupling::tables),
-        figures::vibration::coupled_figures(run),
-    )
-    .map(|section| section.with_answer(found.map(answers::of_mode_coupling)))
+    let tables = found.map_or_else(Vec::new, mode_coupling::tables);
+    let section = Section::new("mode-coupling", "Mode coupling", "", tables, figures::vibration::coupled_figures(run))
+        .map(|section| section.with_answer(found.map(answers::of_mode_coupling)));
+    Section::folded(section, &["modes"], ("details-mode-coupling", "Mode coupling: numbers", ""))
 }

@@ -60,7 +60,7 @@ pub(super) fn scalars(pressure: &PressureResult) -> DataTable {
     });
     let headers = ["Property of the contact", "Mean", "Std", "10 % quantile", "Median", "90 % quantile"];
     let caption = "Distributions of properties of the whole contact; brackets are 95 % intervals";
-    DataTable::new(caption, &headers, rows.collect(), "tables/pressure_scalars.csv")
+    DataTable::new(caption, &headers, rows.collect())
 }
 
 /// Returns the inputs with their origin, one table per section in the order of appearance.
@@ -74,7 +74,7 @@ pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
         let row = vec![key.clone(), value.clone(), origin(input, &unstated).to_owned()];
         match tables.iter_mut().find(|table| table.caption == *section) {
             Some(table) => table.rows.push(row),
-            None => tables.push(DataTable::new(section, &["Key", "Value", "Origin"], vec![row], "study.toml")),
+            None => tables.push(DataTable::new(section, &["Key", "Value", "Origin"], vec![row])),
         }
     }
     tables

@@ -14,10 +14,9 @@ use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
-use crate::run::RESULTS;
 use crate::verdict::{
-    Headline, MEAN_FRICTION, RARE, is_exact, leading_range, not_stated, percent, sampled_percent, steady_sliding,
-    unknown_values, vibration as vibration_event,
+    Headline, MEAN_FRICTION, RARE, is_exact, largest_error, leading_range, not_stated, percent, sampled_percent,
+    steady_sliding, unknown_values, vibration as vibration_event,
 };
 use crate::words::{between, named, unbroken};
 
@@ -51,6 +50,15 @@ fn card(title: &str, content: &Html) -> Html {
     html!("<section class=\"card\">\n<h2>{}</h2>\n{}</section>\n", title, content)
 }
 
+/// Returns a text with the names between backticks as code.
+fn with_code(text: &str) -> Html {
+    let part = |(place, part): (usize, &str)| match place % 2 {
+        0 => Html::from(part.to_owned()),
+        _ => html!("<code>{}</code>", part),
+    };
+    text.split('`').enumerate().map(part).collect()
+}
+
 fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
@@ -65,6 +73,7 @@ fn numbers(verdict: &VerdictResult) -> Html {
         sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(&sliding)))));
     } else {
         sentences.push(text(computed_to(verdict)));
+        sentences.extend(largest_error(verdict).map(|text| with_code(&unbroken(&text))));
         sentences.extend(half_of_the_time(verdict).map(text));
         sentences.extend(over_unknowns(verdict));
         let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == MachineModel::StickSlip);
@@ -154,7 +163,7 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
     };
     let headers = ["Value", "First order", "Total", "Shapley effect", "Range narrows by"];
     let drivers = |caption: &str, drivers: &[Driver]| {
-        DataTable::new(caption, &headers, drivers.iter().map(driver).collect(), RESULTS).without_empty_columns()
+        DataTable::new(caption, &headers, drivers.iter().map(driver).collect()).without_empty_columns()
     };
     let guesses = verdict.guesses.iter().map(|guess| {
         vec![
@@ -176,7 +185,6 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             "Probability of vibration if an unknown value were at its 5 % or its 95 % quantile",
             &["Value", "At 5 %", "At 95 %"],
             guesses.collect(),
-            RESULTS,
         ),
         DataTable::new(
             &format!(
@@ -185,7 +193,6 @@ pub(super) fn tables(verdict: &VerdictResult) -> Vec<DataTable> {
             ),
             &["Value", "Default", "At the low end", "At the high end"],
             verdict.assumed.iter().map(assumed).collect(),
-            RESULTS,
         ),
         rests_on::table(&verdict.rests_on),
     ]

@@ -8,7 +8,6 @@ use crate::cells::shown;
 use crate::format::Dimension;
 use crate::page::answer_table::{all, distribution};
 use crate::page::data_table::DataTable;
-use crate::run::RESULTS;
 
 /// Returns limits and cycle, then what roughness changes: the motion, and cycles and thresholds over the damping ratio.
 pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
@@ -27,7 +26,7 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
     ];
     tables.extend(vibration.marginal.iter().map(|marginal| {
         let rows = distribution(marginal, &BTreeMap::new(), Dimension::None);
-        DataTable::new("Distribution of μ", &["Property", "Value"], rows, RESULTS)
+        DataTable::new("Distribution of μ", &["Property", "Value"], rows)
     }));
     tables.push(DataTable::grouped(
         "Vibration over the damping ratio by upscaling; brackets are 95 % intervals",

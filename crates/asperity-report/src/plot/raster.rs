@@ -10,8 +10,9 @@ use crate::plot::chart::{Backdrop, Chart};
 use crate::plot::image::{ColourBar, indexed, scale_palette, shade};
 use crate::plot::palette::{MISSING, NO_CONTACT};
 
-/// Larger fields are averaged over blocks before they are embedded.
+/// Larger fields are averaged over blocks before they are embedded; form has long waves.
 const MAX_POINTS: usize = 640 * 640;
+const MAX_POINTS_OF_FORM: usize = 320 * 320;
 const MAX_ALONG: usize = 2600;
 
 /// Quantity of a field, which determines its colours.
@@ -19,6 +20,8 @@ const MAX_ALONG: usize = 2600;
 pub(crate) enum Kind {
     /// Heights relative to their mean.
     Height,
+    /// Heights with their form, relative to their mean.
+    Form,
     /// Pressures from zero; points at exactly zero are not in contact.
     Pressure,
     /// Contact probabilities from the least to the largest.
@@ -31,7 +34,7 @@ impl Kind {
     /// Returns the label of the colour bar and the dimension of the values.
     fn label(self) -> (&'static str, Dimension) {
         match self {
-            Self::Height => ("Height", Dimension::Length),
+            Self::Height | Self::Form => ("Height", Dimension::Length),
             Self::Pressure => ("Pressure", Dimension::Pressure),
             Self::Probability => ("P(contact)", Dimension::None),
             Self::Error => ("Leave-one-out error / variance", Dimension::None),
@@ -92,14 +95,16 @@ struct Pixels<'a> {
 impl<'a> Pixels<'a> {
     /// Reduces a field; `None` if no value is present.
     fn new(field: &'a Field, kind: Kind) -> Option<Self> {
+        let is_height = matches!(kind, Kind::Height | Kind::Form);
+        let most = if kind == Kind::Form { MAX_POINTS_OF_FORM } else { MAX_POINTS };
         let fits = |block: &usize| {
             let (nx, ny) = (field.nx().div_ceil(*block), field.ny().div_ceil(*block));
-            nx * ny <= MAX_POINTS && nx.max(ny) <= MAX_ALONG
+            nx * ny <= most && nx.max(ny) <= MAX_ALONG
         };
         let block = (1..).find(fits)?;
         let (nx, ny, mut values) = averaged(field, block);
         let mut present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-        if kind == Kind::Height && !present.is_empty() {
+        if is_height && !present.is_empty() {
             let mean = present.iter().sum::<f64>() / present.len() as f64;
             present.iter_mut().for_each(|v| *v -= mean);
             values.iter_mut().for_each(|v| *v -= mean);
@@ -109,7 +114,7 @@ impl<'a> Pixels<'a> {
         let quantile = |q: f64| present[((present.len() - 1) as f64 * q).round() as usize];
         // The scale saturates, so that a few outliers do not take all of it.
         let (low, high) = match kind {
-            Kind::Height => (quantile(0.001), quantile(0.999)),
+            Kind::Height | Kind::Form => (quantile(0.001), quantile(0.999)),
             Kind::Pressure => (0.0, quantile(0.999).max(0.5 * largest)),
             Kind::Probability => (least, largest),
             Kind::Error => (0.0, largest),
@@ -117,7 +122,7 @@ impl<'a> Pixels<'a> {
         // A flat field lies in the middle of a small scale.
         let magnitude = field.values().iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
         let scale = match kind {
-            Kind::Height if high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
+            _ if is_height && high - low <= 1e-12 * magnitude => (-1e-9, 1e-9),
             Kind::Pressure | Kind::Error if high <= 0.0 => (0.0, 1.0),
             Kind::Probability if high <= low => (0.0, 1.0),
             _ => (low, high),

@@ -4,15 +4,18 @@ use asperity_results::ScanOfPart;
 
 use crate::documents::{check_figure, check_page, elements, text, without_scripts};
 use crate::stages::{friction, surface};
-use crate::synthetic::{edit, example, full_run, surface_run};
+use crate::synthetic::{WITHOUT_FIGURE, edit, example, full_run, surface_run};
 use asperity_report::{Input, Run, render};
 
 #[test]
 fn a_complete_run_has_every_section() {
     let html = text(&render(&full_run()).unwrap().html);
-    let ids = "answers surface pressure friction quotient vibration inputs assumptions provenance references appendix";
-    for id in ids.split(' ') {
+    for id in "answers surface pressure friction vibration details".split(' ') {
         assert!(html.contains(&format!("<section id=\"{id}\"")), "section {id}");
+        assert!(html.contains(&format!("<li><a href=\"#{id}\">")), "{id} is not in the bar");
+    }
+    for id in ["certainty", "inputs", "assumptions", "provenance", "references"] {
+        assert!(html.contains(&format!("<div id=\"{id}\">")), "entry {id}");
     }
     for wanted in [
         "P(contact) = 0.0200 [0.0190, 0.0210]",
@@ -32,29 +35,42 @@ fn a_complete_run_has_every_section() {
 }
 
 #[test]
-fn the_comparison_of_methods_and_the_checks_of_models_are_in_the_appendix() {
+fn tables_and_further_figures_are_among_the_details() {
     let html = render(&full_run()).unwrap().html;
     let place = |words: &str| html.find(words).unwrap_or_else(|| panic!("{words}"));
-    let appendix = place("<section id=\"appendix\">");
-    assert!(place("<section id=\"references\">") < appendix);
-    for (entry, contents) in [
-        ("appendix-surface", &["Distributions fitted to the heights"][..]),
-        ("appendix-pressure", &["Methods for the distribution of the pressure", "figure-pressure_accuracy"]),
-        ("appendix-friction", &["Families of the correlation", "figure-friction_pit", "figure-friction_qq"]),
+    let details = place("<section id=\"details\">");
+    for (section, shown, contents) in [
+        (
+            "surface",
+            &["height_levelled", "surface_sample"][..],
+            &["Surface parameters", "Distributions fitted to the heights"][..],
+        ),
+        (
+            "pressure",
+            &["pressure_sample", "pressure_cdf"],
+            &["Methods for the distribution of the pressure", "figure-pressure_accuracy"],
+        ),
+        (
+            "friction",
+            &["friction_trace", "friction_levels"],
+            &["Families of the correlation", "figure-friction_pit", "Friction coefficient F/N by level"],
+        ),
+        ("vibration", &["limit_cycle", "sustained_over_damping"], &["figure-survival"]),
     ] {
+        let entry = format!("details-{section}");
         let link = place(&format!("<a href=\"#{entry}\">"));
-        assert!(link < appendix && appendix < place(&format!("<details id=\"{entry}\">")), "{entry}");
-        contents.iter().for_each(|words| assert!(html.rfind(words).unwrap() > appendix, "{words}"));
+        assert!(link < details && details < place(&format!("<div id=\"{entry}\">")), "{entry}");
+        shown.iter().for_each(|name| assert!(place(&format!("<figure id=\"figure-{name}\"")) < details, "{name}"));
+        contents.iter().for_each(|words| assert!(place(words) > details, "{words}"));
     }
-    // The distribution of the pressure itself stays in its section.
-    assert!(place("figure-pressure_cdf") < appendix);
+    assert!(place("<table>") > details, "a table stands before the details");
 }
 
 #[test]
 fn every_figure_names_its_tables() {
     let run = full_run();
     let html = text(&render(&run).unwrap().html);
-    for name in run.tables.keys() {
+    for name in run.tables.keys().filter(|name| !WITHOUT_FIGURE.contains(&name.as_str())) {
         assert!(html.contains(&format!("<code>tables/{name}.csv</code>")), "tables/{name}.csv");
     }
     for name in run.fields.keys() {
@@ -99,10 +115,11 @@ fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
         ("vibration", "No vibration persists above ζ ="),
     ] {
         let content = html.split_once(&format!("<section id=\"{section}\">")).unwrap().1;
+        assert!(content.split("</section>").next().unwrap().matches("<figure").count() <= 2, "{section}");
         let answer = content.split_once("<p class=\"found\">").unwrap().1.split_once("</p>").unwrap().0;
         assert!(answer.contains(words), "{section}: {answer}");
     }
-    let certainty = html.split_once("<section id=\"certainty\">").unwrap().1.split_once("</section>").unwrap().0;
+    let certainty = html.split_once("<div id=\"certainty\">").unwrap().1.split_once("</details>").unwrap().0;
     for words in ["rms height Sq", "[0.94, 1.06]", "random strips:", "limit of the damping ratio", "trajectories"] {
         assert!(certainty.contains(words), "{words}: {certainty}");
     }

@@ -4,7 +4,7 @@ use asperity_results::{MethodEntry, PressureMethod};
 
 use crate::documents::{text, words};
 use crate::stages::pressure;
-use crate::synthetic::{edit, edit_field, full_run};
+use crate::synthetic::{edit_field, full_run};
 use asperity_report::{Run, render};
 
 #[test]
@@ -49,21 +49,8 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
         let drawn = words(&run, name);
         assert!(drawn.iter().any(|word| word == largest), "{largest} in {drawn:?}");
     }
-    // The stiffness is optional.
-    let scalars = words(&run, "pressure_scalars");
-    assert!(
-        scalars.iter().any(|word| word.contains("Mean gap")) && !scalars.iter().any(|word| word.contains("Stiffness"))
-    );
-    let gaps = run.tables["pressure_scalar_distributions"].column("mean_gap_m").unwrap();
-    let stiffness = gaps.iter().map(|gap| 5e19 * gap).collect();
-    edit(&mut run.tables, "pressure_scalar_distributions", |columns| {
-        columns.push(("stiffness_pa_per_m".into(), stiffness))
-    });
-    let scalars = words(&run, "pressure_scalars");
-    assert!(scalars.iter().any(|word| word == "Stiffness (MPa/µm)"), "{scalars:?}");
     // Older runs have no bands.
     run.tables.remove("pressure_bands");
-    run.tables.remove("pressure_scalar_distributions");
     assert!(!words(&run, "pressure_cdf").iter().any(|word| word.contains("95 %")));
 }
 
@@ -90,10 +77,8 @@ fn maps_of_all_cells_have_their_accuracy() {
     let mut bare = full_run();
     let found = pressure(&mut bare);
     (found.maps, found.homogeneity, found.global_expansion) = (None, None, None);
-    found.sensitivities.clear();
     let names = |run: &Run| render(run).unwrap().figures.into_iter().map(|figure| figure.name).collect::<Vec<_>>();
     assert!(names(&bare).contains(&"expansion_error".to_owned()));
-    assert!(!names(&bare).contains(&"pressure_sensitivities".to_owned()));
     // Older runs have no maps.
     bare.fields.retain(|name, _| name == "pressure_sample");
     assert!(!names(&bare).iter().any(|name| name == "pressure_quantiles" || name == "contact_probability"));
@@ -105,29 +90,4 @@ fn maps_of_all_cells_have_their_accuracy() {
     for wanted in ["Median", "no contact (p = 0)"] {
         assert!(words(&free, "pressure_quantiles").iter().any(|word| word == wanted), "{wanted}");
     }
-}
-
-#[test]
-fn sensitivities_name_every_variable_and_the_explained_variance() {
-    let mut run = full_run();
-    let drawn = words(&run, "pressure_sensitivities");
-    for wanted in [
-        "height of the cell",
-        "ring 5",
-        "mode 8",
-        "Pressure at the cell: heights about the cell",
-        "Contact area: leading modes",
-        "Sobol’ index; 83 % explained",
-    ] {
-        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
-    }
-    assert!(
-        !drawn.iter().any(|word| word == "Contact area: heights about the cell"),
-        "a failed expansion has no panel"
-    );
-    // An expansion that predicts worse than the mean explains nothing.
-    pressure(&mut run).sensitivities[0].cross_validated_error = Some(1.2);
-    assert!(words(&run, "pressure_sensitivities").contains(&"Sobol’ index; 0 % explained".to_owned()));
-    pressure(&mut run).sensitivities.clear();
-    assert!(render(&run).unwrap().figures.iter().all(|figure| figure.name != "pressure_sensitivities"));
 }

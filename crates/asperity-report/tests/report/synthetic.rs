@@ -419,6 +419,15 @@ fn vibration(tables: &mut BTreeMap<String, Table>) {
     }
 }
 
+/// Tables of a run that no figure draws.
+pub(crate) const WITHOUT_FIGURE: [&str; 5] = [
+    "friction_area_load",
+    "friction_windows",
+    "height_fits",
+    "pressure_scalar_distributions",
+    "pressure_sensitivities",
+];
+
 /// The full run.
 pub(crate) fn full_run() -> Run {
     static RUN: OnceLock<Run> = OnceLock::new();

@@ -116,7 +116,6 @@ fn the_page_shows_maps_functions_parameters_and_limits() {
         "1 of 4 statistics lies outside.",
         "Grigoriu",
         "tables/acf_x.csv",
-        "comparison.json",
     ] {
         assert!(html.contains(wanted), "the page says {wanted:?}");
     }

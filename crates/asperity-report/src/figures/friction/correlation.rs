@@ -1,6 +1,6 @@
 //! The correlation of friction over the lag and over the frequency, and the correlation of contact area with load.
 
-use asperity_results::{AreaAndLoad, FrictionSpectrum, Table};
+use asperity_results::{FrictionSpectrum, Table};
 
 use crate::figures::{columns, defined, positive};
 use crate::format::{Dimension, Unit};
@@ -58,20 +58,5 @@ pub(super) fn spectrum(table: &Table) -> Option<Chart> {
     for (y, name, pen) in curves.into_iter().filter(|curve| !curve.0.is_empty()) {
         chart.line(name, frequency, y, pen);
     }
-    Some(chart)
-}
-
-/// Draws the correlation of contact area and load over the lag between them.
-pub(super) fn area_and_load(table: &Table) -> Option<Chart> {
-    let AreaAndLoad { lag_m, correlation } = AreaAndLoad::of(table);
-    let [lag, correlation] = defined([&lag_m, &correlation])?;
-    let (ends, (low, high)) = (range(lag)?, range(correlation)?);
-    let x = Axis::linear("Lag of the load", Dimension::Length.unit(ends.1), ends);
-    let y = Axis::linear("Correlation", Unit::none(), (low.min(0.0) - 0.04, high.max(1.0) + 0.04));
-    let mut chart = Chart::new(x, y).with_height(260.0);
-    let thin = Pen::new(GREY, 1.0, Dash::Solid);
-    chart.horizontal("", 0.0, thin);
-    chart.vertical("", 0.0, thin);
-    chart.line("", lag, correlation, Pen::new(BLUE, 2.0, Dash::Solid));
     Some(chart)
 }

@@ -102,6 +102,10 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
             PressureMethod::from_name(name).map_or_else(|_| plot::pen(index.saturating_sub(1)), |own| style(own).0)
         }
     };
+    let bands = Bands::new(run);
+    if reference.is_none() {
+        bands.iter().for_each(|bands| bands.draw(&mut cdf, |_| 0.0));
+    }
     for (index, (name, values)) in methods.iter().enumerate() {
         let (x, y) = with_step(&axis, pressure, values);
         cdf.line(column_name(name), &x, &y, pen(index, name));
@@ -120,7 +124,6 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     if lowest > 0.0 {
         caption += " The vertical axis does not begin at 0.";
     }
-    let bands = Bands::new(run).filter(|_| reference.is_some());
     let mut charts = vec![cdf];
     let below = reference
         .and_then(|(name, base)| Some((name, differences(axis, pressure, base, &methods, pen, bands.as_ref())?)));
@@ -130,13 +133,13 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
             " Below: difference of every method from “{}”; its largest absolute value is the KS distance.",
             column_name(name)
         );
-        if bands.is_some() {
-            caption += " The shaded bands of asperity’s default contain the true distribution function with 95 % probability at \
-                        one pressure, and at all pressures at once.";
-        }
         if !beyond.is_empty() {
             caption += &format!(" Beyond the frame below: {}.", beyond.join(", "));
         }
+    }
+    if bands.is_some() {
+        caption += " The shaded bands of asperity’s default contain the true distribution function with 95 % probability at one \
+                    pressure, and at all pressures at once.";
     }
     let mut charts = if charts.len() > 1 { stacked(charts, 290.0) } else { charts };
     charts.iter_mut().skip(1).for_each(|chart| chart.height = if bands.is_some() { 230.0 } else { 190.0 });

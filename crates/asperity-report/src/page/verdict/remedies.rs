@@ -7,7 +7,6 @@ use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
-use crate::run::RESULTS;
 use crate::verdict::{is_exact, percent, vibration};
 use crate::words::{named, unbroken};
 
@@ -21,11 +20,10 @@ pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
     html!(
         "<p>{}</p>\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Remedies\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
          <th scope=\"col\">friction left</th></tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n\
-         <p class=\"note\">Brackets are 95 % intervals of the computation. Source: <code>{}</code></p>\n",
+         <p class=\"note\">Brackets are 95 % intervals of the computation.</p>\n",
         sentence(verdict),
         headers.collect::<Html>(),
-        verdict.remedies.iter().map(row).collect::<Html>(),
-        RESULTS,
+        verdict.remedies.iter().map(row).collect::<Html>()
     )
 }
 
@@ -58,6 +56,18 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
         return html!("{}", not_reached(&verdict.remedies, wanted));
     };
     let dimension = Dimension::of_unit(&remedy.unit);
+    let [now, then] = [Some(remedy.now), reach.value]
+        .map(|value| value.map_or_else(|| DASH.into(), |value| dimension.show_short(value)));
+    if now == then {
+        let target = target(wanted);
+        return html!(
+            "The {} of {} hardly needs to change: {} is about {} probable.",
+            named(&remedy.input),
+            now,
+            vibration(verdict),
+            target
+        );
+    }
     let verb = if reach.value.is_some_and(|value| value > remedy.now) { "Raise" } else { "Lower" };
     let friction = match (remedy.friction_coefficient_now, reach.friction_coefficient) {
         (Some(now), Some(left)) if (left / now - 1.0).abs() > 0.005 => {
@@ -71,7 +81,7 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
         named(&remedy.input),
         held(remedy),
         shown(dimension, remedy.now, None),
-        reach.value.map_or_else(|| DASH.into(), |value| dimension.show_short(value)),
+        then,
         vibration(verdict),
         target(wanted),
         friction,
@@ -125,7 +135,7 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
     headers.extend(targets.iter().map(|reach| format!("For {}", target(reach.probability))));
     headers.push("Friction left".into());
     let headers: Vec<&str> = headers.iter().map(String::as_str).collect();
-    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect(), RESULTS)
+    DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect())
 }
 
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.

@@ -6,7 +6,6 @@ use asperity_results::{InputKind, InputValue, MachineModel, RestsOn};
 use crate::format::Dimension;
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
-use crate::run::RESULTS;
 use crate::words::{in_words, named};
 
 /// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
@@ -89,5 +88,5 @@ pub(super) fn table(inputs: &[RestsOn]) -> DataTable {
         vec![named(&input.input), text, origin.into()]
     };
     let caption = "Inputs of the verdict with their central values";
-    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect(), RESULTS)
+    DataTable::new(caption, &["Value", "Central value", "Origin"], inputs.iter().map(row).collect())
 }

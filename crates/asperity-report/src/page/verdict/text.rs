@@ -1,7 +1,6 @@
 //! The verdict as text, for terminals.
 
-use asperity_results::choice::Choice;
-use asperity_results::{AreaAsOne, ErrorCause, ErrorSource, MachineModel, VerdictResult};
+use asperity_results::{AreaAsOne, ErrorCause, MachineModel, VerdictResult};
 
 use crate::cells::{percent, plain};
 use crate::format::{count, significant};
@@ -9,8 +8,7 @@ use crate::page::data_table::DataTable;
 use crate::page::verdict::{
     computed_to, drivers, half_of_the_time, margin_of, over_unknowns, remedies, tables, vibration,
 };
-use crate::run::RESULTS;
-use crate::verdict::{RARE, is_exact, not_stated, percent as probability, verdict_sentence};
+use crate::verdict::{RARE, is_exact, largest_error, not_stated, percent as probability, verdict_sentence};
 
 /// Returns the answer of a run in a few sentences: the probability, what the study does not state, what would stop the vibration, what to
 /// measure next, and the largest error with what makes it smaller.
@@ -26,14 +24,7 @@ pub fn verdict_summary(verdict: &VerdictResult) -> Vec<String> {
     if verdict.drivers.len() > 1 {
         sentences.push(drivers::next(verdict).text());
     }
-    if let Some(ErrorSource { source, half_width }) = verdict.error_sources.first().filter(|_| !is_exact(verdict)) {
-        sentences.push(format!(
-            "Largest error of the probability: {}, ±{} percentage points; to reduce it, {}.",
-            source.words(),
-            significant(100.0 * half_width, 2),
-            source.remedy()
-        ));
-    }
+    sentences.extend(largest_error(verdict));
     sentences.into_iter().map(|sentence| sentence.replace('\u{a0}', " ")).collect()
 }
 
@@ -102,7 +93,7 @@ fn margin(verdict: &VerdictResult) -> DataTable {
     } else {
         rows.collect()
     };
-    DataTable::new(&caption, &["Quantile", "Margin"], rows, RESULTS)
+    DataTable::new(&caption, &["Quantile", "Margin"], rows)
 }
 
 /// Returns the probability against the number of windows that share the load.
@@ -115,5 +106,5 @@ fn area_as_one(verdict: &VerdictResult) -> DataTable {
     let rows = verdict.area_as_one.iter().flatten().map(row).collect();
     let caption =
         "How much of the area acts as one: probability of vibration if so many independent windows share the load";
-    DataTable::new(caption, &["Windows", "Standard deviation of friction", "Probability"], rows, RESULTS)
+    DataTable::new(caption, &["Windows", "Standard deviation of friction", "Probability"], rows)
 }
