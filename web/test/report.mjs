@@ -49,6 +49,30 @@ const drawn = async (figure) => {
   });
 };
 
+/** Opens the folded entries of a page. */
+const unfold = (tab) => tab.evaluate(() => document.querySelectorAll("details").forEach((element) => (element.open = true)));
+
+/** Most printed pages of a report whose details are folded. */
+const PRINTED = 6;
+
+/** Checks that a page prints on few sheets, and that its links open the folded entries. */
+async function folded(browser, file) {
+  const { context, tab } = await open(browser, pathToFileURL(resolve(file)).href, { viewport: { width: 1280, height: 900 } });
+  await tab.keyboard.press("Tab");
+  check(await tab.evaluate(() => document.activeElement.closest("nav.bar") !== null), `${file}: the first key Tab does not lead to the bar`);
+  const path = pictures && `${pictures}/${basename(resolve(file, ".."))}.pdf`;
+  const pdf = await tab.pdf({ ...(path && { path }), preferCSSPageSize: true });
+  const sheets = pdf.toString("latin1").match(/\/Type\s*\/Page[^s]/g).length;
+  check(sheets <= PRINTED, `${file} prints on ${sheets} sheets`);
+  for (const link of await tab.locator(".further a").all()) {
+    const entry = tab.locator(await link.getAttribute("href"));
+    check(!(await entry.isVisible()), `${file}: ${await link.getAttribute("href")} is not folded`);
+    await link.click();
+    await entry.waitFor({ state: "visible" });
+  }
+  await context.close();
+}
+
 async function open(browser, page, options) {
   const context = await browser.newContext({ acceptDownloads: true, ...options });
   const tab = await context.newPage();
@@ -115,7 +139,7 @@ async function accessibility(browser, page, options) {
   const context = await browser.newContext({ bypassCSP: true, ...options });
   const tab = await context.newPage();
   await tab.goto(page);
-  await tab.evaluate(() => document.querySelectorAll("details").forEach((element) => (element.open = true)));
+  await unfold(tab);
   await started(tab);
   await tab.waitForTimeout(300);
   await tab.evaluate(axe);
@@ -130,7 +154,7 @@ async function examine(browser, file, width, colorScheme) {
   const what = `${file} at ${width} px, ${colorScheme}`;
   const wide = await tab.evaluate(() => document.documentElement.scrollWidth);
   check(wide <= width, `${what}: the page is ${wide} px wide`);
-  await tab.evaluate(() => document.querySelectorAll("details").forEach((element) => (element.open = true)));
+  await unfold(tab);
   const figures = await tab.locator("figure[id]").all();
   for (const figure of figures) {
     await figure.scrollIntoViewIfNeeded();
@@ -173,6 +197,7 @@ function stated(text) {
 async function use(browser, file) {
   const page = pathToFileURL(resolve(file)).href;
   const { context, tab, faults } = await open(browser, page, { viewport: { width: 1280, height: 800 } });
+  await unfold(tab);
   const id = await tab.evaluate(() => {
     const fits = (figure) => figure.querySelectorAll(".chart").length === 1 && figure.querySelector(".data:not(.image) [data-series]:not([data-series='']) > polyline");
     return [...document.querySelectorAll("figure[id]")].find(fits)?.id;
@@ -254,7 +279,6 @@ async function use(browser, file) {
   check(same, `${file}: the saved figure is not ${path}`);
   await tab.emulateMedia({ media: "print" });
   check((await chart.isVisible()) && !(await figure.locator(".save").isVisible()), `${file}: print does not show the figure alone`);
-  if (pictures) await tab.pdf({ path: `${pictures}/${basename(resolve(file, ".."))}.pdf`, preferCSSPageSize: true }).catch(() => {});
   check(faults.length === 0, `${file}: ${faults.join("; ")}`);
   await context.close();
 }
@@ -269,6 +293,7 @@ async function compare(browser, file, id, curve, table, columns) {
   const lines = readFileSync(path, "utf8").trim().split("\n").map((line) => line.split(","));
   const places = columns.map((column) => lines[0].indexOf(column));
   const { context, tab } = await open(browser, pathToFileURL(resolve(file)).href, { viewport: { width: 1280, height: 800 } });
+  await unfold(tab);
   const figure = tab.locator(`#figure-${id}`);
   await figure.scrollIntoViewIfNeeded();
   const chart = figure.locator(".chart[tabindex]").first();
@@ -316,6 +341,7 @@ try {
     check(statSync(file).size < LARGEST, `${file} is larger than 5 MB`);
     let count = 0;
     for (const [width, scheme] of [[1280, "light"], [390, "dark"]]) count = await examine(browser, file, width, scheme);
+    await folded(browser, file);
     await use(browser, file);
     if (basename(dirname(resolve(file))) === "run") {
       await compare(browser, file, "limit_cycle", "deterministic limit cycle", "limit_cycle.csv", ["displacement", "velocity"]);

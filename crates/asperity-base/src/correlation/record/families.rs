@@ -33,9 +33,10 @@ impl FamilyFits {
     }
 
     /// Returns 2 ln of the likelihood ratio of the families, divided by the variance of the scores of the more likely
-    /// one relative to Gaussian records. A smaller variance than theirs is chance and counts as theirs.
+    /// one relative to Gaussian records. A smaller variance than theirs, with this redundancy of tracks, is chance and counts as theirs.
     pub fn evidence(&self) -> f64 {
-        2.0 * (self.fits[0].log_likelihood - self.fits[1].log_likelihood) / self.fits[0].dispersion.max(1.0)
+        let [likely, other] = self.fits;
+        2.0 * (likely.log_likelihood - other.log_likelihood) / likely.dispersion.max(likely.track_redundancy)
     }
 
     /// Returns whether the records tell the families apart: their likelihoods differ by a factor of 20 or more.
