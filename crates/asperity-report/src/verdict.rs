@@ -127,9 +127,11 @@ pub(crate) fn unknown_values(verdict: &VerdictResult) -> String {
     }
 }
 
-/// Returns the largest error of the probability in a sentence, with what makes it smaller; `None` for a machine without uncertain values.
+/// Returns the largest error of the probability in a sentence, with what makes it smaller; `None` for a negligible one and for a
+/// machine without uncertain values.
 pub(crate) fn largest_error(verdict: &VerdictResult) -> Option<String> {
-    let ErrorSource { source, half_width } = verdict.error_sources.first().filter(|_| !is_exact(verdict))?;
+    let source = verdict.error_sources.first().filter(|source| source.half_width >= RARE && !is_exact(verdict));
+    let ErrorSource { source, half_width } = source?;
     Some(format!(
         "Largest error of the probability: {}, ±{} percentage points; to reduce it, {}.",
         source.words(),

@@ -27,7 +27,7 @@ struct Link {
 
 /// Returns the links for which the run has results; those with a section among `sections` refer to it.
 pub(super) fn strip(run: &Run, sections: &[&str]) -> Html {
-    let links = [surface(run), contact(run), pressure(run), friction(run), vibration(run)];
+    let links = [surface(run), contact(run).or_else(|| pressure(run)), friction(run), vibration(run)];
     let links: Vec<Html> = links.into_iter().flatten().map(|link| link.html(sections)).collect();
     if links.is_empty() {
         return Html::default();
@@ -78,7 +78,7 @@ fn contact(run: &Run) -> Option<Link> {
     let plastic = friction.operating_level().map(|level| level.plastic_share).filter(|share| *share > 0.0);
     let plastic = plastic.map_or_else(String::new, |share| format!("; {} of it plastic", percent(share, 2)));
     Some(Link {
-        section: "friction",
+        section: if run.results.pressure.is_some() { "pressure" } else { "friction" },
         number: format!("{} in contact", percent(point.contact_fraction, 2)),
         words: format!("at {}{plastic}", Dimension::Pressure.show_short(point.mean_pressure_pa)),
         picture: ["pressure_strip", "pressure_sample"]
