@@ -132,8 +132,12 @@ pub(crate) fn unknown_values(verdict: &VerdictResult) -> String {
 pub(crate) fn largest_error(verdict: &VerdictResult) -> Option<String> {
     let source = verdict.error_sources.first().filter(|source| source.half_width >= RARE && !is_exact(verdict));
     let ErrorSource { source, half_width } = source?;
+    let which = match verdict.error_sources.len() {
+        1 => "Error".to_owned(),
+        count => format!("Largest of {count} errors"),
+    };
     Some(format!(
-        "Largest error of the probability: {}, ±{} percentage points; to reduce it, {}.",
+        "{which} of the probability: {}, ±{} percentage points; to reduce it, {}.",
         source.words(),
         significant(100.0 * half_width, 2),
         source.remedy()

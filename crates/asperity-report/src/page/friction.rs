@@ -65,7 +65,10 @@ pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
                    load they carry; brackets are 95 % intervals";
     let levels = levels(friction, |level| &level.process);
     // The fitted distribution has a table of its own.
-    let mut tables = vec![DataTable::beside(caption, &levels, |key| key != "at_mean_load.marginal.parameters")];
+    let mut tables = vec![
+        DataTable::of("Friction at the operating point; brackets are 95 % intervals", &friction.operating_point, all),
+        DataTable::beside(caption, &levels, |key| key != "at_mean_load.marginal.parameters"),
+    ];
     tables.extend(friction.cutoff.iter().flat_map(cutoff::tables));
     tables.extend(friction.scan.iter().flat_map(cutoff::of_scan));
     tables.extend(friction.uncertainty.as_ref().and_then(|found| uncertain(friction, found)));

@@ -31,7 +31,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
     };
     html!(
         "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"{}\">{}</strong>{}</p>\n\
-         <p class=\"sub\">{}</p>\n<div class=\"cards\">\n<div class=\"column\">\n{}{}</div>\n<div class=\"column\">\n{}{}</div>\n\
+         {}<div class=\"cards\">\n<div class=\"column\">\n{}{}</div>\n<div class=\"column\">\n{}{}</div>\n\
          </div>\n{}</section>\n",
         before,
         class,
@@ -64,9 +64,9 @@ fn capitalised(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Returns the sentences below the headline: errors of the probability, steady sliding, and the vibration.
+/// Returns the lines below the headline: errors of the probability and steady sliding, what is not stated, and the vibration.
 fn numbers(verdict: &VerdictResult) -> Html {
-    let mut sentences = Vec::new();
+    let (mut sentences, mut lines) = (Vec::new(), Vec::new());
     let text = |text: String| Html::from(unbroken(&text));
     if is_exact(verdict) {
         sentences.push(text("No value of the study is uncertain.".into()));
@@ -79,17 +79,21 @@ fn numbers(verdict: &VerdictResult) -> Html {
         let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == MachineModel::StickSlip);
         sentences.extend(sliding.map(|sliding| text(format!("From steady sliding {}.", percent(sliding)))));
     }
-    sentences.extend(not_stated(verdict).into_iter().map(|value| text(format!("Not stated: {value}."))));
     if verdict.leaves_out_fluctuation {
         sentences.push(text(MEAN_FRICTION.into()));
     }
-    sentences.extend(vibration(verdict));
-    let count = sentences.len();
-    let spaced = sentences
-        .into_iter()
-        .enumerate()
-        .map(|(place, sentence)| html!("{}{}", sentence, if place + 1 < count { " " } else { "" }));
-    spaced.collect()
+    lines.push(("sub", sentences));
+    lines.push(("sub", vibration(verdict).into_iter().collect()));
+    let assumed = not_stated(verdict).into_iter().map(|value| text(format!("Not stated: {value}.")));
+    lines.push(("sub assumed", assumed.collect()));
+    let line = |(class, sentences): (&'static str, Vec<Html>)| match sentences.len() {
+        0 => Html::default(),
+        _ => {
+            let spaced = sentences.iter().map(|sentence| html!("{} ", sentence));
+            html!("<p class=\"{}\">{}</p>\n", class, spaced.collect::<Html>())
+        }
+    };
+    lines.into_iter().map(line).collect()
 }
 
 /// Returns how many machines vibrate for at least half of the time in a sentence; `None` if friction does not fluctuate.

@@ -275,18 +275,19 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
     for wanted in [
         "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
          Stribeck coefficient; 64 % on average.",
-        "Computed to ±3 percentage points. Largest error of the probability: the number of machines, ±2.6 percentage points; to reduce it, \
-         lower half_width and, if needed, raise evaluations in [verdict]. From steady sliding 12 %. Not stated: stribeck 4.2 (2.1: 21 \
-         %, 8.4: more than 99.4 %). If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
+        "Computed to ±3 percentage points. Largest of 2 errors of the probability: the number of machines, ±2.6 percentage points; to \
+         reduce it, lower half_width and, if needed, raise evaluations in [verdict]. From steady sliding 12 %.",
+        "If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
+        "Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
         "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
         "not in the range",
         "surface: 3 scans",
         "stated: normal force",
-        "shear strength 40 MPa: unknown",
-        "damping ratio 0.0155: uncertain",
-        "Stribeck coefficient 4.2: the paper’s value, not measured",
-        "Squeal by mode coupling is another machine.",
+        "unknown: shear strength 40 MPa",
+        "uncertain: damping ratio 0.0155",
+        "not stated: Stribeck coefficient 4.2 (the paper’s value, not measured)",
+        "For squeal choose the model of two coupled modes.",
     ] {
         assert!(words.contains(wanted), "{wanted}");
     }
@@ -352,9 +353,12 @@ fn the_areas_of_the_margin_are_the_probabilities() {
     // Without samples the quantiles of the margin are drawn; here the damping ratio is uncertain.
     let html = page(example::verdict::verdict());
     assert!((vibrating(&html) - 0.64).abs() < 0.002, "{}", vibrating(&html));
-    assert!(html.contains("the central damping ratio minus the margin"));
+    assert!(html.contains("shifted by how far its damping differs from the central one"));
     let svg = html.split("<svg class=\"margin\"").nth(1).unwrap().split("</svg>").next().unwrap();
-    assert!(elements(&format!("<svg{svg}</svg>")) > 8 && svg.contains("aria-label=\"Distribution of the limit"));
+    assert!(
+        elements(&format!("<svg{svg}</svg>")) > 8
+            && svg.contains("aria-label=\"Distribution of the damping ratio needed")
+    );
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
         MachineModel::ModeCoupling => "critical friction coefficient − friction coefficient",
     };
     let others = match drivers.len() {
-        count if count > SHOWN => format!("; {} more below", count - SHOWN),
+        count if count > SHOWN => format!("; {} more in the details", count - SHOWN),
         _ => String::new(),
     };
     html!(

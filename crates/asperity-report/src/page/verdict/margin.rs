@@ -150,7 +150,7 @@ impl Limits {
             return self.marks(verdict);
         }
         let range = self.range();
-        let drawn = if self.coupled { "friction coefficient" } else { "limit of the damping ratio" };
+        let drawn = if self.coupled { "friction coefficient" } else { "damping ratio needed to stay quiet" };
         let axis = Axis::linear(drawn, Unit::none(), range);
         let [quiet, vibrating] = self.cells(verdict.probability, range);
         let density = |cell: &Cell| cell.fraction / (cell.high - cell.low);
@@ -239,8 +239,7 @@ impl Limits {
             "A machine flutters if its friction coefficient lies above the critical one. Drawn is the critical coefficient of central values \
              minus the margin of each machine, so that the areas are the probabilities."
         } else if self.uncertain_damping {
-            "The damping is uncertain, too: drawn is the central damping ratio minus the margin, damping ratio − limit, of each machine, \
-             so that the areas are the probabilities."
+            "Each machine stands at its limit, shifted by how far its damping differs from the central one; areas are probabilities."
         } else {
             "A machine vibrates if its limit lies above its damping ratio."
         };

@@ -12,6 +12,8 @@ use crate::words::{named, unbroken};
 
 /// Probability that the damping ratio is given for if the study states no remedies.
 const TARGET: f64 = 0.05;
+/// Relative change of the friction coefficient from which it is stated.
+const VISIBLE: f64 = 0.005;
 
 /// Returns one change in a sentence and the table of all of them.
 pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
@@ -19,11 +21,12 @@ pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
     let headers = first.reach.iter().map(|reach| html!("<th scope=\"col\">for {}</th>", target(reach.probability)));
     html!(
         "<p>{}</p>\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Remedies\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
-         <th scope=\"col\">friction left</th></tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n\
+         {}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n\
          <p class=\"note\">Brackets are 95 % intervals of the computation.</p>\n",
         sentence(verdict),
         headers.collect::<Html>(),
-        verdict.remedies.iter().map(row).collect::<Html>()
+        if changes_friction(verdict) { html!("<th scope=\"col\">friction left</th>") } else { Html::default() },
+        verdict.remedies.iter().map(|remedy| row(remedy, changes_friction(verdict))).collect::<Html>()
     )
 }
 
@@ -70,7 +73,7 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     }
     let verb = if reach.value.is_some_and(|value| value > remedy.now) { "Raise" } else { "Lower" };
     let friction = match (remedy.friction_coefficient_now, reach.friction_coefficient) {
-        (Some(now), Some(left)) if (left / now - 1.0).abs() > 0.005 => {
+        (Some(now), Some(left)) if (left / now - 1.0).abs() > VISIBLE => {
             format!(" The friction coefficient goes from {} to {}.", significant(now, 3), significant(left, 3))
         }
         _ => String::new(),
@@ -108,8 +111,18 @@ fn not_reached(remedies: &[Remedy], wanted: f64) -> String {
     format!("No {name}{} from {low} to {high} reaches {}.", held(remedy), target(wanted))
 }
 
-fn row(remedy: &Remedy) -> Html {
-    let cells = cells(remedy);
+/// Returns whether a change leaves another friction coefficient than the present one.
+fn changes_friction(verdict: &VerdictResult) -> bool {
+    let differs = |now: f64, left: f64| (left / now - 1.0).abs() > VISIBLE;
+    verdict.remedies.iter().any(|remedy| {
+        let left = remedy.reach.iter().filter_map(|reach| reach.friction_coefficient);
+        remedy.friction_coefficient_now.is_some_and(|now| left.into_iter().any(|left| differs(now, left)))
+    })
+}
+
+fn row(remedy: &Remedy, with_friction: bool) -> Html {
+    let mut cells = cells(remedy);
+    cells.truncate(cells.len() - usize::from(!with_friction));
     let values = cells[1..].iter().map(|cell| html!("<td>{}</td>", cell));
     html!("<tr><th scope=\"row\">{}</th>{}</tr>\n", &cells[0], values.collect::<Html>())
 }

@@ -8,29 +8,32 @@ use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::words::{in_words, named};
 
-/// Returns the inputs as chips: scans first, exact values in one chip, and each doubtful value in its own.
+/// Returns the inputs as chips, one for each origin; scans first.
 pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     let machine = match model {
         MachineModel::StickSlip => {
-            "One mass with falling friction: stick-slip, groan and judder. Squeal by mode coupling is another machine."
+            "This model covers stick-slip, groan and judder. For squeal choose the model of two coupled modes."
         }
         MachineModel::ModeCoupling => {
-            "Two modes coupled by friction: squeal. Stick-slip, groan and judder by falling friction are another machine."
+            "This model covers squeal by two coupled modes. For groan and judder choose the model of one mass."
         }
     };
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
-    let names = |kind: InputKind| of(kind).map(|input| named(&input.input)).collect::<Vec<_>>().join(", ");
     let chip = |class: &str, text: String| html!("<li class=\"chip {}\">{}</li>\n", class, text);
     let mut chips: Vec<Html> = of(InputKind::Measured).map(|input| chip("measured", scans(input))).collect();
-    if of(InputKind::Stated).next().is_some() {
-        chips.push(chip("stated", format!("stated: {}", names(InputKind::Stated))));
+    let with_value = |input: &RestsOn| format!("{} {}", named(&input.input), value(input));
+    let origins: [(InputKind, &str, &str, &dyn Fn(&RestsOn) -> String); 4] = [
+        (InputKind::Stated, "stated", "stated", &|input| named(&input.input)),
+        (InputKind::Uncertain, "uncertain", "uncertain", &with_value),
+        (InputKind::Unknown, "guessed", "unknown", &with_value),
+        (InputKind::Default, "guessed", "not stated", &default),
+    ];
+    for (kind, class, word, text) in origins {
+        let texts: Vec<String> = of(kind).map(text).collect();
+        if !texts.is_empty() {
+            chips.push(chip(class, format!("{word}: {}", texts.join(", "))));
+        }
     }
-    for (kind, class, word) in
-        [(InputKind::Uncertain, "uncertain", "uncertain"), (InputKind::Unknown, "guessed", "unknown")]
-    {
-        chips.extend(of(kind).map(|input| chip(class, format!("{} {}: {word}", named(&input.input), value(input)))));
-    }
-    chips.extend(of(InputKind::Default).map(|input| chip("guessed", default(input))));
     if chips.is_empty() {
         return html!(
             "<p>The results of an earlier version do not list the inputs.</p>\n<p class=\"note\">{}</p>\n",
@@ -43,7 +46,7 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
 /// Returns the number of scans of a body.
 fn scans(input: &RestsOn) -> String {
     match input.value {
-        InputValue::Number(1.0) => format!("{}: 1 scan, so for this part", named(&input.input)),
+        InputValue::Number(1.0) => format!("{}: 1 scan; holds for the scanned part only", named(&input.input)),
         InputValue::Number(count) => format!("{}: {count} scans", named(&input.input)),
         InputValue::Integer(_) | InputValue::Name(_) => named(&input.input),
     }
@@ -65,14 +68,14 @@ fn value(input: &RestsOn) -> String {
 /// Returns a default value with its origin: the paper, or asperity.
 fn default(input: &RestsOn) -> String {
     if input.input == "material.hardness" {
-        return "hardness: none, contact is elastic".into();
+        return "hardness (contact is elastic)".into();
     }
     let origin = match Key::find(&input.input).and_then(|key| key.default) {
         Some(KeyDefault { of_paper: true, value: DefaultValue::Word(_), .. }) => "the paper’s",
         Some(KeyDefault { of_paper: true, .. }) => "the paper’s value, not measured",
         _ => "asperity’s default",
     };
-    format!("{} {}: {origin}", named(&input.input), value(input))
+    format!("{} {} ({origin})", named(&input.input), value(input))
 }
 
 /// Returns all inputs with their values.
