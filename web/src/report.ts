@@ -39,6 +39,14 @@ function whenNear(element: HTMLElement, act: () => void) {
   observer.observe(element);
 }
 
+/** Opens the folded entry that holds the target of a link; some browsers do not. */
+function reveal() {
+  const entry = document.getElementById(location.hash.slice(1))?.closest("details");
+  if (entry) entry.open = true;
+}
+addEventListener("hashchange", reveal);
+reveal();
+
 for (const figure of document.querySelectorAll<HTMLElement>("figure[id]")) whenNear(figure, () => start(figure));
 const movable = document.getElementById("move");
 if (movable) whenNear(movable, machine.start);

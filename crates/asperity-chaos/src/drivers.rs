@@ -90,6 +90,9 @@ impl PickFreeze {
     /// # Errors
     /// The response is constant or not finite, there are no or more than 64 inputs, or the design is empty.
     ///
+    /// # Panics
+    /// If the response returns another number of values than points.
+    ///
     /// # References
     /// Song, Nelson & Staum, *SIAM/ASA J. Uncertain. Quantif.* **4** (2016) 1060, <https://doi.org/10.1137/15M1048070>
     /// (permutations).
@@ -150,8 +153,12 @@ impl Centred<'_> {
 ///
 /// # Errors
 /// A value is not finite.
+///
+/// # Panics
+/// If the numbers of values and points differ.
 fn finite(response: &Response<'_>, points: &[Vec<f64>]) -> Result<Vec<f64>, DriverError> {
     let values = response(points);
+    assert_eq!(values.len(), points.len(), "values of a response");
     match values.iter().zip(points).find(|(value, _)| !value.is_finite()) {
         Some((value, z)) => Err(DriverError::NotFinite { value: *value, z: z.clone() }),
         None => Ok(values),

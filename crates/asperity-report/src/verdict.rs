@@ -115,7 +115,7 @@ pub(crate) fn leading_range(verdict: &VerdictResult) -> Option<[f64; 2]> {
     verdict.probability_range.filter(|range| width(*range) > width(verdict.probability_interval))
 }
 
-/// Returns a name for the unknown values that matter: those that change the probability by more than a tenth of what the first one does.
+/// Returns a name for the unknown values that matter: those that change the probability by more than a tenth of what the strongest one does.
 pub(crate) fn unknown_values(verdict: &VerdictResult) -> String {
     let effect = |guess: &Guess| (guess.probability_at_q95 - guess.probability_at_q05).abs();
     let most = verdict.guesses.iter().map(effect).fold(0.0, f64::max);
@@ -130,7 +130,8 @@ pub(crate) fn unknown_values(verdict: &VerdictResult) -> String {
 /// Returns the largest error of the probability in a sentence, with what makes it smaller; `None` for a negligible one and for a
 /// machine without uncertain values.
 pub(crate) fn largest_error(verdict: &VerdictResult) -> Option<String> {
-    let source = verdict.error_sources.first().filter(|source| source.half_width >= RARE && !is_exact(verdict));
+    let negligible = RARE.min(0.1 * verdict.probability);
+    let source = verdict.error_sources.first().filter(|source| source.half_width >= negligible && !is_exact(verdict));
     let ErrorSource { source, half_width } = source?;
     let which = match verdict.error_sources.len() {
         1 => "Error".to_owned(),

@@ -68,12 +68,13 @@ fn averaged_damping(oscillator: &Oscillator) -> f64 {
     let (law, belt_velocity) = (oscillator.law(), oscillator.belt_velocity());
     let jump = (oscillator.static_friction() - law.kinetic()) / belt_velocity;
     let amplitude = 0.5 * (1.0 + jump.hypot(1.0));
-    let gained = |node: usize| {
-        let theta = PI * (node as f64 + 0.5) / NODES as f64;
-        let speed = (1.0 - amplitude * theta.cos()).max(0.0);
-        law.weakening(belt_velocity * speed) * theta.sin().powi(2)
-    };
-    jump.hypot(1.0).ln() / TAU + (0..NODES).map(gained).sum::<f64>() / NODES as f64
+    let nodes = (0..NODES).map(|node| PI * (node as f64 + 0.5) / NODES as f64);
+    let in_slip =
+        nodes.map(|theta| (1.0 - amplitude * theta.cos(), theta.sin().powi(2))).filter(|(speed, _)| *speed > 0.0);
+    let (gained, all) = in_slip.fold((0.0, 0.0), |(gained, all), (speed, weight)| {
+        (gained + weight * law.weakening(belt_velocity * speed), all + weight)
+    });
+    jump.hypot(1.0).ln() / TAU + 0.5 * gained / all
 }
 
 /// Returns ζ_v, the largest damping ratio at which any vibration persists, ignoring the oscillator's own damping ratio
@@ -99,16 +100,16 @@ mod tests {
     use crate::tests::machine;
     use crate::{FrictionTable, MotionKind, VelocityLaw, limit_cycle, smallest_kick};
     use asperity_base::distribution::standard_normal_cdf;
-    use asperity_base::numeric::try_root_between;
+    use asperity_base::numeric::bisect;
     use asperity_base::random;
 
-    /// Finds ζ_c by bisection of the least velocity, without its derivative.
-    fn bisected(oscillator: &Oscillator, above: f64) -> f64 {
-        let least = |damping| -> Result<f64, VibrationError> {
-            Ok(first_minimum(&oscillator.with_damping(damping)?, 0.0)?.map_or(1.0, |m| m.w))
+    /// Finds ζ_c by bisection of whether the orbit reaches the belt velocity, over all damping ratios.
+    fn bisected(oscillator: &Oscillator) -> f64 {
+        let reaches = |damping: f64| -> Result<bool, VibrationError> {
+            let minimum = first_minimum(&oscillator.with_damping(damping)?, 0.0)?;
+            Ok(minimum.is_some_and(|minimum| minimum.w < 0.0))
         };
-        let (at_zero, at_above) = (least(0.0).unwrap(), least(above).unwrap());
-        try_root_between(least, [0.0, at_zero], [above, at_above], 1e-15).unwrap().unwrap()
+        bisect(0.0, MAX_DAMPING, 0.0, reaches).unwrap()[0]
     }
 
     #[test]
@@ -142,6 +143,18 @@ mod tests {
     }
 
     #[test]
+    fn friction_that_falls_far_below_the_belt_velocity_after_a_large_jump_has_its_critical_damping() {
+        let stribeck = |decay| VelocityLaw::Stribeck(Stribeck { kinetic: 0.3, decay });
+        let exponential =
+            VelocityLaw::Exponential(Exponential { kinetic: 0.3, high_speed: 0.2, stribeck_velocity: 1e-5 });
+        for law in [stribeck(5000.0), stribeck(14_000.0), stribeck(20_000.0), exponential] {
+            let oscillator = machine(0.35, law, 0.0, 0.001);
+            let (found, slow) = (critical_damping(&oscillator).unwrap().critical_damping_ratio, bisected(&oscillator));
+            assert!((found / slow - 1.0).abs() < 1e-11, "{found} instead of {slow}: {oscillator:?}");
+        }
+    }
+
+    #[test]
     fn a_cycle_exists_exactly_below_the_critical_damping_for_random_oscillators() {
         let rng = &mut random::stream(5, "test", 0);
         for i in 0..300 {
@@ -165,7 +178,7 @@ mod tests {
                 machine(static_friction, law, damping_ratio, belt_velocity)
             };
             let critical = critical_damping(&of(0.0)).unwrap().critical_damping_ratio;
-            let slow = bisected(&of(0.0), 2.0 * critical);
+            let slow = bisected(&of(0.0));
             // Orbits are of order 1 even for small ζ, so rounding moves ζ_c by at most 1e-15.
             let allowed = 1e-13 * critical.max(0.01);
             assert!((critical - slow).abs() < allowed, "{critical:.17} instead of {slow:.17}: {:?}", of(0.0));

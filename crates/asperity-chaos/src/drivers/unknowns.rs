@@ -61,6 +61,9 @@ impl NestedSampling {
     ///
     /// # Errors
     /// The response is not finite, or a number of points is zero.
+    ///
+    /// # Panics
+    /// If the response returns another number of values than points.
     pub fn probability_over_unknowns(
         &self,
         inputs: &UncertainInputs,

@@ -18,7 +18,7 @@ const NEGLIGIBLE: f64 = 0.01;
 /// Largest half width of an interval around zero, as a fraction of the deterministic cycles, at which there is no effect. A wider
 /// interval is inconclusive.
 const NARROW: f64 = 0.1;
-const VANISHES: &str = "No effect at the scale of your machine";
+const VANISHES: &str = "Roughness has no effect at the scale of your machine";
 
 /// Returns the answers for which the run has results.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
@@ -129,10 +129,11 @@ pub(super) fn of_surface(run: &Run) -> Option<String> {
 }
 
 /// Returns contact probability and mean pressure at a point in a sentence.
-pub(super) fn of_pressure(pressure: &PressureResult) -> String {
+pub(super) fn of_pressure(run: &Run, pressure: &PressureResult) -> String {
     let mean = shown(Dimension::Pressure, pressure.mean_pa, pressure.mean_interval);
     format!(
-        "A point of the patch is in contact with probability {}; its mean pressure is {mean}.",
+        "{}, a point of a patch is in contact with probability {}; its mean pressure is {mean}.",
+        patch_level(run),
         patch_probability(pressure)
     )
 }
@@ -149,7 +150,8 @@ pub(super) fn of_friction(result: &FrictionResult) -> String {
 pub(super) fn of_vibration(vibration: &VibrationResult) -> String {
     let limit =
         damping(vibration).map_or(String::new(), |damping| format!(" No vibration persists above {}.", damping.answer));
-    format!("{}.{limit}", vibration_answer(vibration))
+    let roughness = roughness(vibration).map_or(String::new(), |effect| format!(" {}.", effect.answer));
+    format!("{}.{limit}{roughness}", vibration_answer(vibration))
 }
 
 /// Returns whether steady sliding is stable in a sentence.
@@ -225,15 +227,15 @@ fn roughness(vibration: &VibrationResult) -> Option<Answer> {
     let (answer, reason) = if unresolved && narrow {
         (VANISHES.to_owned(), " (the 95 % interval contains zero)")
     } else if unresolved {
-        let answer = "No effect is resolved: more trajectories are needed".to_owned();
+        let answer = "No effect of roughness is resolved: more trajectories are needed".to_owned();
         (answer, " (the 95 % interval contains zero, but is wide)")
     } else if lost.abs() <= NEGLIGIBLE * scale {
         (VANISHES.to_owned(), " (no more than 1 % of the cycles)")
     } else if lost < 0.0 {
-        (format!("It adds {} cycles", significant(-lost, 3)), "")
+        (format!("Roughness adds {} cycles", significant(-lost, 3)), "")
     } else {
         let of = significant(entry.cycles_deterministic as f64, 4);
-        (format!("It costs {} of {of} cycles", significant(lost, 3)), "")
+        (format!("Roughness costs {} of {of} cycles", significant(lost, 3)), "")
     };
     let near = (study - entry.damping_ratio).abs() > 1e-9;
     let near = if near { ", in the sweep the nearest to the study’s" } else { "" };
@@ -283,9 +285,11 @@ mod tests {
     fn the_effect_vanishes_for_an_interval_around_zero_and_for_a_tiny_loss() {
         assert_eq!(answer(vec![entry(0.17, 99, 3.0, [-0.5, 6.5])]).answer, VANISHES);
         assert_eq!(answer(vec![entry(0.17, 99, 0.4, [0.3, 0.5])]).answer, VANISHES);
-        assert!(answer(vec![entry(0.17, 99, 15.0, [-20.0, 50.0])]).answer.starts_with("No effect is resolved"));
-        assert_eq!(answer(vec![entry(0.17, 99, 29.5, [28.9, 30.1])]).answer, "It costs 29.5 of 99 cycles");
-        assert_eq!(answer(vec![entry(0.25, 0, -17.2, [-18.0, -16.0])]).answer, "It adds 17.2 cycles");
+        assert!(
+            answer(vec![entry(0.17, 99, 15.0, [-20.0, 50.0])]).answer.starts_with("No effect of roughness is resolved")
+        );
+        assert_eq!(answer(vec![entry(0.17, 99, 29.5, [28.9, 30.1])]).answer, "Roughness costs 29.5 of 99 cycles");
+        assert_eq!(answer(vec![entry(0.25, 0, -17.2, [-18.0, -16.0])]).answer, "Roughness adds 17.2 cycles");
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub(super) fn contact(run: &Run) -> Result<Link, ReportError> {
     let pressure = run.results.pressure.as_ref();
     let tables = pressure.into_iter().flat_map(|pressure| [tables::scalars(pressure), tables::methods(pressure)]);
     let section = Section::new("pressure", "Contact", "", tables.collect(), figures::pressure::figures(run)?)
-        .map(|section| section.with_answer(pressure.map(answers::of_pressure)));
+        .map(|section| section.with_answer(pressure.map(|pressure| answers::of_pressure(run, pressure))));
     let lead = pressure.map_or_else(String::new, tables::refused_methods);
     let entry = ("details-pressure", "Contact: distributions and methods", &*lead);
     Ok(Section::folded(section, &["pressure_sample", "pressure_cdf"], entry))
@@ -44,8 +44,10 @@ pub(super) fn coefficient(run: &Run) -> Result<Link, ReportError> {
     let section =
         Section::new("friction", "Friction", friction::lead(friction), tables, figures::friction::figures(run)?)
             .map(|section| section.with_answer(friction.map(answers::of_friction)));
-    let entry = ("details-friction", "Friction: levels, correlation and fitted distributions", "");
-    Ok(Section::folded(section, &["friction_trace", "friction_levels"], entry))
+    let lead = "F/N, friction force over load of every single window, is the paper’s definition. It differs from the friction at the mean load \
+                if windows carry few contacts; the vibration has the latter.";
+    let entry = ("details-friction", "Friction: levels, correlation and fitted distributions", lead);
+    Ok(Section::folded(section, &["friction_trace", "friction_histogram"], entry))
 }
 
 /// Returns the motion of one degree of freedom.

@@ -21,7 +21,7 @@ fn a_complete_run_has_every_section() {
         "P(contact) = 0.0200 [0.0190, 0.0210]",
         "it is 0.3200 ± 0.0066",
         "μ = 0.225 [0.218, 0.229]",
-        "No effect at the scale of your machine",
+        "Roughness has no effect at the scale of your machine",
         "Yes: steady sliding is unstable",
         "ζ = 0.2048",
         "due to the window alone",
@@ -52,7 +52,7 @@ fn tables_and_further_figures_are_among_the_details() {
         ),
         (
             "friction",
-            &["friction_trace", "friction_levels"],
+            &["friction_trace", "friction_histogram"],
             &["Families of the correlation", "figure-friction_pit", "Friction coefficient F/N by level"],
         ),
         ("vibration", &["limit_cycle", "sustained_over_damping"], &["figure-survival"]),
@@ -110,7 +110,7 @@ fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
     let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
     for (section, words) in [
         ("surface", "Sq = 1.00 µm [0.94, 1.06]; heights are correlated over"),
-        ("pressure", "A point of the patch is in contact with probability"),
+        ("pressure", "a point of a patch is in contact with probability"),
         ("friction", "from window to window of"),
         ("vibration", "No vibration persists above ζ ="),
     ] {

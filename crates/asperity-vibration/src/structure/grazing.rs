@@ -56,9 +56,12 @@ pub(crate) fn grazing_damping(
         Ok(first_minimum(&oscillator.with_damping(damping)?, tau)?.map_or(1.0, |minimum| minimum.w))
     };
     let mut near = [guess, least(guess)?];
+    if near[1] == 0.0 {
+        return Ok(Some(guess));
+    }
     // An orbit of one turn ends higher by some 2π per damping ratio. A longer step passes the root of a good guess.
     let mut step = 1.2 * near[1].abs() / TAU;
-    while near[0] > 0.0 && near[0] < most {
+    while if near[1] > 0.0 { near[0] > 0.0 } else { near[0] < most } {
         let damping = if near[1] > 0.0 { (near[0] - step).max(0.0) } else { (near[0] + step).min(most) };
         let next = [damping, least(damping)?];
         if near[1] <= 0.0 && next[1] > 0.0 || near[1] > 0.0 && next[1] < 0.0 {

@@ -1,4 +1,4 @@
-//! The correlation of friction over the lag and over the frequency, and the correlation of contact area with load.
+//! The correlation of friction over the lag and over the frequency.
 
 use asperity_results::{FrictionSpectrum, Table};
 

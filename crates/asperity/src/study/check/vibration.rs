@@ -53,7 +53,7 @@ impl StudyFile {
         };
         match &study.machine.friction {
             _ if study.machine.coupled.is_some() => check_springs(&study.machine)?,
-            FrictionSource::Stated(friction) => check_motion(v, &study.machine, friction)?,
+            FrictionSource::Stated(friction) => check_motion(v, &study, friction)?,
             FrictionSource::Computed(_) | FrictionSource::File(_) => {}
         }
         Ok(Some(study))
@@ -173,7 +173,7 @@ impl StudyFile {
 
 /// Checks that the oscillator can move: its parameters are in range, and friction stays positive at the velocities of
 /// its motion.
-fn check_motion(v: &VibrationSection, machine: &MachineInputs, friction: &StatedFriction) -> Result<(), InvalidValue> {
+fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedFriction) -> Result<(), InvalidValue> {
     let velocity = if v.belt_velocity.is_some() { "belt_velocity" } else { "dimensionless_belt_velocity" };
     let law = split(v.velocity_law.statement().inputs[0]).1;
     let of_key = |error: VibrationError| match error {
@@ -191,6 +191,7 @@ fn check_motion(v: &VibrationSection, machine: &MachineInputs, friction: &Stated
         }
         error => Err(invalid(SECTION, law, error.to_string())),
     };
+    let machine = &study.machine;
     let oscillator = match machine.oscillator(friction.mean, None) {
         Ok(oscillator) => oscillator,
         Err(error) => return of_key(error),
@@ -201,7 +202,7 @@ fn check_motion(v: &VibrationSection, machine: &MachineInputs, friction: &Stated
         let message = format!("{length} is not between 1e-13 and 1e13 times N/c, {unit_m:.3e} m");
         return Err(invalid(SECTION, "friction_correlation_length", message));
     }
-    machine.check_motion(&oscillator).or_else(of_key)
+    study.machine.check_motion(&oscillator, study.duration).or_else(of_key)
 }
 
 impl StudyFile {

@@ -118,9 +118,10 @@ impl MachineInputs {
         })
     }
 
-    /// Checks that friction stays positive in the first motions of the mass.
-    pub(in crate::study) fn check_motion(&self, oscillator: &Oscillator) -> Result<(), VibrationError> {
-        check_positive(oscillator, &TrajectorySettings { duration: FIRST_TIME, start: None, drive: self.drive })
+    /// Checks that friction stays positive in the first motions of the mass, within a dimensionless duration.
+    pub(in crate::study) fn check_motion(&self, oscillator: &Oscillator, duration: f64) -> Result<(), VibrationError> {
+        let duration = duration.min(FIRST_TIME);
+        check_positive(oscillator, &TrajectorySettings { duration, start: None, drive: self.drive })
     }
 
     /// Returns the model of two coupled modes with this friction coefficient and this stiffness of the rough contact over its area

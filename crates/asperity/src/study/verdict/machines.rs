@@ -268,7 +268,7 @@ impl<'a> Machines<'a> {
         window.mean *= self.friction_factor * of_waves.unwrap_or(1.0);
         let dynamics = Dynamics::new(&inputs, &window).map_err(|error| error.to_string())?;
         if let Dynamics::StickSlip(oscillator) = &dynamics {
-            inputs.check_motion(oscillator).map_err(|error| error.to_string())?;
+            inputs.check_motion(oscillator, f64::INFINITY).map_err(|error| error.to_string())?;
         }
         Ok(Machine { inputs, dynamics, window })
     }
