@@ -148,9 +148,11 @@ impl Staging {
             anew = File::create(path)?;
             file = &anew;
         }
+        // Written over the old lines, which a process that is killed here must leave: what no line lists is never removed.
+        let text = manifest.text();
         file.rewind()?;
-        file.set_len(0)?;
-        file.write_all(manifest.text().as_bytes())?;
+        file.write_all(text.as_bytes())?;
+        file.set_len(text.len() as u64)?;
         file.sync_all()
     }
 

@@ -289,33 +289,43 @@ fn faulty(
         .into()
 }
 
+/// Kills runs at each `step`-th write, sync and rename of files whose path contains `part`, and finishes them.
 #[cfg(target_os = "linux")]
-#[test]
-#[ignore = "slow"]
-fn a_run_killed_at_any_write_sync_or_rename_goes_on_with_the_same_results() {
+fn killed_runs_go_on(part: &str, step: usize) {
     let folder = folder_with_study(short());
     let at = folder.path();
     let Some(library) = faults(at) else { return println!("skipped: no C compiler") };
     let wanted = whole(at);
     for call in ["write", "fsync", "rename"] {
-        // Each call on blocks; and some of those on the other files of the run.
-        for (part, step) in [(BLOCKS, 1), ("run.partial", 17)] {
-            for first in (1..).step_by(step) {
-                let place = format!("{call}-{step}-{first}");
-                let killed = faulty(at, &library, (&place, part), call, [first, 0, 0]);
-                let finished = run_in(at, &format!("run study.toml --out {place}/run --resume"));
-                assert_eq!(finished.code, 0, "{place}: {finished:?}");
-                assert_same(&at.join(&place).join("run"), &wanted, &place);
-                assert_eq!(whole_listing(&at.join(&place)), [BLOCKS, "run"]);
-                fs::remove_dir_all(at.join(&place)).unwrap();
-                if killed.code == 0 {
-                    assert!(first > 3 || step > 1, "{call}: too few calls");
-                    break;
-                }
-                assert_eq!(killed.code, -1, "{killed:?}");
+        for first in (1..).step_by(step) {
+            let place = format!("{call}-{first}");
+            let killed = faulty(at, &library, (&place, part), call, [first, 0, 0]);
+            let finished = run_in(at, &format!("run study.toml --out {place}/run --resume"));
+            assert_eq!(finished.code, 0, "{place}: {finished:?}");
+            assert_same(&at.join(&place).join("run"), &wanted, &place);
+            assert_eq!(whole_listing(&at.join(&place)), [BLOCKS, "run"], "{place}");
+            fs::remove_dir_all(at.join(&place)).unwrap();
+            if killed.code == 0 {
+                assert!(first > 3 || step > 1, "{call}: too few calls");
+                break;
             }
+            assert_eq!(killed.code, -1, "{killed:?}");
         }
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow"]
+fn a_run_killed_at_any_write_sync_or_rename_of_its_blocks_goes_on_with_the_same_results() {
+    killed_runs_go_on(BLOCKS, 1);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow"]
+fn a_run_killed_while_it_writes_its_folder_goes_on_with_the_same_results() {
+    killed_runs_go_on("run.partial", 17);
 }
 
 #[cfg(target_os = "linux")]
