@@ -155,6 +155,17 @@ mod tests {
     }
 
     #[test]
+    fn the_search_ends_where_it_begins_at_the_critical_damping() {
+        // The least velocity of some of these orbits is exactly zero.
+        for step in 1..60 {
+            let oscillator = Oscillator::with_stribeck(0.3, 0.1 * f64::from(step), 0.0, 0.003).unwrap();
+            let critical = critical_damping(&oscillator).unwrap().critical_damping_ratio;
+            let again = grazing_damping(&oscillator, 0.0, critical, MAX_DAMPING).unwrap().unwrap();
+            assert!((again / critical - 1.0).abs() < 1e-13, "{again} instead of {critical}");
+        }
+    }
+
+    #[test]
     fn a_cycle_exists_exactly_below_the_critical_damping_for_random_oscillators() {
         let rng = &mut random::stream(5, "test", 0);
         for i in 0..300 {
