@@ -43,15 +43,21 @@ pub enum QuantityError {
         example: &'static str,
     },
     /// A unit that is unknown or of another dimension.
-    #[error("`{unit}` is not a unit of {wanted}; write for example \"{example}\"")]
+    #[error("`{unit}` is not a unit of {wanted}{}; write for example \"{example}\"", meant(*like))]
     WrongUnit {
         /// The unit.
         unit: String,
+        /// Unit that differs in the case of its letters alone.
+        like: Option<&'static str>,
         /// Expected dimension.
         wanted: &'static str,
         /// Example of a valid quantity.
         example: &'static str,
     },
+}
+
+fn meant(unit: Option<&str>) -> String {
+    unit.map_or_else(String::new, |unit| format!(", did you mean `{unit}`?"))
 }
 
 /// Physical dimension with its name, an example, and its units with their factors to SI.
@@ -249,7 +255,10 @@ impl Dimension {
                 value if value.is_finite() => Ok(value),
                 _ => Err(QuantityError::TooLarge { text: trimmed.into(), wanted }),
             },
-            _ => Err(QuantityError::WrongUnit { unit: unit.into(), wanted, example }),
+            _ => {
+                let like = self.units.iter().map(|(name, _)| *name).find(|name| name.eq_ignore_ascii_case(unit));
+                Err(QuantityError::WrongUnit { unit: unit.into(), like, wanted, example })
+            }
         }
     }
 

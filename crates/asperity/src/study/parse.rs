@@ -8,7 +8,7 @@ use thiserror::Error;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use crate::study::uncertain::{UncertainValue, has_samples, uncertain_value};
+use crate::study::uncertain::{UncertainValue, has_samples, percentage, uncertain_value};
 use crate::study::{InvalidValue, Study, StudyFile, sentence};
 
 /// Sections whose numbers and quantities may be uncertain.
@@ -85,7 +85,7 @@ impl StudyFileError {
 pub(super) fn read_with_uncertain_values(text: &str, file: &str) -> Result<StudyFile, StudyFileError> {
     let written: Table = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-    let mut uncertain = Vec::new();
+    let (mut uncertain, mut replaced) = (Vec::new(), Vec::new());
     for section in SECTIONS {
         let Some(Value::Table(values)) = written.get(section) else { continue };
         for (name, value) in values {
@@ -101,19 +101,20 @@ pub(super) fn read_with_uncertain_values(text: &str, file: &str) -> Result<Study
                     let message = format!("[{section}] {name}: {message}");
                     StudyFileError { file: file.into(), line, message, in_data: has_samples(section, name, value) }
                 })?;
+                let number = percentage(section, name, value).map(Value::Float);
+                let exact = found.as_ref().map(UncertainValue::central_as_stated).or(number);
+                replaced.extend(exact.map(|exact| (section, name, element, exact.to_string())));
                 uncertain.extend(found);
             }
         }
     }
-    let central = uncertain.iter().map(|value| value.central_as_stated().to_string());
-    let central: Vec<String> = central.collect();
     let mut root = DeTable::parse(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
-    for (place, central) in uncertain.iter().map(UncertainValue::place).zip(&central) {
-        let central = DeValue::parse(central).map_err(|error| StudyFileError::toml(&error, text, file))?;
-        let section = root.get_mut().get_mut(place.key().section).map(|section| section.get_mut());
+    for (section, name, element, exact) in &replaced {
+        let central = DeValue::parse(exact).map_err(|error| StudyFileError::toml(&error, text, file))?;
+        let section = root.get_mut().get_mut(*section).map(|section| section.get_mut());
         let Some(DeValue::Table(section)) = section else { continue };
-        let value = section.get_mut(place.key().name).map(|value| value.get_mut());
-        match (value, place.element) {
+        let value = section.get_mut(name.as_str()).map(|value| value.get_mut());
+        match (value, *element) {
             (Some(DeValue::Array(list)), Some(position)) => {
                 if let Some(element) = list.get_mut(position) {
                     *element.get_mut() = central.into_inner();
@@ -244,6 +245,28 @@ mod tests {
             error.message.contains("`percentil`") && error.message.contains("did you mean `percentile`?"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn percentages_are_numbers_and_other_forms_of_an_uncertain_value_name_those_that_exist() {
+        let hardness = |value: &str| {
+            let text = STUDY.replace("youngs_modulus", &format!("hardness = \"{value}\"\nyoungs_modulus"));
+            Study::parse(&text.replace("[pressure]", "poisson_ratio = \"25 %\"\n[pressure]"), "study.toml")
+        };
+        let study = hardness("8 GPa ± 10 %").unwrap();
+        let material = study.file().material.as_ref().unwrap();
+        assert_eq!((material.poisson_ratio, material.hardness.unwrap().0), (0.25, 8e9));
+        assert!((study.file().uncertain[0].input().marginal().std() / 8e8 - 1.0).abs() < 1e-12);
+        for (value, expected) in [
+            ("unknown", "`unknown` is no value; state one, or `mean ± standard deviation`, `low .. high`"),
+            ("8 GPa ± ?", "`8 GPa ± ?` is no value"),
+            ("8 Gpa", "`Gpa` is not a unit of pressure, did you mean `GPa`?"),
+            ("1 .. 2 Gpa", "did you mean `GPa`?"),
+            ("8 %", "`%` is not a unit of pressure"),
+        ] {
+            let error = hardness(value).unwrap_err();
+            assert!(error.line == 9 && error.message.contains(expected), "{value}: {error}");
+        }
     }
 
     #[test]

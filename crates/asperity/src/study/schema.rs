@@ -1,7 +1,5 @@
 //! JSON Schema of study files.
 
-use std::borrow::Cow;
-
 use asperity_results::keys::Key;
 use asperity_results::tidy;
 use schemars::generate::SchemaSettings;
@@ -93,14 +91,25 @@ fn definition_name(key: &Key) -> String {
 fn uncertain_value(key: &Key) -> Schema {
     let number = json!({ "type": "number" });
     let list = |values: &[&Value], description: &str| json!({ "type": "array", "items": values, "minItems": values.len(), "maxItems": values.len(), "description": description });
-    let (value, [left, right]) = match Dimension::of_unit(key.unit).map(Dimension::unit_pattern) {
-        None => (number.clone(), [Cow::from(""), Cow::from("")]),
+    let units = Dimension::of_unit(key.unit).map(Dimension::unit_pattern);
+    let quantity = |units: &str| json!({ "type": "string", "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{units}\s*$") });
+    let value = units.as_deref().map_or_else(|| number.clone(), quantity);
+    // Units of the first and of the second number; a standard deviation may be a percentage of the mean.
+    let (percent, pair) = (r"\s*%".to_owned(), |left: &str, right: &str| [left.to_owned(), right.to_owned()]);
+    let (pairs, relative) = match &units {
+        None => (vec![pair("", ""), pair(&percent, &percent)], None),
         Some(units) => (
-            json!({ "type": "string", "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{units}\s*$") }),
-            [format!(r"\s*{units}?").into(), format!(r"\s*{units}").into()],
+            vec![pair(&format!(r"\s*{units}?"), &format!(r"\s*{units}"))],
+            Some(pair(&format!(r"\s*{units}"), &percent)),
         ),
     };
-    let text = |separator: &str| format!(r"^\s*{NUMBER_PATTERN}{left}\s*{separator}\s*{NUMBER_PATTERN}{right}\s*$");
+    let text = |separator: &str, units: &[[String; 2]]| {
+        let forms = units
+            .iter()
+            .map(|[left, right]| format!(r"{NUMBER_PATTERN}{left}\s*{separator}\s*{NUMBER_PATTERN}{right}"));
+        format!(r"^\s*({})\s*$", forms.collect::<Vec<_>>().join("|"))
+    };
+    let with_relative: Vec<_> = pairs.iter().cloned().chain(relative).collect();
     let distributions = [
         ("normal", list(&[&value, &value], "Mean and standard deviation.")),
         ("lognormal", list(&[&value, &number], "Median, and standard deviation of the natural logarithm.")),
@@ -116,16 +125,16 @@ fn uncertain_value(key: &Key) -> Schema {
     let one_of: Vec<Value> = distributions.iter().map(|(name, _)| json!({ "required": [name] })).collect();
     let names = distributions.into_iter().chain([("unknown", unknown)]);
     let properties: Map<String, Value> = names.map(|(name, form)| (name.to_owned(), form)).collect();
-    json_schema!({
+    let mut schema = json_schema!({
         "anyOf": [
             {
                 "type": "string",
-                "pattern": text(r"(±|\+/-)"),
+                "pattern": text(r"(±|\+/-|\+-)", &with_relative),
                 "description": "Uncertain value: mean ± standard deviation of a normal distribution.",
             },
             {
                 "type": "string",
-                "pattern": text(r"\.\."),
+                "pattern": text(r"(\.\.|–)", &pairs),
                 "description": "Uncertain value: lower .. upper end of a uniform distribution.",
             },
             {
@@ -136,7 +145,15 @@ fn uncertain_value(key: &Key) -> Schema {
                 "description": "Uncertain value: a distribution by name.",
             },
         ]
-    })
+    });
+    if let (None, Some(forms)) = (units, schema.get_mut("anyOf").and_then(Value::as_array_mut)) {
+        forms.push(json!({
+            "type": "string",
+            "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*%\s*$"),
+            "description": "The number as a percentage.",
+        }));
+    }
+    schema
 }
 
 #[cfg(test)]

@@ -204,7 +204,7 @@ pub(super) fn uncertain_value(
     value: &Value,
     folder: &Path,
 ) -> Result<Option<UncertainValue>, String> {
-    let Some(stated) = Stated::read(value)? else { return Ok(None) };
+    let Some(stated) = Stated::read(value)? else { return refuse_other_forms(section, name, value).map(|()| None) };
     let (key, access) = find(section, name, stated.distribution.example())
         .ok_or("this key is a setting of the computation and cannot be uncertain; state one value")?;
     let place = Place { key, access: Some(access), element };
@@ -213,6 +213,24 @@ pub(super) fn uncertain_value(
         .and_then(|input| truncated(input, key))
         .map_err(|error| error.to_string())?;
     Ok(Some(UncertainValue { place, written: value.clone(), input }))
+}
+
+/// Refuses a text that seems to state an uncertain value in another form.
+fn refuse_other_forms(section: &str, name: &str, value: &Value) -> Result<(), String> {
+    const OTHERS: [&str; 5] = ["unknown", "±", "..", "–", "?"];
+    let (Value::String(text), Some((key, _))) = (value, find(section, name, value)) else { return Ok(()) };
+    if parse(key, value).is_ok() || !OTHERS.iter().any(|mark| text.contains(mark)) {
+        return Ok(());
+    }
+    Err(format!(
+        "`{text}` is no value; state one, or `mean ± standard deviation`, `low .. high`, or {{ uniform = [low, high], unknown = true }}"
+    ))
+}
+
+/// Returns the number that a percentage such as `"3 %"` states at a key of a number without unit.
+pub(super) fn percentage(section: &str, name: &str, value: &Value) -> Option<f64> {
+    let (key, _) = find(section, name, &Value::Float(0.0)).filter(|(key, _)| key.unit.is_empty())?;
+    stated::percentage(value.as_str()?).filter(|_| key.bounds.is_some())
 }
 
 /// Truncates a distribution to the possible values of an input.

@@ -40,6 +40,10 @@ impl StatedDistribution {
     }
 }
 
+/// Separators of mean and standard deviation, and of the ends of a range.
+const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
+const RANGES: [&str; 2] = ["..", "–"];
+
 /// Names of the distributions in a table.
 const NAMES: [&str; 6] = ["normal", "lognormal", "uniform", "triangular", "beta", "samples"];
 
@@ -47,7 +51,7 @@ impl Stated {
     /// Reads a value; `None` for a value that is not uncertain.
     pub(super) fn read(value: &Value) -> Result<Option<Self>, String> {
         match value {
-            Value::String(text) => Ok(Self::from_text(text)),
+            Value::String(text) => Self::from_text(text),
             Value::Table(table) if NAMES.iter().any(|name| table.contains_key(*name)) => {
                 Self::from_table(table).map(Some)
             }
@@ -55,18 +59,32 @@ impl Stated {
         }
     }
 
-    /// Reads `a ± b`, `a +/- b` and `a .. b`, with the unit on both or at the end.
-    fn from_text(text: &str) -> Option<Self> {
-        let split = |separator| text.split_once(separator).filter(|(left, right)| has_digit(left) && has_digit(right));
-        let (pair, distribution): (_, fn([Value; 2]) -> StatedDistribution) = match split("±").or_else(|| split("+/-"))
-        {
-            Some(pair) => (pair, StatedDistribution::Normal),
-            None => (split("..")?, StatedDistribution::Uniform),
+    /// Reads `a ± b`, `a +/- b` and `a .. b`, with the unit on both or at the end, and `a ± b %` of a quantity.
+    fn from_text(text: &str) -> Result<Option<Self>, String> {
+        let split =
+            |separator: &&str| text.split_once(*separator).filter(|(left, right)| has_digit(left) && has_digit(right));
+        let (pair, is_normal) = match (SPREADS.iter().find_map(split), RANGES.iter().find_map(split)) {
+            (Some(pair), _) => (pair, true),
+            (None, Some(pair)) => (pair, false),
+            (None, None) => return Ok(None),
         };
         let [left, right] = [pair.0.trim(), pair.1.trim()];
-        let unit = unit_of(right);
-        let left = if unit_of(left).is_empty() && !unit.is_empty() { format!("{left} {unit}") } else { left.into() };
-        Some(Self { distribution: distribution([value_of(&left), value_of(right)]), unknown: false })
+        let (of_left, unit) = (unit_of(left), unit_of(right));
+        let pair = match (of_left, unit) {
+            ("", "%") => {
+                return Err(format!(
+                    "`{text}` may mean a part of {left}, or a percentage; state `%` with both numbers or with none"
+                ));
+            }
+            (of_left, "%") if is_normal && of_left != "%" => {
+                let [number, percent] = [(left, of_left), (right, unit)].map(|(text, unit)| number_of(text, unit));
+                [value_of(left), value_of(&format!("{:?} {of_left}", number.abs() * percent / 100.0))]
+            }
+            ("", unit) => [value_of(&format!("{left} {unit}")), value_of(right)],
+            _ => [value_of(left), value_of(right)],
+        };
+        let distribution = if is_normal { StatedDistribution::Normal(pair) } else { StatedDistribution::Uniform(pair) };
+        Ok(Some(Self { distribution, unknown: false }))
     }
 
     fn from_table(table: &Table) -> Result<Self, String> {
@@ -121,9 +139,20 @@ fn unit_of(text: &str) -> &str {
     (1..=text.len()).rev().find(is_number).map_or(text, |end| text[end..].trim())
 }
 
-/// Returns a number, or the text of a quantity.
+/// Returns the number before a unit; NaN without one.
+fn number_of(text: &str, unit: &str) -> f64 {
+    text.strip_suffix(unit).and_then(|number| number.trim().parse().ok()).unwrap_or(f64::NAN)
+}
+
+/// Returns a number, also of a percentage, or the text of a quantity.
 fn value_of(text: &str) -> Value {
-    text.parse().map_or_else(|_| Value::String(text.into()), Value::Float)
+    let text = text.trim();
+    percentage(text).or_else(|| text.parse().ok()).map_or_else(|| Value::String(text.into()), Value::Float)
+}
+
+/// Returns the number of a percentage, .03 for `3 %`.
+pub(super) fn percentage(text: &str) -> Option<f64> {
+    text.trim().strip_suffix('%')?.trim().parse().ok().map(|percent: f64| percent / 100.0)
 }
 
 #[cfg(test)]
@@ -145,7 +174,7 @@ mod tests {
             assert_eq!(read(text), Ok(Some(Stated { distribution: found, unknown: false })), "{text}");
         };
         let numbers = [Value::Float(0.17), Value::Float(0.02)];
-        for text in ["\"0.17 ± 0.02\"", "\"0.17±0.02\"", "\"0.17 +/- 0.02\""] {
+        for text in ["\"0.17 ± 0.02\"", "\"0.17±0.02\"", "\"0.17 +/- 0.02\"", "\"0.17 +- 0.02\"", "\"17 % ± 2 %\""] {
             both(text, StatedDistribution::Normal(numbers.clone()));
         }
         both("\"-0.1 .. 2e-1\"", StatedDistribution::Uniform([Value::Float(-0.1), Value::Float(0.2)]));
@@ -153,6 +182,11 @@ mod tests {
         for text in ["\"2 ± 0.2 GPa\"", "\"2 GPa ± 0.2 GPa\""] {
             both(text, StatedDistribution::Normal([quantity("2 GPa"), quantity("0.2 GPa")]));
         }
+        for text in ["\"8 GPa ± 10 %\"", "\"8 GPa ± 0.8 GPa\""] {
+            both(text, StatedDistribution::Normal([quantity("8 GPa"), quantity("0.8 GPa")]));
+        }
+        assert!(read("\"0.055 ± 10 %\"").unwrap_err().contains("with both numbers or with none"));
+        both("\"80–150 MPa\"", StatedDistribution::Uniform([quantity("80 MPa"), quantity("150 MPa")]));
         both("\"1 .. 2 GPa\"", StatedDistribution::Uniform([quantity("1 GPa"), quantity("2 GPa")]));
         both("\"900 MPa .. 2 GPa\"", StatedDistribution::Uniform([quantity("900 MPa"), quantity("2 GPa")]));
         for text in ["\"0.17\"", "0.17", "\"../scans/a.x3p\"", "\"2 GPa\"", "true", "\"beta:2.1,5\"", "{ x = 1 }"] {
