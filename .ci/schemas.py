@@ -106,7 +106,7 @@ remedies = [{ input = "vibration.damping_ratio", range = [0.01, 0.5] }]
 """
 # Each of these is tried as the value of every key.
 VALUES = """0.5; 2; -1; true; "0.5"; "5"; "5 um"; "210 GPa"; "316 rad/s"; "1 kg"; "2 kN"; "1 m/s"; "1 s/m"; "1 mm^2"; "1e-15 m/Pa"; "2 s"
-"0.17 ± 0.02"; "0.1 .. 0.2"; "2 ± 0.2 GPa"; "900 MPa .. 2 GPa"; "5 +/- 1 um"; "5 um ± 1"; "5 %"; "8 GPa ± 10 %"; "5 % ± 1 %"; "5 ± 1 %"
+"0.17 ± 0.02"; "0.1 .. 0.2"; "2 ± 0.2 GPa"; "900 MPa .. 2 GPa"; "5 +/- 1 um"; "5 um ± 1"; "5 %"; "8 GPa ± 10 %"; "5 % ± 1 %"; "5 ± 1 %"; "5 % ± 1"; "1 % .. 5"; "1–5 %"; { uniform = ["10 %", "20 %"] }
 "80–150 MPa"; "0.1–0.2"; "5 +- 1 um"; "unknown"; "measured"; "surface"; "normal"
 "spectral"; "periodic"; "mean"; "polynomial:3"; "polynomial:13"; "stribek"; ["5 um"]; ["5 um", "6 um"]; ["5 um", "5 um ± 1 um"]
 [1, 2]; [0.1, 0.2]; [0.1, "0.2 ± 0.1"]; [0.1, 0.3, 4]; [64, 64, 64]; ["1 MPa"]; [["0 m/s", 1.0]]; [["a.b", "c.d", 0.5]]
@@ -119,7 +119,7 @@ TEXTS = {"channel", "file", "height_unit", "marginal", "friction_marginal", "fri
 OF_TYPE = re.compile(
     "unknown (key|value)|is not a|no unit|does not start with a number|needs a list|names a CSV file|exactly one distribution|"
     "cannot be uncertain|found [0-9]+ values?, expected|missing field|no percentage|no number|no form|is true or false|"
-    "is no value|with both numbers or with none"
+    "is no value|with both numbers or with none|state the unit or|has a percentage"
 )
 
 

@@ -256,7 +256,8 @@ impl Dimension {
                 _ => Err(QuantityError::TooLarge { text: trimmed.into(), wanted }),
             },
             _ => {
-                let like = self.units.iter().map(|(name, _)| *name).find(|name| name.eq_ignore_ascii_case(unit));
+                let alike = || self.units.iter().map(|(name, _)| *name).filter(|name| name.eq_ignore_ascii_case(unit));
+                let like = alike().find(|name| name.chars().next() == unit.chars().next()).or_else(|| alike().next());
                 Err(QuantityError::WrongUnit { unit: unit.into(), like, wanted, example })
             }
         }

@@ -28,6 +28,8 @@ pub struct Key {
     pub needs: Option<(&'static str, &'static str)>,
     /// Value that stands for it where a study leaves it out.
     pub default: Option<KeyDefault>,
+    /// Whether a percentage such as `3 %` may state a number without unit. One of a standard deviation could be a part of the mean.
+    pub percentage: bool,
     /// Power of the unit of velocity N/(mω₀) that a number is proportional to if its value in SI stays the same.
     pub velocity_power: i32,
     /// Name and label of the friction coefficient that it is the share of; programs without a study state that coefficient.
@@ -136,6 +138,7 @@ const fn word(link: Link, label: &'static str) -> Key {
         elements: None,
         needs: None,
         default: None,
+        percentage: true,
         velocity_power: 0,
         coefficient: None,
     }
@@ -148,6 +151,10 @@ impl Key {
 
     const fn usual_in_paper(self, value: DefaultValue, range: Option<Pair>) -> Self {
         Self { default: Some(KeyDefault { value, of_paper: true, range }), ..self }
+    }
+
+    const fn no_percentage(self) -> Self {
+        Self { percentage: false, ..self }
     }
 
     const fn elements(self, names: [&'static str; 2]) -> Self {
@@ -258,14 +265,14 @@ macro_rules! all_study_keys {
             $row!(vibration.model: word(Model, "model")),
             $row!(vibration.friction_process: word(Model, "friction process")),
             $row!(vibration.static_friction: number("", POSITIVE, Machine, "friction coefficient")),
-            $row!(vibration.friction_std: number("", NOT_NEGATIVE, Fall, "standard deviation of friction")),
+            $row!(vibration.friction_std: number("", NOT_NEGATIVE, Fall, "standard deviation of friction").no_percentage()),
             $row!(vibration.friction_correlation_length: number("m", POSITIVE, Fall, "friction correlation length")),
             $row!(vibration.velocity_law: word(Fall, "velocity law").usual_in_paper(Word("stribeck"), None)),
             $($($row!(vibration.$name: $($facts)*),)+)*
             $row!(vibration.kinetic_share: number("", RATIO, Fall, "kinetic over static friction")
                 .usual_in_paper(Number(KINETIC_SHARE), Some([0.9, 1.0]))
                 .share_of("kinetic_friction", "kinetic friction coefficient")),
-            $row!(vibration.spring_angles: number("", ANY, Machine, "angles of the springs in degrees")
+            $row!(vibration.spring_angles: number("", ANY, Machine, "angles of the springs in degrees").no_percentage()
                 .elements(["angle of the first spring in degrees", "angle of the second spring in degrees"])
                 .only_with("model", "mode_coupling").usual(Pair([150.0, 30.0]))),
             $row!(vibration.springs: number("", NOT_NEGATIVE, Machine, "springs")

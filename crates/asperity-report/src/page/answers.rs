@@ -12,6 +12,7 @@ use crate::page::answer::Answer;
 use crate::page::friction::place;
 use crate::page::vibration::difference;
 use crate::page::{mode_coupling, parameters};
+use crate::verdict::is_exact;
 
 /// Largest fraction of the deterministic cycles at which a resolved effect is called negligible.
 const NEGLIGIBLE: f64 = 0.01;
@@ -147,11 +148,13 @@ pub(super) fn of_friction(result: &FrictionResult) -> String {
 }
 
 /// Returns whether the machine vibrates, and the damping that stops it, in a sentence.
-pub(super) fn of_vibration(vibration: &VibrationResult) -> String {
+pub(super) fn of_vibration(run: &Run, vibration: &VibrationResult) -> String {
+    let is_centre = run.results.verdict.as_ref().is_some_and(|verdict| !is_exact(verdict));
+    let values = if is_centre { "With all uncertain values at their centres: " } else { "" };
     let limit =
         damping(vibration).map_or(String::new(), |damping| format!(" No vibration persists above {}.", damping.answer));
     let roughness = roughness(vibration).map_or(String::new(), |effect| format!(" {}.", effect.answer));
-    format!("{}.{limit}{roughness}", vibration_answer(vibration))
+    format!("{values}{}.{limit}{roughness}", vibration_answer(vibration))
 }
 
 /// Returns whether steady sliding is stable in a sentence.

@@ -55,7 +55,7 @@ pub(super) fn motion(run: &Run) -> Result<Link, ReportError> {
     let vibration = run.results.vibration.as_ref();
     let tables = vibration.map_or_else(Vec::new, vibration::tables);
     let section = Section::new("vibration", "Vibration", "", tables, figures::vibration::figures(run)?)
-        .map(|section| section.with_answer(vibration.map(answers::of_vibration)));
+        .map(|section| section.with_answer(vibration.map(|vibration| answers::of_vibration(run, vibration))));
     let lead = "Displacement, time and velocity are dimensionless: X = xc/N, τ = ω₀t and dX/dτ.";
     let entry = ("details-vibration", "Vibration: cycles over the damping ratio", lead);
     Ok(Section::folded(section, &["stability_map", "limit_cycle", "sustained_over_damping"], entry))

@@ -99,7 +99,9 @@ fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static 
         (_, Some(KeyDefault { of_paper: true, .. })) => "the paper’s default",
         (_, Some(_)) => "asperity’s default",
         _ if known.is_none() => "setting",
-        _ if key.contains('.') || ["±", "+/-", ".."].iter().any(|mark| value.contains(mark)) => "stated, uncertain",
+        _ if key.contains('.') || ["±", "+/-", "+-", "..", "–"].iter().any(|mark| value.contains(mark)) => {
+            "stated, uncertain"
+        }
         _ => "stated",
     }
 }

@@ -77,14 +77,15 @@ fn numbers(verdict: &VerdictResult) -> Html {
         sentences.extend(half_of_the_time(verdict).map(text));
         sentences.extend(over_unknowns(verdict));
         let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == MachineModel::StickSlip);
-        sentences.extend(sliding.map(|sliding| text(format!("From steady sliding {}.", percent(sliding)))));
+        sentences.extend(sliding.map(|sliding| text(format!("Started from steady sliding: {}.", percent(sliding)))));
     }
     if verdict.leaves_out_fluctuation {
         sentences.push(text(MEAN_FRICTION.into()));
     }
     lines.push(("sub", sentences));
     lines.push(("sub", vibration(verdict).into_iter().collect()));
-    let assumed = not_stated(verdict).into_iter().map(|value| text(format!("Not stated: {value}.")));
+    let assumed = not_stated(verdict).into_iter().zip(&verdict.assumed);
+    let assumed = assumed.map(|(value, of)| text(format!("Not stated: {}, {value}.", named(&of.input))));
     lines.push(("sub assumed", assumed.collect()));
     let line = |(class, sentences): (&'static str, Vec<Html>)| match sentences.len() {
         0 => Html::default(),

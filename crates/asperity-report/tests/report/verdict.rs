@@ -166,7 +166,10 @@ fn a_number_that_is_not_stated_stands_with_both_ends_of_its_range_below_the_verd
     assert_eq!(lines.next(), Some(verdict_sentence(&verdict).as_str()));
     assert_eq!(lines.next(), Some("Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."));
     let words = plain(&page(verdict.clone()));
-    assert!(words.contains("Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."), "{words}");
+    assert!(
+        words.contains("Not stated: Stribeck coefficient, stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."),
+        "{words}"
+    );
     let table = "Stribeck coefficient4.22.1: 21 % (20 % to 22 %)8.4: more than 99.4 % (99.4 % to 100 %)";
     assert!(words.replace('\n', "").contains(table), "{words}");
     let entry = &mut verdict.assumed[0];
@@ -276,9 +279,9 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
         "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
          Stribeck coefficient; 64 % on average.",
         "Computed to ±3 percentage points. Largest of 2 errors of the probability: the number of machines, ±2.6 percentage points; to \
-         reduce it, lower half_width and, if needed, raise evaluations in [verdict]. From steady sliding 12 %.",
+         reduce it, lower half_width and, if needed, raise evaluations in [verdict]. Started from steady sliding: 12 %.",
         "If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
-        "Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).",
+        "Not stated: Stribeck coefficient, stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
         "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
         "not in the range",

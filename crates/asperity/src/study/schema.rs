@@ -83,7 +83,8 @@ fn allow(value: &mut Value, form: &Value) {
 
 /// Returns the name of the definition of the uncertain values of a key.
 fn definition_name(key: &Key) -> String {
-    let name = Dimension::of_unit(key.unit).map_or("number", |dimension| dimension.name);
+    let number = if key.percentage { "number" } else { "number_without_percentage" };
+    let name = Dimension::of_unit(key.unit).map_or(number, |dimension| dimension.name);
     format!("uncertain_{}", name.replace(' ', "_"))
 }
 
@@ -93,15 +94,31 @@ fn uncertain_value(key: &Key) -> Schema {
     let list = |values: &[&Value], description: &str| json!({ "type": "array", "items": values, "minItems": values.len(), "maxItems": values.len(), "description": description });
     let units = Dimension::of_unit(key.unit).map(Dimension::unit_pattern);
     let quantity = |units: &str| json!({ "type": "string", "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{units}\s*$") });
-    let value = units.as_deref().map_or_else(|| number.clone(), quantity);
+    let percentage = json!({
+        "type": "string",
+        "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*%\s*$"),
+        "description": "The number as a percentage.",
+    });
+    let value = units.as_deref().map_or_else(
+        || match key.percentage {
+            true => json!({ "anyOf": [number, percentage] }),
+            false => number.clone(),
+        },
+        quantity,
+    );
     // Units of the first and of the second number; a standard deviation may be a percentage of the mean.
     let (percent, pair) = (r"\s*%".to_owned(), |left: &str, right: &str| [left.to_owned(), right.to_owned()]);
-    let (pairs, relative) = match &units {
-        None => (vec![pair("", ""), pair(&percent, &percent)], None),
-        Some(units) => (
-            vec![pair(&format!(r"\s*{units}?"), &format!(r"\s*{units}"))],
-            Some(pair(&format!(r"\s*{units}"), &percent)),
-        ),
+    let (ranges, spreads) = match &units {
+        None if !key.percentage => (vec![pair("", "")], vec![pair("", "")]),
+        None => {
+            let [plain, both] = [pair("", ""), pair(&percent, &percent)];
+            ([plain.clone(), pair(r"(\s*%)?", &percent)].to_vec(), vec![plain, both])
+        }
+        Some(units) => {
+            let [own, relative] = [r"\s*U?", r"\s*U"].map(|pattern| pattern.replace('U', units));
+            let of_mean = pair(&relative, &percent);
+            ([pair(&own, &relative)].to_vec(), vec![pair(&own, &relative), of_mean])
+        }
     };
     let text = |separator: &str, units: &[[String; 2]]| {
         let forms = units
@@ -109,7 +126,6 @@ fn uncertain_value(key: &Key) -> Schema {
             .map(|[left, right]| format!(r"{NUMBER_PATTERN}{left}\s*{separator}\s*{NUMBER_PATTERN}{right}"));
         format!(r"^\s*({})\s*$", forms.collect::<Vec<_>>().join("|"))
     };
-    let with_relative: Vec<_> = pairs.iter().cloned().chain(relative).collect();
     let distributions = [
         ("normal", list(&[&value, &value], "Mean and standard deviation.")),
         ("lognormal", list(&[&value, &number], "Median, and standard deviation of the natural logarithm.")),
@@ -129,12 +145,12 @@ fn uncertain_value(key: &Key) -> Schema {
         "anyOf": [
             {
                 "type": "string",
-                "pattern": text(r"(±|\+/-|\+-)", &with_relative),
+                "pattern": text(r"(±|\+/-|\+-)", &spreads),
                 "description": "Uncertain value: mean ± standard deviation of a normal distribution.",
             },
             {
                 "type": "string",
-                "pattern": text(r"(\.\.|–)", &pairs),
+                "pattern": text(r"(\.\.|–)", &ranges),
                 "description": "Uncertain value: lower .. upper end of a uniform distribution.",
             },
             {
@@ -146,12 +162,8 @@ fn uncertain_value(key: &Key) -> Schema {
             },
         ]
     });
-    if let (None, Some(forms)) = (units, schema.get_mut("anyOf").and_then(Value::as_array_mut)) {
-        forms.push(json!({
-            "type": "string",
-            "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*%\s*$"),
-            "description": "The number as a percentage.",
-        }));
+    if let (None, true, Some(forms)) = (units, key.percentage, schema.get_mut("anyOf").and_then(Value::as_array_mut)) {
+        forms.push(percentage);
     }
     schema
 }

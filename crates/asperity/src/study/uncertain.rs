@@ -184,6 +184,9 @@ pub(super) fn si_value(section: &str, key: &str, value: &Value, folder: &Path) -
     if let Ok(Some(UncertainValue { place, input, .. })) = uncertain_value(section, key, None, value, folder) {
         return Some(SiValue { number: input.central(), std: Some(input.marginal().std()), unit: place.key.unit });
     }
+    if let Some(number) = percentage(section, key, value) {
+        return Some(SiValue { number, std: None, unit: "" });
+    }
     let of_key = find(section, key, value).and_then(|(key, _)| Some((parse(key, value).ok()?, key.unit)));
     let (number, unit) = of_key.or_else(|| Dimension::parse_any(value.as_str()?))?;
     Some(SiValue { number, std: None, unit })
@@ -191,7 +194,7 @@ pub(super) fn si_value(section: &str, key: &str, value: &Value, folder: &Path) -
 
 /// Returns whether a value that may be uncertain has the distribution of a file of samples.
 pub(super) fn has_samples(section: &str, name: &str, value: &Value) -> bool {
-    let Ok(Some(Stated { distribution, .. })) = Stated::read(value) else { return false };
+    let Ok(Some(Stated { distribution, .. })) = Stated::read(value, true) else { return false };
     let is_uncertain = find(section, name, distribution.example()).is_some();
     is_uncertain && matches!(distribution, StatedDistribution::Samples(_))
 }
@@ -204,9 +207,15 @@ pub(super) fn uncertain_value(
     value: &Value,
     folder: &Path,
 ) -> Result<Option<UncertainValue>, String> {
-    let Some(stated) = Stated::read(value)? else { return refuse_other_forms(section, name, value).map(|()| None) };
+    let is_number = find(section, name, &Value::Boolean(false)).is_some();
+    let Some(stated) = Stated::read(value, is_number)? else {
+        return refuse_other_forms(section, name, value).map(|()| None);
+    };
     let (key, access) = find(section, name, stated.distribution.example())
         .ok_or("this key is a setting of the computation and cannot be uncertain; state one value")?;
+    if !key.percentage && value.to_string().contains('%') {
+        return Err(format!("{value} has a percentage; state numbers"));
+    }
     let place = Place { key, access: Some(access), element };
     let marginal = marginal(key, &stated.distribution, folder)?;
     let input = UncertainInput::new(&place.name(), marginal, stated.unknown)
@@ -229,8 +238,8 @@ fn refuse_other_forms(section: &str, name: &str, value: &Value) -> Result<(), St
 
 /// Returns the number that a percentage such as `"3 %"` states at a key of a number without unit.
 pub(super) fn percentage(section: &str, name: &str, value: &Value) -> Option<f64> {
-    let (key, _) = find(section, name, &Value::Float(0.0)).filter(|(key, _)| key.unit.is_empty())?;
-    stated::percentage(value.as_str()?).filter(|_| key.bounds.is_some())
+    find(section, name, &Value::Float(0.0)).filter(|(key, _)| key.unit.is_empty() && key.percentage)?;
+    stated::percentage(value.as_str()?)
 }
 
 /// Truncates a distribution to the possible values of an input.

@@ -8,6 +8,9 @@ use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::words::{in_words, named};
 
+/// Text of an input.
+type Words<'a> = &'a dyn Fn(&RestsOn) -> String;
+
 /// Returns the inputs as chips, one for each origin; scans first.
 pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     let machine = match model {
@@ -22,7 +25,7 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     let chip = |class: &str, text: String| html!("<li class=\"chip {}\">{}</li>\n", class, text);
     let mut chips: Vec<Html> = of(InputKind::Measured).map(|input| chip("measured", scans(input))).collect();
     let with_value = |input: &RestsOn| format!("{} {}", named(&input.input), value(input));
-    let origins: [(InputKind, &str, &str, &dyn Fn(&RestsOn) -> String); 4] = [
+    let origins: [(InputKind, &str, &str, Words<'_>); 4] = [
         (InputKind::Stated, "stated", "stated", &|input| named(&input.input)),
         (InputKind::Uncertain, "uncertain", "uncertain", &with_value),
         (InputKind::Unknown, "guessed", "unknown", &with_value),

@@ -4,6 +4,7 @@ use asperity_results::keys::{KEYS, Key};
 use asperity_results::study_keys;
 use toml::Value;
 
+use super::stated::percentage;
 use crate::friction::law::WindowLawKind;
 use crate::quantity::{
     AngularFrequency, Area, Dimension, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Velocity,
@@ -84,7 +85,8 @@ pub(in crate::study) fn needs(key: &Key) -> Option<(&'static str, Vec<&'static s
 pub(super) fn find(section: &str, name: &str, value: &Value) -> Option<(&'static Key, &'static Access)> {
     let mut found = numbers().filter(|(key, _)| (key.section, key.name) == (section, name));
     let first = found.next()?;
-    let is_number = matches!(value, Value::Float(_) | Value::Integer(_));
+    let is_percentage = value.as_str().is_some_and(|text| percentage(text).is_some());
+    let is_number = is_percentage || matches!(value, Value::Float(_) | Value::Integer(_));
     let other = found.find(|(key, _)| key.unit.is_empty() == is_number);
     Some(other.filter(|_| first.0.unit.is_empty() != is_number).unwrap_or(first))
 }
@@ -98,7 +100,9 @@ pub(in crate::study) fn parse(key: &Key, value: &Value) -> Result<f64, String> {
     match value {
         Value::Float(number) if key.unit.is_empty() => Ok(*number),
         Value::Integer(number) if key.unit.is_empty() => Ok(*number as f64),
-        Value::String(text) => quantity(text),
+        Value::String(text) => {
+            percentage(text).filter(|_| key.unit.is_empty() && key.percentage).map_or_else(|| quantity(text), Ok)
+        }
         other => quantity(&other.to_string()),
     }
 }

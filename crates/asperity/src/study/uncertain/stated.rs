@@ -43,14 +43,17 @@ impl StatedDistribution {
 /// Separators of mean and standard deviation, and of the ends of a range.
 const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
 const RANGES: [&str; 2] = ["..", "–"];
+/// What names may contain that are no value.
+const DASHES: [char; 2] = ['–', '+'];
 
 /// Names of the distributions in a table.
 const NAMES: [&str; 6] = ["normal", "lognormal", "uniform", "triangular", "beta", "samples"];
 
 impl Stated {
-    /// Reads a value; `None` for a value that is not uncertain.
-    pub(super) fn read(value: &Value) -> Result<Option<Self>, String> {
+    /// Reads a value; `None` for a value that is not uncertain. Texts of keys that are no number may contain dashes, such as names of files.
+    pub(super) fn read(value: &Value, is_number: bool) -> Result<Option<Self>, String> {
         match value {
+            Value::String(text) if !is_number && text.contains(DASHES) => Ok(None),
             Value::String(text) => Self::from_text(text),
             Value::Table(table) if NAMES.iter().any(|name| table.contains_key(*name)) => {
                 Self::from_table(table).map(Some)
@@ -71,11 +74,12 @@ impl Stated {
         let [left, right] = [pair.0.trim(), pair.1.trim()];
         let (of_left, unit) = (unit_of(left), unit_of(right));
         let pair = match (of_left, unit) {
-            ("", "%") => {
+            ("", "%") if is_normal => {
                 return Err(format!(
-                    "`{text}` may mean a part of {left}, or a percentage; state `%` with both numbers or with none"
+                    "`{text}` may mean a part of {left}, or percentages; state the unit or `%` of {left}, too"
                 ));
             }
+            ("%", unit) if unit != "%" => return Err(format!("`{text}`: state `%` with both numbers or with none")),
             (of_left, "%") if is_normal && of_left != "%" => {
                 let [number, percent] = [(left, of_left), (right, unit)].map(|(text, unit)| number_of(text, unit));
                 [value_of(left), value_of(&format!("{:?} {of_left}", number.abs() * percent / 100.0))]
@@ -152,7 +156,12 @@ fn value_of(text: &str) -> Value {
 
 /// Returns the number of a percentage, .03 for `3 %`.
 pub(super) fn percentage(text: &str) -> Option<f64> {
-    text.trim().strip_suffix('%')?.trim().parse().ok().map(|percent: f64| percent / 100.0)
+    let number = text.trim().strip_suffix('%')?.trim();
+    // The decimal point moves, so that no digit changes.
+    match number.contains(['e', 'E']) {
+        true => number.parse().ok().map(|percent: f64| percent / 100.0),
+        false => format!("{number}e-2").parse().ok(),
+    }
 }
 
 #[cfg(test)]
@@ -161,7 +170,7 @@ mod tests {
 
     fn read(text: &str) -> Result<Option<Stated>, String> {
         let table: Table = toml::from_str(&format!("x = {text}")).unwrap();
-        Stated::read(&table["x"])
+        Stated::read(&table["x"], true)
     }
 
     fn quantity(text: &str) -> Value {
@@ -185,10 +194,15 @@ mod tests {
         for text in ["\"8 GPa ± 10 %\"", "\"8 GPa ± 0.8 GPa\""] {
             both(text, StatedDistribution::Normal([quantity("8 GPa"), quantity("0.8 GPa")]));
         }
-        assert!(read("\"0.055 ± 10 %\"").unwrap_err().contains("with both numbers or with none"));
+        assert!(read("\"0.055 ± 10 %\"").unwrap_err().contains("state the unit or `%` of 0.055"));
+        assert!(read("\"10 % .. 20\"").unwrap_err().contains("with both numbers or with none"));
+        both("\"1–5 %\"", StatedDistribution::Uniform([Value::Float(0.01), Value::Float(0.05)]));
         both("\"80–150 MPa\"", StatedDistribution::Uniform([quantity("80 MPa"), quantity("150 MPa")]));
         both("\"1 .. 2 GPa\"", StatedDistribution::Uniform([quantity("1 GPa"), quantity("2 GPa")]));
         both("\"900 MPa .. 2 GPa\"", StatedDistribution::Uniform([quantity("900 MPa"), quantity("2 GPa")]));
+        for text in ["\"lot 3–4.x3p\"", "\"lot1+-2.x3p\""] {
+            assert_eq!(Stated::read(&Value::String(text.trim_matches('"').into()), false), Ok(None), "{text}");
+        }
         for text in ["\"0.17\"", "0.17", "\"../scans/a.x3p\"", "\"2 GPa\"", "true", "\"beta:2.1,5\"", "{ x = 1 }"] {
             assert_eq!(read(text), Ok(None), "{text}");
         }
