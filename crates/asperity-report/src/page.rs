@@ -133,12 +133,14 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         stages::motion(run)?,
         stages::coupled(run),
     ];
+    let [_, surface, contact, friction, motion, coupled] =
+        links.each_ref().map(|link| link.iter().any(Option::is_some));
     let cited = [
-        links[1][0].is_some() || results.surface.is_some(),
-        links[2][0].is_some() || results.pressure.is_some(),
-        links[3][0].is_some() || results.friction.is_some(),
-        links[4][0].is_some() || results.vibration.is_some(),
-        links[5][0].is_some(),
+        surface || results.surface.is_some(),
+        contact || results.pressure.is_some(),
+        friction || results.friction.is_some(),
+        motion || results.vibration.is_some(),
+        coupled,
     ];
     let inputs = "The study with all defaults, and where each value comes from. Settings change the error of the computation, not the \
                   machine.";

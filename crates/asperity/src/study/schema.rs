@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::quantity::{Dimension, NUMBER_PATTERN};
 use crate::study::StudyFile;
-use crate::study::uncertain::numbers;
+use crate::study::uncertain::{RANGES, SPREADS, numbers};
 
 /// Returns the JSON Schema of study files, for editors and for programs that write studies.
 ///
@@ -120,10 +120,11 @@ fn uncertain_value(key: &Key) -> Schema {
             ([pair(&own, &relative)].to_vec(), vec![pair(&own, &relative), of_mean])
         }
     };
-    let text = |separator: &str, units: &[[String; 2]]| {
+    let text = |separators: &[&str], units: &[[String; 2]]| {
+        let separator = separators.join("|").replace('.', r"\.").replace('+', r"\+");
         let forms = units
             .iter()
-            .map(|[left, right]| format!(r"{NUMBER_PATTERN}{left}\s*{separator}\s*{NUMBER_PATTERN}{right}"));
+            .map(|[left, right]| format!(r"{NUMBER_PATTERN}{left}\s*({separator})\s*{NUMBER_PATTERN}{right}"));
         format!(r"^\s*({})\s*$", forms.collect::<Vec<_>>().join("|"))
     };
     let distributions = [
@@ -145,12 +146,12 @@ fn uncertain_value(key: &Key) -> Schema {
         "anyOf": [
             {
                 "type": "string",
-                "pattern": text(r"(±|\+/-|\+-)", &spreads),
+                "pattern": text(&SPREADS, &spreads),
                 "description": "Uncertain value: mean ± standard deviation of a normal distribution.",
             },
             {
                 "type": "string",
-                "pattern": text(r"(\.\.|–)", &ranges),
+                "pattern": text(&RANGES, &ranges),
                 "description": "Uncertain value: lower .. upper end of a uniform distribution.",
             },
             {

@@ -41,10 +41,10 @@ impl StatedDistribution {
 }
 
 /// Separators of mean and standard deviation, and of the ends of a range.
-const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
-const RANGES: [&str; 2] = ["..", "–"];
-/// What names may contain that are no value.
-const DASHES: [char; 2] = ['–', '+'];
+pub(in crate::study) const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
+pub(in crate::study) const RANGES: [&str; 2] = ["..", "–"];
+/// Separators that names of files and channels may contain.
+const IN_NAMES: [&str; 2] = ["+-", "–"];
 
 /// Names of the distributions in a table.
 const NAMES: [&str; 6] = ["normal", "lognormal", "uniform", "triangular", "beta", "samples"];
@@ -53,7 +53,7 @@ impl Stated {
     /// Reads a value; `None` for a value that is not uncertain. Texts of keys that are no number may contain dashes, such as names of files.
     pub(super) fn read(value: &Value, is_number: bool) -> Result<Option<Self>, String> {
         match value {
-            Value::String(text) if !is_number && text.contains(DASHES) => Ok(None),
+            Value::String(text) if !is_number && IN_NAMES.iter().any(|mark| text.contains(mark)) => Ok(None),
             Value::String(text) => Self::from_text(text),
             Value::Table(table) if NAMES.iter().any(|name| table.contains_key(*name)) => {
                 Self::from_table(table).map(Some)
@@ -200,8 +200,9 @@ mod tests {
         both("\"80–150 MPa\"", StatedDistribution::Uniform([quantity("80 MPa"), quantity("150 MPa")]));
         both("\"1 .. 2 GPa\"", StatedDistribution::Uniform([quantity("1 GPa"), quantity("2 GPa")]));
         both("\"900 MPa .. 2 GPa\"", StatedDistribution::Uniform([quantity("900 MPa"), quantity("2 GPa")]));
-        for text in ["\"lot 3–4.x3p\"", "\"lot1+-2.x3p\""] {
-            assert_eq!(Stated::read(&Value::String(text.trim_matches('"').into()), false), Ok(None), "{text}");
+        for (text, is_uncertain) in [("lot 3–4.x3p", false), ("lot1+-2.x3p", false), ("1 +/- 0.2 s", true)] {
+            let found = Stated::read(&Value::String(text.into()), false).unwrap();
+            assert_eq!(found.is_some(), is_uncertain, "{text}");
         }
         for text in ["\"0.17\"", "0.17", "\"../scans/a.x3p\"", "\"2 GPa\"", "true", "\"beta:2.1,5\"", "{ x = 1 }"] {
             assert_eq!(read(text), Ok(None), "{text}");
