@@ -1238,6 +1238,8 @@ class ScanCutoff(Record):
     """Error of the mean due to the pitch; `null` if one pitch was solved."""
     order: float | None
     """Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown."""
+    std: float
+    """Standard deviation of friction between windows of a sixteenth by a quarter of the scan, at the mean load."""
     rms_slope: float
     """Root mean square gradient of the heights, by differences over the pixels."""
     plastic_fraction: float

@@ -34,7 +34,7 @@ pub use asperity_process as process;
 pub use asperity_process::{diagnostics, measured};
 pub use asperity_results::RoughBody;
 pub use level_control::{LevelControl, OperatingLevel};
-pub use mean_errors::MeanErrors;
+pub use mean_errors::{CutOff, MeanErrors};
 pub use pressed_scan::{Extrapolated, PressedScan, WINDOWS};
 pub use solved_level::SolvedLevel;
 pub use two_bodies::DISTANCES;

@@ -3,6 +3,17 @@
 use asperity_results::ErrorCause;
 use serde::{Deserialize, Serialize};
 
+/// Friction of surfaces with waves down to a length.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CutOff {
+    /// Length of the shortest wave in metre.
+    pub shortest_m: f64,
+    /// Factor of the mean friction.
+    pub mean: f64,
+    /// Factor of the standard deviation of friction.
+    pub std: f64,
+}
+
 /// Errors of the mean friction coefficient that all machines share, as factors of the mean, and its dependence on the shortest waves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeanErrors {
@@ -18,9 +29,9 @@ pub struct MeanErrors {
     pub grid: [f64; 2],
     /// Smallest and largest factor that the difference between random and scanned surface leaves possible.
     pub model: [f64; 2],
-    /// Factors of the mean for surfaces with shorter waves, from the shortest wave of the strips to the pixel of the scan: (length of the
-    /// shortest wave in metre, factor). Empty if the scan resolves all waves, and without a scan.
-    pub cut_off: Vec<(f64, f64)>,
+    /// Factors of friction for surfaces with shorter waves, from the shortest wave of the strips to the pixel of the scan. Empty if the
+    /// scan resolves all waves, and without a scan.
+    pub cut_off: Vec<CutOff>,
     /// Whether the strips resolve the surface and resemble the scan.
     pub resolved: bool,
 }
@@ -47,18 +58,19 @@ impl MeanErrors {
         [(ErrorCause::Grid, self.grid), (ErrorCause::Model, self.model)]
     }
 
-    /// Returns the factor of the mean on a surface whose shortest wave has a length in metre; `None` if it is known.
-    pub fn at_cut_off(&self, length_m: f64) -> Option<f64> {
+    /// Returns the factors of friction on a surface whose shortest wave has a length in metre; `None` if it is known.
+    pub fn at_cut_off(&self, shortest_m: f64) -> Option<CutOff> {
         let mut pairs = self.cut_off.windows(2);
-        let segment = pairs.find(|pair| length_m >= pair[1].0).or(self.cut_off.windows(2).last())?;
-        let [(long_m, long), (short_m, short)] = [segment[0], segment[1]];
-        let part = ((length_m / short_m).ln() / (long_m / short_m).ln()).clamp(0.0, 1.0);
-        Some((part * long.ln() + (1.0 - part) * short.ln()).exp())
+        let segment = pairs.find(|pair| shortest_m >= pair[1].shortest_m).or(self.cut_off.windows(2).last())?;
+        let [long, short] = [segment[0], segment[1]];
+        let part = ((shortest_m / short.shortest_m).ln() / (long.shortest_m / short.shortest_m).ln()).clamp(0.0, 1.0);
+        let between = |long: f64, short: f64| (part * long.ln() + (1.0 - part) * short.ln()).exp();
+        Some(CutOff { shortest_m, mean: between(long.mean, short.mean), std: between(long.std, short.std) })
     }
 
     /// Returns the smallest and the largest factor over the cut-off.
     pub fn cut_off_range(&self) -> [f64; 2] {
-        self.cut_off.iter().fold([1.0; 2], |[low, high], (_, factor)| [low.min(*factor), high.max(*factor)])
+        self.cut_off.iter().fold([1.0; 2], |[low, high], at| [low.min(at.mean), high.max(at.mean)])
     }
 }
 
@@ -67,8 +79,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_factor_is_linear_in_logarithms_between_the_solved_cut_offs() {
-        let errors = MeanErrors { cut_off: vec![(8e-6, 1.0), (4e-6, 0.9), (2e-6, 0.6)], ..MeanErrors::default() };
+    fn factors_are_linear_in_logarithms_between_the_solved_cut_offs() {
+        let at = |shortest_m: f64, mean: f64| CutOff { shortest_m, mean, std: mean * mean };
+        let errors = MeanErrors { cut_off: vec![at(8e-6, 1.0), at(4e-6, 0.9), at(2e-6, 0.6)], ..MeanErrors::default() };
         for (length_m, factor) in [
             (1e-6, 0.6),
             (2e-6, 0.6),
@@ -78,7 +91,8 @@ mod tests {
             (1e-5, 1.0),
         ] {
             let found = errors.at_cut_off(length_m).unwrap();
-            assert!((found / factor - 1.0).abs() < 1e-12, "{length_m}: {found}");
+            assert!((found.mean / factor - 1.0).abs() < 1e-12, "{length_m}: {found:?}");
+            assert!((found.std / (factor * factor) - 1.0).abs() < 1e-12, "{length_m}: {found:?}");
         }
         assert_eq!((errors.cut_off_range(), MeanErrors::default().at_cut_off(1e-6)), ([0.6, 1.0], None));
     }

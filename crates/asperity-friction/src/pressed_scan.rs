@@ -3,7 +3,7 @@
 use asperity_base::blocks::Task;
 use asperity_base::map::HeightMap;
 use asperity_base::monitor::Cancelled;
-use asperity_base::stats::ratio_95;
+use asperity_base::stats::{Moments, ratio_95};
 use asperity_contact::{Boundary, Control, rms_gradient};
 
 use crate::strip::{Record, StripProblem};
@@ -23,6 +23,8 @@ pub struct PressedScan {
     pub mean: Extrapolated,
     /// Half of the 95 % interval of the mean of the surface of which the map is a sample, from the differences between its tiles.
     pub sampling_error: f64,
+    /// Standard deviation of friction between the windows at the mean load, on the finest grid.
+    pub std: f64,
     /// Root-mean-square slope on the coarsest grid.
     pub rms_slope: f64,
     /// Fraction of the contact cells at the hardness.
@@ -43,18 +45,19 @@ impl PressedScan {
         task: &Task<'_>,
     ) -> Result<Result<Self, String>, Cancelled> {
         let mut means = Vec::with_capacity(maps.len());
-        let (mut sampling_error, mut plastic_fraction) = (f64::NAN, 0.0);
+        let (mut sampling_error, mut std, mut plastic_fraction) = (f64::NAN, f64::NAN, 0.0);
         for (map, problem) in maps.iter().zip(problems) {
             let level = match problem.strips(map, 1, 0).solve_steps(&[control], task)?.remove(0) {
                 Ok(level) => level,
                 Err(error) => return Ok(Err(error.to_string())),
             };
             let stride = (problem.window.length_m() / problem.window.step_m()).round() as usize;
-            let mean = Record::at_mean_load(&level.records).0;
+            let (mean, tracks) = Record::at_mean_load(&level.records);
             if !mean.is_finite() {
                 return Ok(Err("it carries no load".into()));
             }
             (sampling_error, plastic_fraction) = (of_tiles(&level.records, stride), level.plastic_fraction());
+            std = Moments::from_values(tracks.into_iter().flat_map(|track| track.friction)).std;
             means.push(mean);
         }
         let Some(mean) = Extrapolated::new(&means) else { return Ok(Err("there is no grid".into())) };
@@ -62,7 +65,7 @@ impl PressedScan {
             // Differences across the edges are not slopes of the surface.
             rms_gradient(map.heights_m(), map.grid(), Boundary::Free)
         });
-        Ok(Ok(Self { mean, sampling_error, rms_slope, plastic_fraction }))
+        Ok(Ok(Self { mean, sampling_error, std, rms_slope, plastic_fraction }))
     }
 }
 

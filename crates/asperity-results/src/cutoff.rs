@@ -92,6 +92,8 @@ pub struct ScanCutoff {
     pub grid_error: Option<f64>,
     /// Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown.
     pub order: Option<f64>,
+    /// Standard deviation of friction between windows of a sixteenth by a quarter of the scan, at the mean load.
+    pub std: f64,
     /// Root mean square gradient of the heights, by differences over the pixels.
     pub rms_slope: f64,
     /// Fraction of the contact cells at the hardness.

@@ -104,6 +104,7 @@ pub(super) fn run(
         mean_interval: [-1.0, 1.0].map(|sign| pressed.mean.value + sign * pressed.sampling_error),
         grid_error: pressed.mean.error,
         order: pressed.mean.order,
+        std: pressed.std,
         rms_slope: pressed.rms_slope,
         plastic_fraction: pressed.plastic_fraction,
     });

@@ -4,7 +4,7 @@
 //! between random and scanned surface are biases, which extend the interval to one side.
 
 use super::pitch::Pitch;
-use crate::friction::{MeanErrors, SolvedLevel};
+use crate::friction::{CutOff, MeanErrors, SolvedLevel};
 use crate::stats::NORMAL_95;
 use crate::study::check::FrictionStudy;
 use crate::study::result::{OperatingPoint, Pair, ScanCutoff, ScanFriction};
@@ -66,8 +66,13 @@ impl WholeError {
             let is_of_the_scan = surface.is_of_the_scan
                 && surface.model.surface.shortest_wave_m.is_none_or(|m| m >= last.cutoff_m * (1.0 - 1e-9));
             if is_of_the_scan {
-                let shortest = scan.iter().flat_map(|scan| &scan.cut_offs);
-                errors.cut_off = shortest.map(|of| (of.cutoff_m, factor(mean * of.mean / first.mean))).collect();
+                let at = |of: &ScanCutoff| {
+                    let mean = factor(mean * of.mean / first.mean);
+                    // Constant friction stays constant.
+                    let std = if first.std > 0.0 && of.std > 0.0 { of.std / first.std } else { mean };
+                    CutOff { shortest_m: of.cutoff_m, mean, std }
+                };
+                errors.cut_off = scan.iter().flat_map(|scan| &scan.cut_offs).map(at).collect();
                 if errors.cut_off_range().iter().all(|factor| (factor - 1.0).abs() < NEGLIGIBLE) {
                     errors.cut_off.clear();
                 }

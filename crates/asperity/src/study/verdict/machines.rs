@@ -179,7 +179,7 @@ impl<'a> Machines<'a> {
     /// Returns the machine with all values at their centres.
     pub(super) fn nominal(&self) -> Result<Machine, String> {
         // The printed friction is that of the waves of the strips.
-        let of_strips = self.window.mean_errors.cut_off.first().map(|(longest_m, _)| *longest_m);
+        let of_strips = self.window.mean_errors.cut_off.first().map(|at| at.shortest_m);
         let cut_off = self.places.iter().position(|place| Some(*place) == self.cut_off).zip(of_strips);
         let central = |inputs: &UncertainInputs| {
             let mut values: Vec<f64> = inputs.inputs().iter().map(UncertainInput::central).collect();
@@ -258,14 +258,18 @@ impl<'a> Machines<'a> {
             inputs.upscaling = Upscaling::Area;
             window.variance_reduction = sharing.variance_reduction(&window);
         }
+        let mut factors = [self.friction_factor; 2];
         if let Some(normal) = part {
             // A lognormal factor of mean 1.
             let reduction = if inputs.upscaling == Upscaling::Area { window.variance_reduction } else { 1.0 };
             let std = (window.between_parts_std / window.mean).powi(2).mul_add(reduction, 1.0).ln().sqrt();
-            window.mean *= (std * normal - 0.5 * std * std).exp();
+            factors = factors.map(|factor| factor * (std * normal - 0.5 * std * std).exp());
         }
-        let of_waves = shortest_m.and_then(|shortest_m| self.window.mean_errors.at_cut_off(shortest_m));
-        window.mean *= self.friction_factor * of_waves.unwrap_or(1.0);
+        if let Some(of_waves) = shortest_m.and_then(|shortest_m| self.window.mean_errors.at_cut_off(shortest_m)) {
+            factors = [factors[0] * of_waves.mean, factors[1] * of_waves.std];
+        }
+        window.mean *= factors[0];
+        window.std *= factors[1];
         let dynamics = Dynamics::new(&inputs, &window).map_err(|error| error.to_string())?;
         if let Dynamics::StickSlip(oscillator) = &dynamics {
             inputs.check_motion(oscillator, f64::INFINITY).map_err(|error| error.to_string())?;
@@ -288,7 +292,10 @@ const WAVES: u32 = 10;
 /// not matter.
 pub(super) fn cut_off(window: &WindowFriction) -> Result<Option<(Place, UncertainInput)>, InputError> {
     let waves = &window.mean_errors.cut_off;
-    let Some(((longest_m, _), (shortest_m, _))) = waves.first().zip(waves.last()) else { return Ok(None) };
+    let Some([longest_m, shortest_m]) = waves.first().zip(waves.last()).map(|(a, b)| [a, b].map(|at| at.shortest_m))
+    else {
+        return Ok(None);
+    };
     let part = |index: u32| f64::from(index) / f64::from(WAVES - 1);
     let waves_m = (0..WAVES).map(|index| shortest_m * (longest_m / shortest_m).powf(part(index))).collect();
     let place = Place::latent(CUT_OFF).zip(Marginal::empirical(waves_m).ok());
@@ -347,6 +354,7 @@ pub(super) mod tests {
     }
     use super::super::axis::contact_places;
     use super::super::rests_on::tests::{STUDY, computed_window};
+    use crate::friction::CutOff;
     use crate::study::Study;
     use crate::study::verdict::sampled::Evaluated;
 
@@ -362,19 +370,40 @@ pub(super) mod tests {
         Evaluated::constant_friction(machine)
     }
 
+    /// Returns factors between the waves of strips and those of pixels of 1 µm.
+    fn waves(longest_m: f64) -> Vec<CutOff> {
+        [(longest_m, 1.0, 1.0), (2e-6, 0.8, 0.5)].map(|(shortest_m, mean, std)| CutOff { shortest_m, mean, std }).to_vec()
+    }
+
     #[test]
     fn the_shortest_waves_range_from_one_end_of_the_band_to_the_other() {
         for longest_m in [8e-6, 200e-6] {
             let mut window = stated_window(&Study::parse(LINEAR, "study.toml").unwrap());
-            window.mean_errors.cut_off = vec![(longest_m, 1.0), (2e-6, 0.8)];
+            window.mean_errors.cut_off = waves(longest_m);
             let (_, input) = cut_off(&window).unwrap().unwrap();
             let inputs = UncertainInputs::new(vec![input], &[]).unwrap();
-            let factor = |z: f64| window.mean_errors.at_cut_off(inputs.values(&[z])[0]).unwrap();
+            let factor = |z: f64| window.mean_errors.at_cut_off(inputs.values(&[z])[0]).unwrap().mean;
             // Quantiles at 5 %, 95 % and beyond.
             for (z, wanted) in [(-1.645, 0.8), (1.645, 1.0), (-3.0, 0.8), (3.0, 1.0)] {
                 assert!((factor(z) - wanted).abs() < 0.03, "{longest_m} {z}: {}", factor(z));
             }
             assert!(factor(0.0) > 0.8 && factor(0.0) < 1.0);
+        }
+    }
+
+    #[test]
+    fn the_shortest_waves_change_the_fluctuation_by_a_factor_of_its_own() {
+        let study = Study::parse(&format!("{STUDY}[verdict]\n").replace("0.17", "\"0.17 ± 0.01\""), "study.toml").unwrap();
+        let mut window = WindowFriction { std: 0.03, ..computed_window(None) };
+        window.mean_errors.cut_off = waves(8e-6);
+        let study = study.verdict.unwrap().with_latent(cut_off(&window).unwrap().into_iter().collect());
+        let machines = Machines::new(&study, &window, None, 1);
+        let index = machines.places.iter().position(|place| place.name() == CUT_OFF).unwrap();
+        for (z, [mean, std]) in [(3.0, [0.3, 0.03]), (-3.0, [0.24, 0.015])] {
+            let mut variables = vec![0.0; machines.variables()];
+            variables[index] = z;
+            let found = machines.at(&variables).unwrap().window;
+            assert!((found.mean - mean).abs() < 1e-12 && (found.std - std).abs() < 1e-12, "{found:?}");
         }
     }
 
