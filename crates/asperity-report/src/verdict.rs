@@ -50,7 +50,7 @@ impl Headline {
             );
             return Self { before, answer: "very improbable".into(), after };
         }
-        let own = format!("{}{}", percent(verdict.probability), interval(verdict.probability_interval));
+        let own = sampled(verdict.probability, verdict.probability_interval, interval);
         let (word, machines, after) = match range {
             Some([low, high]) => {
                 let word = if word(low) == word(high) { word(low) } else { "uncertain" };
@@ -88,13 +88,25 @@ impl Headline {
             let after = ": the error of its friction coefficient decides.";
             return Self { before, answer: "may vibrate".into(), after: after.into() };
         }
+        let limit = verdict.nominal.limit_damping_ratio.unwrap_or_default();
+        let damping = limit + verdict.nominal.damping_margin;
+        let [damping_text, limit_text] = [damping, limit].map(|ratio| significant(ratio, 3));
+        let damping = format!("its damping ratio of {damping_text} is {}", part_of(damping / limit));
         if verdict.nominal.vibrates {
-            let after = format!(" ({}), once started from standstill.", noun.to_lowercase());
+            let after = format!(" ({}), once started: {damping} the {limit_text} that it needs.", noun.to_lowercase());
             return Self { before, answer: "vibrates".into(), after };
         }
-        let limit = verdict.nominal.limit_damping_ratio.map_or_else(String::new, |limit| significant(limit, 3));
-        let after = format!(": its damping ratio is not below the limit of {limit}.");
+        let after = if limit > 0.0 { format!(": {damping} the {limit_text} that it needs.") } else { ".".into() };
         Self { before, answer: "does not vibrate".into(), after }
+    }
+}
+
+/// Returns a ratio as a part or a multiple, before the whole.
+fn part_of(ratio: f64) -> String {
+    match ratio {
+        ratio if ratio < 0.98 => format!("{} % of", significant(100.0 * ratio, 2)),
+        ratio if ratio > 1.02 => format!("{} times", significant(ratio, 2)),
+        _ => "just about".into(),
     }
 }
 
@@ -212,7 +224,9 @@ fn probability_sentence(verdict: &VerdictResult) -> String {
     match verdict.probability_from_steady_sliding {
         // Coupled modes flutter however their motion begins.
         Some(sliding) if !is_rare && verdict.model == MachineModel::StickSlip => {
-            format!("{}; {} from steady sliding.", sentence.trim_end_matches('.'), percent(sliding))
+            let sliding =
+                sampled_percent(sliding, verdict.probability_from_steady_sliding_interval.unwrap_or([sliding; 2]));
+            format!("{}; {sliding} from steady sliding.", sentence.trim_end_matches('.'))
         }
         _ => sentence,
     }
@@ -225,7 +239,7 @@ pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
         return None;
     }
     if nominal.steady_sliding_unstable {
-        return Some("from steady sliding, too".into());
+        return Some("steady sliding does not last".into());
     }
     let kick = nominal
         .kick_m_per_s
@@ -257,6 +271,12 @@ fn answer_at(verdict: &VerdictResult, assumed: &Assumed, end: usize) -> String {
         _ if probability < 0.5 => "does not vibrate".into(),
         _ => "vibrates".into(),
     }
+}
+
+/// Formats a fraction of sampled machines as a percentage with its interval; if none or all of them vibrate, as the bound of the interval.
+fn sampled(fraction: f64, ends: [f64; 2], interval: &dyn Fn([f64; 2]) -> String) -> String {
+    let error = if fraction > 0.0 && fraction < 1.0 { interval(ends) } else { String::new() };
+    format!("{}{error}", sampled_percent(fraction, ends))
 }
 
 /// Formats a fraction of sampled machines as a percentage. If none or all of them vibrate, it is the bound of the interval.

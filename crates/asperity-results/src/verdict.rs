@@ -76,6 +76,9 @@ pub struct VerdictResult {
     pub guesses: Vec<Guess>,
     /// Changes that reach the target probabilities.
     pub remedies: Vec<Remedy>,
+    /// If the study states no uncertain value, what each number of the machine would have to be; otherwise empty.
+    #[serde(default)]
+    pub turning_points: Vec<TurningPoint>,
     /// Probability over the central values of the first two remedies; `null` with fewer remedies.
     pub map: Option<ProbabilityMap>,
     /// Probability against the number of windows that share the load; `null` if friction neither fluctuates nor differs between
@@ -282,6 +285,20 @@ pub struct Guess {
     pub probability_at_q05: f64,
     /// Probability of vibration with the value at its 95 % quantile.
     pub probability_at_q95: f64,
+}
+
+/// Value at which the machine begins or ceases to vibrate while all its other values stay.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TurningPoint {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// Unit of its values; empty for a number.
+    pub unit: String,
+    /// Present value.
+    pub now: f64,
+    /// The nearest such value between a tenth and ten times the present one; `null` if there is none.
+    pub value: Option<f64>,
 }
 
 /// Effect of a number that the study does not state: asperity assumes a default, which counts as exact.

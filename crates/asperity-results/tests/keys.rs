@@ -6,7 +6,8 @@ mod example;
 use std::collections::BTreeSet;
 
 use asperity_results::{
-    Comparison, DistributionResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult, results_schema,
+    Comparison, DistributionResult, MeasuredSurface, Results, SCHEMA_VERSION, ScanOfPart, SurfaceResult, VerdictResult,
+    results_schema,
 };
 use serde_json::Value;
 
@@ -17,7 +18,8 @@ fn both() -> [Results; 2] {
     let scans = ["left.x3p", "right.x3p"].map(|file| ScanOfPart { file: file.into(), statistics: example::scan() });
     two.surface.as_mut().unwrap().measured = example::part(scans.into());
     two.friction.as_mut().unwrap().uncertainty = Some(example::uncertainty(6));
-    two.verdict = Some(example::verdict::verdict());
+    let turning_points = example::verdict::turning_points();
+    two.verdict = Some(VerdictResult { turning_points, ..example::verdict::verdict() });
     two.mode_coupling = Some(example::mode_coupling());
     two.counterface = Some(SurfaceResult {
         marginal: DistributionResult { name: "normal".into(), ..DistributionResult::default() },

@@ -531,6 +531,10 @@ fn a_check_states_the_machines_and_contact_solutions_of_the_verdict() {
         text.contains("# verdict: about 8192 machines, about") && text.contains("about 40 contact solutions"),
         "{text:.400}"
     );
-    // A study of exact values without [verdict] has none.
-    assert_eq!(estimate(contact("1e9 GPa", "21 MPa", "4.2"))["stage"], "vibration");
+    // A machine of exact values is one machine, and another one for the low end of `kinetic_share`.
+    let exact = estimate(contact("1e9 GPa", "21 MPa", "4.2"));
+    assert_eq!(
+        (&exact["stage"], &exact["machines"], &exact["contact_solutions"]),
+        (&"verdict".into(), &2.into(), &0.into())
+    );
 }

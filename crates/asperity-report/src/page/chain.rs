@@ -7,7 +7,7 @@ use crate::cells::{DASH, percent};
 use crate::format::{Dimension, significant, with_error};
 use crate::markup::{Html, html};
 use crate::plot::range;
-use crate::verdict::noun as kind_of_motion;
+use crate::verdict::{is_exact, noun as kind_of_motion};
 use crate::words::between;
 
 /// Size of a picture.
@@ -129,6 +129,7 @@ fn vibration(run: &Run) -> Option<Link> {
             let hertz = machines.frequency_hz.map(|hertz| between(Dimension::Frequency, hertz).0);
             (hertz.unwrap_or_else(|| DASH.into()), kind_of_motion(verdict).to_lowercase())
         }
+        None if is_exact(verdict) => ("quiet".into(), "steady sliding".into()),
         None => ("quiet".into(), "no sampled machine vibrates".into()),
     };
     let picture = picture.filter(|_| verdict.nominal.vibrates);

@@ -69,15 +69,19 @@ fn numbers(verdict: &VerdictResult) -> Html {
     let (mut sentences, mut lines) = (Vec::new(), Vec::new());
     let text = |text: String| Html::from(unbroken(&text));
     if is_exact(verdict) {
-        sentences.push(text("No value of the study is uncertain.".into()));
         sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(&sliding)))));
     } else {
-        sentences.push(text(computed_to(verdict)));
+        if verdict.probability > 0.0 && verdict.probability < 1.0 {
+            sentences.push(text(computed_to(verdict)));
+        }
         sentences.extend(largest_error(verdict).map(|text| with_code(&unbroken(&text))));
         sentences.extend(half_of_the_time(verdict).map(text));
         sentences.extend(over_unknowns(verdict));
         let sliding = verdict.probability_from_steady_sliding.filter(|_| verdict.model == MachineModel::StickSlip);
-        sentences.extend(sliding.map(|sliding| text(format!("Started from steady sliding: {}.", percent(sliding)))));
+        let interval = |sliding| verdict.probability_from_steady_sliding_interval.unwrap_or([sliding; 2]);
+        sentences.extend(sliding.map(|sliding| {
+            text(format!("Started from steady sliding: {}.", sampled_percent(sliding, interval(sliding))))
+        }));
     }
     if verdict.leaves_out_fluctuation {
         sentences.push(text(MEAN_FRICTION.into()));

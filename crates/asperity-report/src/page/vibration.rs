@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{DampingResult, VibrationResult};
+use asperity_results::VibrationResult;
 
-use crate::cells::shown;
 use crate::format::Dimension;
 use crate::page::answer_table::{all, distribution};
 use crate::page::data_table::DataTable;
@@ -40,9 +39,4 @@ pub(super) fn tables(vibration: &VibrationResult) -> Vec<DataTable> {
         all,
     ));
     tables
-}
-
-/// Formats the lost cycles with their interval.
-pub(super) fn difference(entry: &DampingResult) -> String {
-    shown(Dimension::None, entry.difference_mean, Some(entry.difference_interval))
 }

@@ -184,6 +184,7 @@ pub(super) fn friction() -> FrictionResult {
                     mean_interval: [0.98 * mean, 1.02 * mean],
                     grid_error: Some(0.0007),
                     order: None,
+                    std: 0.02,
                     rms_slope,
                     plastic_fraction: 0.2,
                 })

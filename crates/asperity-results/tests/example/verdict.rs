@@ -3,7 +3,7 @@
 use asperity_results::{
     AreaAsOne, Assumed, Driver, ErrorCause, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MachineModel,
     MarginQuantile, MotionKind, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn,
-    VerdictResult, VibratingMachines,
+    TurningPoint, VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -89,6 +89,7 @@ pub(crate) fn verdict() -> VerdictResult {
         drivers: inputs.map(|(input, share)| driver(input, share, Some(0.5 * share))).into(),
         event_drivers: inputs.map(|(input, share)| driver(input, 0.7 * share, None)).into(),
         guesses: vec![Guess { input: "vibration.stribeck".into(), probability_at_q05: 0.2, probability_at_q95: 0.93 }],
+        turning_points: Vec::new(),
         remedies: vec![Remedy {
             input: "vibration.damping_ratio".into(),
             unit: String::new(),
@@ -136,4 +137,19 @@ pub(crate) fn verdict() -> VerdictResult {
             expected_vibration_share_at: [0.08, 0.97],
         }],
     }
+}
+
+/// Returns turning points of a machine without uncertain values.
+pub(crate) fn turning_points() -> Vec<TurningPoint> {
+    let point = |key: &str, unit: &str, now: f64, value: Option<f64>| TurningPoint {
+        input: format!("vibration.{key}"),
+        unit: unit.into(),
+        now,
+        value,
+    };
+    vec![
+        point("damping_ratio", "", 0.0155, Some(0.018)),
+        point("mass", "kg", 2.0, None),
+        point("normal_force", "N", 90.0, Some(81.0)),
+    ]
 }

@@ -81,7 +81,7 @@ impl Study {
             pressure_stage::cost(self, threads),
             friction_stage::cost(self, scan_points, threads),
             vibration_stage::cost(self, threads),
-            self.states_verdict().then(verdict).flatten(),
+            self.judges().then(verdict).flatten(),
         ];
         let mut stages: Vec<StageEstimate> = stages.into_iter().flatten().collect();
         if self.surface.is_some() {
@@ -156,11 +156,11 @@ mod tests {
         };
         let stages = estimate(text);
         // Two stated levels and the one at N/A_nom.
-        assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0]);
+        assert_eq!(stages.iter().map(|s| s.contact_solutions).collect::<Vec<_>>(), [1300, 60, 0, 0]);
         assert_eq!(stages[2].trajectories, 2 * (11 + CROSSING_ENSEMBLES) * 50);
         // The hundred fine solves of the default may be followed by as much work again, four times over, on the same
         // maps.
-        assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 18.0, 0.0]);
+        assert_eq!(stages.iter().map(|s| s.coarse_solutions).collect::<Vec<_>>(), [481.25, 18.0, 0.0, 0.0]);
         assert!(stages.iter().all(|s| s.core_seconds > 0.0 && s.memory_bytes > 0.0));
         // Maps of 64² points, a strip of doubles, and a few MB of tables, figures and page.
         let disk = |text: &str| Study::parse(text, "study.toml").unwrap().disk_bytes();

@@ -55,7 +55,13 @@ impl Study {
         }
     }
 
-    /// Returns whether a run computes the verdict: the study has its section, or uncertain values.
+    /// Returns whether a run computes the verdict: that of every machine without a harmonic force, or one that the study states.
+    pub(super) fn judges(&self) -> bool {
+        let is_forced = self.vibration.as_ref().is_some_and(|vibration| vibration.machine.forcing.is_some());
+        self.verdict.is_some() && (!is_forced || self.states_verdict())
+    }
+
+    /// Returns whether the study states a verdict: it has its section, or uncertain values.
     pub(super) fn states_verdict(&self) -> bool {
         let file = self.file();
         self.verdict.is_some() && (file.verdict.is_some() || !file.uncertain.is_empty())
@@ -326,7 +332,7 @@ impl Study {
             Purpose::Answers { friction } => (false, friction),
         };
         let wants = |stage: Stage| only.is_none_or(|only| only == stage);
-        let wants_verdict = only == Some(Stage::Verdict) || only.is_none() && self.states_verdict();
+        let wants_verdict = only == Some(Stage::Verdict) || only.is_none() && self.judges();
         let wants_friction = wants(Stage::Friction) || wants(Stage::Vibration) || wants_verdict;
         if let Some(stage) = only.filter(|stage| !self.has(*stage)) {
             return Err(StudyError::NoStage(stage.name()));

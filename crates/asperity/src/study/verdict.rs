@@ -27,6 +27,7 @@ mod rests_on;
 mod sampled;
 mod scan;
 mod sharing;
+mod turning;
 mod vibrating;
 
 use self::assumed::Ends;
@@ -41,6 +42,7 @@ use self::probability::{Estimator, Probability};
 use self::responses::FrictionResponses;
 use self::sampled::Sampled;
 use self::scan::errors::ScanErrors;
+use self::turning::turning_points;
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::chaos::UncertainInput;
 use crate::choice::Choice;
@@ -132,6 +134,11 @@ pub(super) fn run(
         if_vibrating: vibrating_machines(&machines, sampled, monitor)?,
         margin_quantiles: margin_quantiles(sampled),
         remedies,
+        turning_points: if whole.file().uncertain.is_empty() {
+            turning_points(&machines, &rests_on)
+        } else {
+            Vec::new()
+        },
         friction_unresolved: !window.mean_errors.resolved,
         rests_on,
         assumed,

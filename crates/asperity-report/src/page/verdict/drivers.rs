@@ -1,10 +1,9 @@
 //! The card of the values that decide the verdict.
 
-use asperity_results::{Driver, MachineModel, VerdictResult};
+use asperity_results::{Driver, MachineModel, TurningPoint, VerdictResult};
 
-use crate::format::significant;
+use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
-use crate::verdict::is_exact;
 use crate::words::{named, unbroken};
 
 /// Number of values on the card.
@@ -28,14 +27,11 @@ fn percent(fraction: f64) -> String {
 /// Returns the three largest drivers as bars, and the value to measure next.
 pub(super) fn card(verdict: &VerdictResult) -> Html {
     let mut drivers: Vec<&Driver> = verdict.drivers.iter().collect();
+    if !verdict.turning_points.is_empty() {
+        return one_at_a_time(verdict);
+    }
     if drivers.is_empty() {
-        let reason = if is_exact(verdict) {
-            "No value is uncertain. State how well you know damping, friction and load, for example damping_ratio = \"0.03 ± 0.005\", \
-             to see which value decides."
-        } else {
-            "The margin does not follow the uncertain values closely enough to rank them."
-        };
-        return html!("<p>{}</p>\n", reason);
+        return html!("<p>The margin does not follow the uncertain values closely enough to rank them.</p>\n");
     }
     drivers.sort_by(|a, b| fraction(b).total_cmp(&fraction(a)));
     let bars = drivers.iter().take(SHOWN).map(|driver| {
@@ -69,6 +65,42 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     )
 }
 
+/// Returns the values whose smallest change turns a machine without stated uncertain values, and how to make one of them uncertain.
+fn one_at_a_time(verdict: &VerdictResult) -> Html {
+    let rows = turning_points(verdict).into_iter().take(SHOWN + 1).map(|(point, value)| {
+        let dimension = Dimension::of_unit(&point.unit);
+        let change = significant(100.0 * (value / point.now - 1.0).abs(), 2);
+        let change = unbroken(&format!("{}{change} %", if value > point.now { '+' } else { '−' }));
+        let [now, then] = [point.now, value].map(|value| dimension.show_short(value));
+        html!(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            named(&point.input),
+            now,
+            then,
+            change
+        )
+    });
+    let turns = if verdict.nominal.vibrates { "vibration ends at" } else { "vibration begins at" };
+    let damping = verdict.nominal.limit_damping_ratio.map_or(0.03, |limit| limit + verdict.nominal.damping_margin);
+    let example = format!("damping_ratio = \"{} ± {}\"", significant(damping, 2), significant(0.1 * damping, 1));
+    html!(
+        "<table>\n<thead><tr><th scope=\"col\">one value alone</th><th scope=\"col\">now</th><th scope=\"col\">{}</th>\
+         <th scope=\"col\">change</th></tr></thead>\n<tbody>\n{}</tbody>\n</table>\n<p class=\"note\">The study \
+         states no value as uncertain. For its probability, state how well you know one, for example <code>{}</code> in [vibration].</p>\n",
+        turns,
+        rows.collect::<Html>(),
+        example,
+    )
+}
+
+/// Returns the turning points with their values, the smallest change first.
+pub(super) fn turning_points(verdict: &VerdictResult) -> Vec<(&TurningPoint, f64)> {
+    let mut found: Vec<_> = verdict.turning_points.iter().filter_map(|point| Some((point, point.value?))).collect();
+    let size = |(point, value): &(&TurningPoint, f64)| (value / point.now).ln().abs();
+    found.sort_by(|a, b| size(a).total_cmp(&size(b)));
+    found
+}
+
 /// Returns the unknown value whose measurement narrows the margin most. A value that varies from part to part keeps varying however well it is
 /// measured, so without unknown values it returns the value whose tolerance matters most.
 pub(super) fn next(verdict: &VerdictResult) -> Html {
@@ -79,6 +111,9 @@ pub(super) fn next(verdict: &VerdictResult) -> Html {
     };
     let is_unknown = |driver: &&Driver| verdict.guesses.iter().any(|guess| guess.input == driver.input);
     if let Some(driver) = most(&is_unknown) {
+        if driver.input.ends_with(".scan") {
+            return html!("A larger scan would shrink the margin’s range by {}.", percent(reduction(&driver)));
+        }
         return html!(
             "Measure the <strong>{}</strong> next: the margin’s range would shrink by {}.",
             named(&driver.input),

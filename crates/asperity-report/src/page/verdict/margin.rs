@@ -6,7 +6,7 @@ use crate::Run;
 use crate::format::{Unit, count, significant};
 use crate::markup::{Html, html};
 use crate::plot::Axis;
-use crate::verdict::{is_exact, percent};
+use crate::verdict::{is_exact, sampled_percent};
 use crate::words::unbroken;
 
 /// Table of the sampled machines.
@@ -163,7 +163,9 @@ impl Limits {
             let ends = (cells.first().map_or(LEFT, |cell| x(cell.low)), cells.last().map_or(LEFT, |cell| x(cell.high)));
             format!("M{:.2} {BASE}{}L{:.2} {BASE}Z", ends.0, steps.collect::<String>(), ends.1)
         };
-        let shares = [1.0 - verdict.probability, verdict.probability].map(|share| unbroken(&percent(share)));
+        let (share, [low, high]) = (verdict.probability, verdict.probability_interval);
+        let shares = [(1.0 - share, [1.0 - high, 1.0 - low]), (share, [low, high])]
+            .map(|(share, interval)| unbroken(&sampled_percent(share, interval)));
         let marked = if self.coupled { "critical coefficient" } else { "damping ratio" };
         let label = format!(
             "Distribution of the {drawn}: {} of the machines stay quiet, {} vibrate; the {marked} is {}",

@@ -6,12 +6,16 @@ use crate::cells::{DASH, plain, shown};
 use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
+use crate::page::verdict::capitalised;
+use crate::page::verdict::drivers::turning_points;
 use crate::page::verdict::margin::Limits;
-use crate::verdict::{is_exact, percent, vibration};
+use crate::verdict::{percent, vibration};
 use crate::words::{named, unbroken};
 
 /// Probability that the damping ratio is given for if the study states no remedies.
 const TARGET: f64 = 0.05;
+/// Values whose changes are stated if the study states no uncertain value.
+const CHANGED: [&str; 2] = ["vibration.damping_ratio", "vibration.normal_force"];
 /// Relative change of the friction coefficient from which it is stated.
 const VISIBLE: f64 = 0.005;
 
@@ -151,9 +155,37 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
     DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect())
 }
 
+/// Returns the changes of damping and load that end the vibration of a machine without stated uncertain values, or that may be made without
+/// starting it.
+fn of_one_machine(verdict: &VerdictResult) -> String {
+    let changes = turning_points(verdict).into_iter().filter(|(point, _)| CHANGED.contains(&point.input.as_str()));
+    let changes = changes.map(|(point, value)| {
+        let dimension = Dimension::of_unit(&point.unit);
+        let [now, then] = [point.now, value].map(|value| dimension.show_short(value));
+        match (verdict.nominal.vibrates, value > point.now) {
+            (true, true) => format!("a {} above {then} instead of {now}", named(&point.input)),
+            (true, false) => format!("a {} below {then} instead of {now}", named(&point.input)),
+            (false, true) => format!("the {} may rise from {now} to {then}", named(&point.input)),
+            (false, false) => format!("the {} may fall from {now} to {then}", named(&point.input)),
+        }
+    });
+    let changes: Vec<String> = changes.collect();
+    match (changes.is_empty(), verdict.nominal.vibrates) {
+        (true, true) => "No damping and no load up to ten times the present one ends the vibration.".into(),
+        (true, false) => "Nothing needs to change, and no other damping or load starts vibration.".into(),
+        (false, true) => unbroken(&format!("{}.", capitalised(&changes.join(", or ")))),
+        (false, false) => unbroken(&format!("Nothing needs to change: {}.", changes.join(", and "))),
+    }
+}
+
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.
 fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
     const STATE: &str = "State remedies in [verdict] to compute changes of any value, with their intervals.";
+    if !verdict.turning_points.is_empty() {
+        let fluctuates = "These are values of the mean friction coefficient: where friction fluctuates, vibration ends little by little. ";
+        let how = if verdict.friction_fluctuates { fluctuates } else { "" };
+        return html!("<p>{}</p>\n<p class=\"note\">{}{}</p>\n", of_one_machine(verdict), how, STATE);
+    }
     if verdict.model == MachineModel::ModeCoupling {
         let limit = verdict.nominal.limit_damping_ratio.filter(|_| verdict.nominal.vibrates);
         let sentence = limit.map_or_else(String::new, |limit| {
@@ -164,9 +196,7 @@ fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
         });
         return html!("<p>{}{}</p>\n", sentence, STATE);
     }
-    let needed = if is_exact(verdict) {
-        verdict.nominal.limit_damping_ratio
-    } else if limits.sign_decides() {
+    let needed = if limits.sign_decides() {
         let quantile = verdict.margin_quantiles.iter().find(|quantile| quantile.probability == TARGET);
         quantile.map(|quantile| limits.damping_ratio() - quantile.damping_margin)
     } else {
@@ -179,14 +209,6 @@ fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
         );
     };
     let [now, needed_text] = [limits.damping_ratio(), needed].map(|ratio| significant(ratio, 3));
-    if is_exact(verdict) {
-        let sentence = if verdict.nominal.vibrates {
-            format!("A damping ratio above {needed_text} instead of {now}.")
-        } else {
-            format!("Nothing needs to change. The damping ratio may fall from {now} to {needed_text}.")
-        };
-        return html!("<p>{}</p>\n<p class=\"note\">{}</p>\n", sentence, STATE);
-    }
     let how = "Read from the margin’s 5 % quantile: the central damping ratio shifts and its uncertainty stays.";
     if needed <= limits.damping_ratio() {
         let found = percent(verdict.probability);

@@ -113,6 +113,11 @@ impl<'a> Machines<'a> {
         self.central.file.vibration.as_ref().map(|section| section.model).unwrap_or_default()
     }
 
+    /// Returns the study file of the machine with all values at their centres.
+    pub(super) fn central(&self) -> &Point {
+        &self.central
+    }
+
     /// Returns the errors of the mean friction that all machines share.
     pub(super) fn mean_errors(&self) -> &MeanErrors {
         &self.window.mean_errors
@@ -372,7 +377,9 @@ pub(super) mod tests {
 
     /// Returns factors between the waves of strips and those of pixels of 1 µm.
     fn waves(longest_m: f64) -> Vec<CutOff> {
-        [(longest_m, 1.0, 1.0), (2e-6, 0.8, 0.5)].map(|(shortest_m, mean, std)| CutOff { shortest_m, mean, std }).to_vec()
+        [(longest_m, 1.0, 1.0), (2e-6, 0.8, 0.5)]
+            .map(|(shortest_m, mean, std)| CutOff { shortest_m, mean, std })
+            .to_vec()
     }
 
     #[test]
@@ -393,7 +400,8 @@ pub(super) mod tests {
 
     #[test]
     fn the_shortest_waves_change_the_fluctuation_by_a_factor_of_its_own() {
-        let study = Study::parse(&format!("{STUDY}[verdict]\n").replace("0.17", "\"0.17 ± 0.01\""), "study.toml").unwrap();
+        let study =
+            Study::parse(&format!("{STUDY}[verdict]\n").replace("0.17", "\"0.17 ± 0.01\""), "study.toml").unwrap();
         let mut window = WindowFriction { std: 0.03, ..computed_window(None) };
         window.mean_errors.cut_off = waves(8e-6);
         let study = study.verdict.unwrap().with_latent(cut_off(&window).unwrap().into_iter().collect());
