@@ -1894,6 +1894,20 @@ class Remedy(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
+class TurningPoint(Record):
+    """Value at which the machine begins or ceases to vibrate while all its other values stay."""
+
+    input: str
+    """Name of the value, `section.key`."""
+    unit: str
+    """Unit of its values; empty for a number."""
+    now: float
+    """Present value."""
+    value: float | None
+    """The nearest such value between a tenth and ten times the present one; `null` if there is none."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ProbabilityMapAxis(Record):
     """One input of a map."""
 
@@ -2056,6 +2070,8 @@ class VerdictResult(Record):
     """Effect of each unknown value."""
     remedies: list[Remedy]
     """Changes that reach the target probabilities."""
+    turning_points: list[TurningPoint]
+    """If the study states no uncertain value, what each number of the machine would have to be; otherwise empty."""
     map: ProbabilityMap | None
     """Probability over the central values of the first two remedies; `null` with fewer remedies."""
     area_as_one: list[AreaAsOne] | None
@@ -2082,6 +2098,7 @@ class VerdictResult(Record):
         "event_drivers": Driver,
         "guesses": Guess,
         "remedies": Remedy,
+        "turning_points": TurningPoint,
         "map": ProbabilityMap,
         "area_as_one": AreaAsOne,
         "rests_on": RestsOn,

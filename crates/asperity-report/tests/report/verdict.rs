@@ -403,7 +403,7 @@ fn exact_values_are_two_marks_on_an_axis() {
     for wanted in [
         "The machine vibrates (stick-slip), once started: its damping ratio of 0.0155 is 86 % of the 0.018 that it needs.",
         "normal force90 N81 N−10 %\ndamping ratio0.01550.018+16 %",
-        "for example damping_ratio = &quot;0.016 ± 0.002&quot; in [vibration]",
+        "for example damping_ratio = &quot;0.0155 ± 0.002&quot; in [vibration]",
         "Steady sliding stays quiet, unless a kick of 13 mm/s starts it.",
         "the machine has 0.0155",
         "the limit is 0.018",

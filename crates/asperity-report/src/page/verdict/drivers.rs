@@ -82,7 +82,7 @@ fn one_at_a_time(verdict: &VerdictResult) -> Html {
     });
     let turns = if verdict.nominal.vibrates { "vibration ends at" } else { "vibration begins at" };
     let damping = verdict.nominal.limit_damping_ratio.map_or(0.03, |limit| limit + verdict.nominal.damping_margin);
-    let example = format!("damping_ratio = \"{} ± {}\"", significant(damping, 2), significant(0.1 * damping, 1));
+    let example = format!("damping_ratio = \"{} ± {}\"", significant(damping, 3), significant(0.1 * damping, 1));
     html!(
         "<table>\n<thead><tr><th scope=\"col\">one value alone</th><th scope=\"col\">now</th><th scope=\"col\">{}</th>\
          <th scope=\"col\">change</th></tr></thead>\n<tbody>\n{}</tbody>\n</table>\n<p class=\"note\">The study \
