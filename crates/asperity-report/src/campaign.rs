@@ -165,6 +165,28 @@ mod tests {
     }
 
     #[test]
+    fn the_first_screen_states_which_value_changes_the_probability() {
+        // 0.85 at a damping ratio of 0.05 and 0.7 at 0.2, at both hardnesses.
+        let mut results = campaign();
+        let (most, others) = answer(&results, "What changes the probability of vibration?");
+        assert_eq!(most, "Damping ratio matters: 85 % at 0.05, 70 % at 0.2");
+        assert!(others.contains("Probabilities are means over the other values."), "{others}");
+        // One value alone, with intervals that are wider than its effect, or narrower.
+        results.members.retain(|member| !member.failed && number(&member.values[1]) == Some(1e8));
+        for (half, words) in [(0.2, "has no effect"), (0.01, "matters")] {
+            for member in &mut results.members {
+                let own = member.answers.probability.unwrap();
+                member.answers.probability_interval = Some([own - half, own + half]);
+            }
+            let found = answer(&results, "What changes the probability of vibration?");
+            assert_eq!(found, (format!("Damping ratio {words}: 85 % at 0.05, 70 % at 0.2"), String::new()));
+        }
+        let answers = answers(&results);
+        assert!(answers.iter().all(|answer| answer.question != "How many vibrate?"), "{answers:?}");
+        assert!(figure(&results).unwrap().svg().contains("95 % interval"));
+    }
+
+    #[test]
     fn the_margin_is_drawn_where_the_limit_does_not_depend_on_the_first_key() {
         let drawn = figure(&judged()).unwrap();
         assert_eq!(drawn.title, "Margin of the damping ratio");
@@ -209,7 +231,7 @@ mod tests {
         assert!(place("Probability of vibration</th>") < place("Damping ratio</th>"));
         assert!(
             place("<span class=\"chip failed\">failed</span> <small class=\"reason\">no scan</small>")
-                > place("chip quiet")
+                > place("chip vibrates")
         );
         assert!(html.contains("&lt; 0.01 %") && html.contains(">not determined<") && !html.contains("·10"));
         assert!(html.contains("It is small. (members 1, 2, 4)"));

@@ -1,4 +1,5 @@
-//! The first screen of a campaign: how many members vibrate, where the verdict changes, and the ranges of the other answers.
+//! The first screen of a campaign: which value changes the probability, or how many members vibrate and where the verdict changes, and the
+//! ranges of the other answers.
 
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
@@ -8,11 +9,17 @@ use crate::campaign::words::{
 use crate::format::{count, significant};
 use crate::page::answer::Answer;
 
+/// Difference of probabilities below which a value hardly matters.
+const SMALL: f64 = 0.05;
 /// Largest number of names in a sentence.
 const MOST_NAMES: usize = 4;
 
 pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
-    let found = [verdicts(results), change(results), probabilities(results), friction(results)];
+    // Beside probabilities, the verdicts on central values would be other answers to the same question.
+    let found = match results.members.iter().any(|member| member.answers.probability.is_some()) {
+        true => [effects(results), probabilities(results), friction(results)],
+        false => [verdicts(results), change(results), friction(results)],
+    };
     let found: Vec<Answer> = found.into_iter().flatten().collect();
     if !found.is_empty() {
         return found;
@@ -172,6 +179,81 @@ fn choices(what: &str, judged: &[(&MemberResult, bool)], name: impl Fn(&MemberRe
     Decision { members, answer: format!("With the {what}"), detail: sentences.join(" ") }
 }
 
+/// Mean probability of the members with one value.
+struct Level {
+    name: String,
+    number: Option<f64>,
+    members: f64,
+    probability: f64,
+    /// Half the width of the 95 % interval.
+    error: f64,
+}
+
+/// Answers how much each value changes the probability in the mean over the others, the largest effect first.
+fn effects(results: &CampaignResults) -> Option<Answer> {
+    let keys =
+        (0..results.keys.len()).filter(|place| differs(results, *place)).filter(|place| !results.keys[*place].sampled);
+    let of_key = |place: usize| {
+        let key = &results.keys[place];
+        let value = |member: &MemberResult| (shown(key, &member.values[place]), number(&member.values[place]));
+        effect(&key_in_words(key), results, &value)
+    };
+    let scan = |member: &MemberResult| (member.scan.clone().unwrap_or_default(), None);
+    let mut found: Vec<(f64, String)> = keys.filter_map(of_key).chain(effect("scan", results, &scan)).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut sentences = found.into_iter().map(|(_, sentence)| capitalised(sentence));
+    let answer = sentences.next()?;
+    let mut detail: Vec<String> = sentences.map(|sentence| format!("{sentence}.")).collect();
+    if !detail.is_empty() {
+        detail.push("Probabilities are means over the other values.".into());
+    }
+    Some(Answer { question: "What changes the probability of vibration?", answer, detail: detail.join(" ") })
+}
+
+/// Returns the largest difference between the mean probabilities of a value's levels, and a sentence on it; `None` for a single level.
+fn effect(
+    what: &str,
+    results: &CampaignResults,
+    value: &dyn Fn(&MemberResult) -> (String, Option<f64>),
+) -> Option<(f64, String)> {
+    let mut levels: Vec<Level> = Vec::new();
+    for member in results.members.iter().filter(|member| !is_undetermined(member)) {
+        let Some(own) = member.answers.probability else { continue };
+        let (name, number) = value(member);
+        let place = levels.iter().position(|level| level.name == name).unwrap_or_else(|| {
+            levels.push(Level { name, number, members: 0.0, probability: 0.0, error: 0.0 });
+            levels.len() - 1
+        });
+        let level = &mut levels[place];
+        level.members += 1.0;
+        level.probability += own;
+        level.error += member.answers.probability_interval.map_or(0.0, |[low, high]| 0.5 * (high - low));
+    }
+    for level in &mut levels {
+        (level.probability, level.error) = (level.probability / level.members, level.error / level.members);
+    }
+    let mut ends = [levels.iter().min_by(by_probability)?, levels.iter().max_by(by_probability)?];
+    let size = ends[1].probability - ends[0].probability;
+    if levels.len() < 2 {
+        return None;
+    }
+    if ends[0].number > ends[1].number {
+        ends.swap(0, 1);
+    }
+    let matters = match size {
+        size if size <= ends[0].error.hypot(ends[1].error) => "has no effect",
+        size if size < SMALL => "hardly matters",
+        _ => "matters",
+    };
+    let [from, to] = ends;
+    let (low, high) = (probability(from.probability), probability(to.probability));
+    Some((size, format!("{what} {matters}: {low} at {}, {high} at {}", from.name, to.name)))
+}
+
+fn by_probability(a: &&Level, b: &&Level) -> std::cmp::Ordering {
+    a.probability.total_cmp(&b.probability)
+}
+
 /// Answers how probable vibration is: the numbers of members in ranges of the probability.
 fn probabilities(results: &CampaignResults) -> Option<Answer> {
     let of = |holds: fn(f64) -> bool| {
@@ -181,16 +263,19 @@ fn probabilities(results: &CampaignResults) -> Option<Answer> {
     let open = numbers(results, is_undetermined);
     let groups = [("below 5 %", &low), ("5 % to 95 %", &between), ("above 95 %", &high), ("not determined", &open)];
     let groups: Vec<_> = groups.into_iter().filter(|(_, members)| !members.is_empty()).collect();
-    let answer = match groups.as_slice() {
-        [] => return None,
-        [("not determined", _)] => "Not determined".into(),
-        groups => {
+    let own = |member: &MemberResult| member.answers.probability.filter(|_| !is_undetermined(member));
+    let extremes = extremes(results, own);
+    let answer = match (groups.as_slice(), &extremes) {
+        ([], _) => return None,
+        ([("not determined", _)], _) => "Not determined".into(),
+        ([_], Some([(_, low), (_, high)])) if probability(*low) == probability(*high) => probability(*low).into(),
+        ([_], Some([(_, low), (_, high)])) => format!("{} to {}", probability(*low), probability(*high)),
+        (groups, _) => {
             let words = groups.iter().map(|(words, members)| format!("{words} in {}", count(members.len())));
             capitalised(words.collect::<Vec<_>>().join(", "))
         }
     };
-    let own = |member: &MemberResult| member.answers.probability.filter(|_| !is_undetermined(member));
-    let detail = match extremes(results, own) {
+    let detail = match extremes {
         Some([(least, low), (largest, high)]) if probability(low) != probability(high) => {
             format!("Least in {least} ({}), largest in {largest} ({}).", probability(low), probability(high))
         }

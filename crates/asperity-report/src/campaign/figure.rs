@@ -1,6 +1,6 @@
 //! The figure of a campaign: the main answer over the values.
 
-use asperity_results::{CampaignResults, InputValue, MemberResult};
+use asperity_results::{CampaignResults, InputValue, MemberResult, Pair};
 
 use crate::campaign::words::{SOURCE, capitalised, differs, key_in_words, number, unit_of, values_in_words, verdict};
 use crate::cells::DASH;
@@ -80,6 +80,18 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         let x = [x_low, x_high];
         chart.band("ζ < ζ_v: vibrates", &x, [&[y_ends.0; 2], &[0.0; 2]], VERMILION);
         chart.band("ζ > ζ_v: quiet", &x, [&[0.0; 2], &[y_ends.1; 2]], BLUE);
+    }
+    let mut intervals: Vec<(f64, Pair)> = Vec::new();
+    if title == PROBABILITY && is_curves && groups.len() == 1 {
+        let of =
+            |(index, member): (usize, &MemberResult)| Some((at(index, member), member.answers.probability_interval?));
+        intervals.extend(members.iter().enumerate().filter_map(of));
+        intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    if !intervals.is_empty() {
+        let x: Vec<f64> = intervals.iter().map(|(x, _)| *x).collect();
+        let [low, high] = [0, 1].map(|end| intervals.iter().map(|(_, ends)| ends[end]).collect::<Vec<f64>>());
+        chart.band("95 % interval", &x, [&low, &high], BLUE);
     }
     for (place, (name, mut points)) in groups.into_iter().enumerate() {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -36,7 +36,8 @@ impl Column {
     }
 
     fn is_empty(&self) -> bool {
-        self.cells.iter().all(|(text, _)| text.text() == DASH)
+        let zeros = !self.is_input && self.cells.iter().all(|(_, value)| *value == Some(0.0));
+        zeros || self.cells.iter().all(|(text, _)| text.text() == DASH)
     }
 
     fn class(&self) -> &'static str {
@@ -99,9 +100,10 @@ fn answers(members: &[MemberResult]) -> Vec<Column> {
     ]
 }
 
-/// Returns the verdict as a chip, with the reason of a failure.
+/// Returns the verdict as a chip, with the reason of a failure. Beside a probability, the verdict on central values would be another answer to
+/// the same question.
 fn chip(member: &MemberResult) -> Html {
-    let word = verdict(member);
+    let word = if member.answers.probability.is_some() { DASH } else { verdict(member) };
     let chip = if word == DASH { DASH.into() } else { html!("<span class=\"chip {}\">{}</span>", word, word) };
     let reason = member.reason.as_ref().map(|reason| html!(" <small class=\"reason\">{}</small>", reason));
     html!("{}{}", chip, reason.unwrap_or_default())
