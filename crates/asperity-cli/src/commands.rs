@@ -27,6 +27,14 @@ use clap::Subcommand;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
+/// Commands under the headings of the program's help.
+pub(crate) const GROUPS: [(&str, &[&str]); 4] = [
+    ("Start", &["init", "check", "run", "verdict"]),
+    ("Links of the chain", &["surface", "contact", "friction", "vibration"]),
+    ("Long runs", &["campaign", "status", "slurm", "merge", "repro"]),
+    ("Files", &["report", "formats", "schema", "completions"]),
+];
+
 /// Command of the program. Help shows the documentation of each command's type.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {

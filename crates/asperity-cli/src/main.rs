@@ -17,9 +17,9 @@ use std::panic;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 
-use commands::Command;
+use commands::{Command, GROUPS};
 use failure::{Failure, Kind};
 use monitor::Terminal;
 
@@ -50,11 +50,28 @@ struct Cli {
     command: Command,
 }
 
+/// Returns the command line, with the commands of the help under their headings.
+fn program() -> clap::Command {
+    let program = Cli::command();
+    let line = |name: &&str| {
+        let about = program.find_subcommand(name).and_then(clap::Command::get_about);
+        format!("  {name:<13}{}\n", about.map_or_else(String::new, ToString::to_string))
+    };
+    let group =
+        |(title, names): &(&str, &[&str])| format!("{title}:\n{}\n", names.iter().map(line).collect::<String>());
+    let groups: String = GROUPS.iter().map(group).collect();
+    let template = format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}{{options}}{{after-help}}");
+    program.help_template(template)
+}
+
 /// Source location of the first panic.
 static PANIC_LOCATION: OnceLock<String> = OnceLock::new();
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::from_arg_matches(&program().get_matches()) {
+        Ok(cli) => cli,
+        Err(error) => error.exit(),
+    };
     // A write beyond the limit of the file size fails like one on a full disk, instead of ending the program by a signal.
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
@@ -103,7 +120,25 @@ fn start_threads(stated: Option<usize>) -> Result<(), Failure> {
 fn run(cli: &Cli) -> Result<(), Failure> {
     start_threads(cli.threads)?;
     let monitor = Terminal::new(cli.quiet)?;
-    let result = cli.command.run(Cli::command, &monitor);
+    let result = cli.command.run(program, &monitor);
     monitor.finish();
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_stands_under_one_heading_of_the_help() {
+        let program = program();
+        let mut shown: Vec<&str> =
+            program.get_subcommands().filter(|command| !command.is_hide_set()).map(clap::Command::get_name).collect();
+        let mut grouped = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect::<Vec<_>>();
+        shown.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(shown, grouped);
+        let help = program.clone().render_help().to_string();
+        assert!(help.lines().count() <= 50 && help.lines().all(|line| line.chars().count() <= 100), "{help}");
+    }
 }

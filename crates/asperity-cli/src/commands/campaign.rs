@@ -8,8 +8,9 @@ use super::computation::{Computation, Options};
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// Computes one study over lists, grids and samples of its values and over many scans: one table, one report. An interrupted campaign
-/// goes on from its finished members when the same command is given again.
+/// Computes one study over many values and scans: one table, one report.
+///
+/// Values come from lists, grids and samples. An interrupted campaign goes on from its finished members when the same command is given again.
 #[derive(Debug, Args)]
 pub(crate) struct Campaign {
     /// Campaign file.

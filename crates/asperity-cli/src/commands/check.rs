@@ -13,9 +13,10 @@ use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 use crate::resources::{require_disk, require_memory};
 
-/// Shows a study with all its values filled in, its cost, and the warnings that are known before the run; reads the
-/// scans and computes no results. Exits with 2 if the study cannot run as it is, with 5 if the machine has too little
-/// memory for it.
+/// Shows what a study computes, its values, its cost and its problems.
+///
+/// Fills in all values, reads the scans and computes no results. Exits with 2 if the study cannot run as it is, with 5 if the
+/// machine has too little memory for it.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
     /// Study file.

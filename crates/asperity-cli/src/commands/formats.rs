@@ -8,7 +8,9 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 
-/// Lists the formats of surface files: content read, content written, and the files that the reader was tested on.
+/// Lists the formats of surface files.
+///
+/// Content read, content written, and the files that the reader was tested on.
 #[derive(Debug, Args)]
 pub(crate) struct Formats {
     /// Print one JSON object instead of a table.

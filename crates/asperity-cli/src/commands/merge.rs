@@ -12,7 +12,9 @@ use crate::monitor::Terminal;
 use crate::output::Answer;
 use crate::run_folder::{begin_folder, store_failure};
 
-/// Makes one folder of the parts that `asperity run --shard` or `asperity campaign --shard` computed. The parts are of the same file, and of this program on machines like
+/// Makes one folder of the parts that several machines computed.
+///
+/// They come from `asperity run --shard` or `asperity campaign --shard`, are of the same file, and of this program on machines like
 /// this one. Names the blocks that are missing (exit code 3).
 #[derive(Debug, Args)]
 pub(crate) struct Merge {

@@ -9,7 +9,9 @@ use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::run_folder::{load_failure, store_failure};
 
-/// Renders report.html and figures/ again from the numbers of a finished run; computes nothing.
+/// Renders report.html and figures/ again from a finished run.
+///
+/// Computes nothing.
 #[derive(Debug, Args)]
 pub(crate) struct Report {
     /// Folder of a finished run.

@@ -16,8 +16,10 @@ use crate::monitor::Terminal;
 use crate::output::print;
 use crate::run_folder::{load_failure, store_failure};
 
-/// Computes a finished run again, without its stored blocks, and compares all results, tables and fields: prints IDENTICAL, or the first
-/// difference (exit code 1). With --sample, computes one sample again, of a run that need not be finished.
+/// Computes a finished run again and compares all its numbers.
+///
+/// Uses no stored blocks. Prints IDENTICAL, or the first difference of results, tables and fields (exit code 1). With --sample, computes one
+/// sample again, of a run that need not be finished.
 #[derive(Debug, Args)]
 pub(crate) struct Repro {
     /// Folder of the run.

@@ -10,8 +10,10 @@ use crate::args;
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
-/// Runs a study and writes its folder: numbers, tables, fields, figures, an offline report, provenance. An interrupted run goes on from its
-/// finished blocks when the same command is given again.
+/// Runs a study and writes its folder: numbers, figures, an offline report.
+///
+/// The folder also contains tables, fields and provenance. An interrupted run goes on from its finished blocks when the same command is given
+/// again.
 #[derive(Debug, Args)]
 pub(crate) struct Run {
     /// Study file.

@@ -9,7 +9,9 @@ use crate::monitor::Terminal;
 use crate::output::print;
 use crate::run_folder::store_failure;
 
-/// Prints the JSON Schema of results.json or of study files: every key with its type, unit and meaning.
+/// Prints the JSON Schema of results.json or of study files.
+///
+/// The schema has every key with its type, unit and meaning.
 ///
 /// An editor that reads JSON Schemas completes and checks study files: write the schema beside the study, and name it in the first
 /// line of the study, `#:schema ./study.schema.json`.

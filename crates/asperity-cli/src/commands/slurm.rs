@@ -16,8 +16,10 @@ use crate::output::{replace_file, write_verb};
 /// The script after its options and variables.
 const JOBS: &str = include_str!("slurm.sh");
 
-/// Writes the script NAME.slurm.sh, which submits a study to Slurm as a job array and a dependent job that merges the parts. The program and
-/// all folders must be on a disk that the nodes share.
+/// Writes a script that submits a study to Slurm.
+///
+/// NAME.slurm.sh submits a job array and a dependent job that merges the parts. The program and all folders must be on a disk that the nodes
+/// share.
 #[derive(Debug, Args)]
 pub(crate) struct Slurm {
     /// Study file.

@@ -11,8 +11,10 @@ use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::{Answer, print};
 
-/// Shows how far a run is, finished or not, or a part of one: expected, done, failed and missing samples of each task that was begun, and
-/// the reason of each failure. `asperity repro DIR --sample TASK:INDEX` computes one of them again.
+/// Shows how far a run is, finished or not.
+///
+/// Lists expected, done, failed and missing samples of each task that was begun, also of a part of a run, and the reason of each failure.
+/// `asperity repro DIR --sample TASK:INDEX` computes one of them again.
 #[derive(Debug, Args)]
 pub(crate) struct Status {
     /// Folder of the run, which need not exist yet, or of the part.

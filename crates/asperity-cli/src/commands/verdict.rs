@@ -13,8 +13,9 @@ use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
 use crate::output::{Answer, check_target, print, replace_file, write_verb};
 
-/// Computes how probable vibration is over the uncertain values of a study, what decides it, and what changes it. Runs the stages
-/// that it needs and writes no folder.
+/// Computes how probable vibration is, what decides it, and what changes it.
+///
+/// Counts the uncertain values of the study. Runs the stages that it needs and writes no folder.
 #[derive(Debug, Args)]
 pub(crate) struct Verdict {
     /// Study file with a [vibration] section.
