@@ -55,9 +55,11 @@ const unfold = (tab) => tab.evaluate(() => document.querySelectorAll("details").
 /** Most printed pages of a report whose details are folded. */
 const PRINTED = 6;
 
-/** Checks that a page prints on few sheets, and that its links open the folded entries. */
+/** Checks that the verdict fills one screen, that a page prints on few sheets, and that its links open the folded entries. */
 async function folded(browser, file) {
   const { context, tab } = await open(browser, pathToFileURL(resolve(file)).href, { viewport: { width: 1280, height: 900 } });
+  const strip = (await tab.locator("nav.chain").count()) > 0 && (await tab.locator("nav.chain").boundingBox());
+  check(!strip || strip.y < 900, `${file}: the pictures of the chain begin at ${strip.y} px, below the first screen`);
   await tab.keyboard.press("Tab");
   check(await tab.evaluate(() => document.activeElement.closest("nav.bar") !== null), `${file}: the first key Tab does not lead to the bar`);
   const path = pictures && `${pictures}/${basename(resolve(file, ".."))}.pdf`;
