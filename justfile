@@ -61,6 +61,11 @@ portable *TARGETS="wasm":
 fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
+# Takes the picture of README.md from the quickstart. Needs Chromium.
+pictures:
+    cargo build --release --bin asperity
+    scripts/take-pictures
+
 # Solves 1,000 contact problems and checks each solution, compares distributions of the pressure with references, and counts how often the
 # intervals of each kind contain the true value. Takes hours.
 # Runs the validation programs and writes docs/validation.
@@ -70,7 +75,7 @@ validate:
     cargo run --release -p asperity-validation --bin validate_pressure > docs/validation/pressure.md
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
-    scripts/count-coverage
+    scripts/count-coverage scripts/take-pictures
     scripts/known-surfaces target/known-surfaces.jsonl
 
 # Builds the wheel with PROFILE and installs it into the environment. Checks that stubs and results are current, and checks tests, examples,
@@ -86,8 +91,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:
