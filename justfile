@@ -75,7 +75,7 @@ validate:
     cargo run --release -p asperity-validation --bin validate_pressure > docs/validation/pressure.md
     cargo run --release -p asperity-validation --bin validate_friction > docs/validation/friction.md
     cargo run --release -p asperity-validation --bin validate_verdict > docs/validation/verdict.md
-    scripts/count-coverage scripts/take-pictures
+    scripts/count-coverage
     scripts/known-surfaces target/known-surfaces.jsonl
 
 # Builds the wheel with PROFILE and installs it into the environment. Checks that stubs and results are current, and checks tests, examples,
