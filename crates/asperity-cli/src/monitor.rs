@@ -1,6 +1,7 @@
 //! Progress, Ctrl-C and SIGTERM: bars on a terminal, a line every ten seconds elsewhere, nothing when quiet.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -9,7 +10,7 @@ use std::time::{Duration, Instant};
 use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::result::StageCost;
 use asperity::study::{forget_peak_memory, peak_memory_bytes};
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::failure::{Failure, Kind};
 use crate::output::{print_message, record_warning};
@@ -55,8 +56,9 @@ enum Display {
 struct Task {
     started: Instant,
     last_line: Instant,
-    /// Time of finished rounds.
+    /// Time and steps of finished rounds.
     spent: Duration,
+    before: usize,
     done: usize,
     total: usize,
     bar: Option<ProgressBar>,
@@ -65,7 +67,7 @@ struct Task {
 impl Task {
     fn new() -> Self {
         let now = Instant::now();
-        Self { started: now, last_line: now, spent: Duration::ZERO, done: 0, total: usize::MAX, bar: None }
+        Self { started: now, last_line: now, spent: Duration::ZERO, before: 0, done: 0, total: usize::MAX, bar: None }
     }
 
     fn finished(&self) -> bool {
@@ -80,7 +82,7 @@ impl Task {
             if done > total / 2 {
                 return false;
             }
-            *self = Self { spent: self.spent, ..Self::new() };
+            *self = Self { spent: self.spent, before: self.before + self.total, ..Self::new() };
         }
         (self.done, self.total) = (self.done.max(done), total);
         if self.finished() {
@@ -252,16 +254,16 @@ impl Monitor for Terminal {
                 }
             }
             Display::Bars(all) => {
+                let (before, total) = (task.before as u64, total as u64);
                 let bar = task.bar.get_or_insert_with(|| {
-                    let bar = all.add(ProgressBar::new(0));
-                    if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {eta:>4} left") {
-                        bar.set_style(style);
+                    let bar = ProgressBar::new(before + total).with_message(what.to_owned()).with_position(before);
+                    if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {left:>9}") {
+                        bar.set_style(style.with_key("left", left));
                     }
-                    bar.set_message(what.to_owned());
-                    bar
+                    all.add(bar)
                 });
-                bar.set_length(total as u64);
-                bar.set_position(task.done as u64);
+                bar.set_length(before + total);
+                bar.set_position(before + task.done as u64);
             }
             Display::Lines => {
                 if task.last_line.elapsed() >= LINE_INTERVAL && !task.finished() {
@@ -322,6 +324,13 @@ fn line(what: &str, done: usize, total: usize, elapsed: Duration) -> String {
     format!("{what}: {done} of {total}, about {} left", duration(left))
 }
 
+/// Writes the time that a bar needs to its end; nothing before its first step.
+fn left(state: &ProgressState, writer: &mut dyn Write) {
+    if state.pos() > 0 {
+        let _ = write!(writer, "{} left", duration(state.eta().as_secs_f64()));
+    }
+}
+
 /// Formats a duration with a unit.
 pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
@@ -344,7 +353,7 @@ mod tests {
         assert_eq!(task.time(), first);
         assert!(task.advance(1, 10) && !task.finished());
         assert!(task.advance(3, 10) && task.advance(2, 10));
-        assert_eq!(task.done, 3);
+        assert_eq!((task.before, task.done), (10, 3));
         assert!(task.time() >= first);
     }
 
