@@ -306,6 +306,12 @@ pub static KEYS: &[Key] = &{
     study_keys!(row)
 };
 
+/// Separators of mean and standard deviation in an uncertain value.
+pub const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
+
+/// Separators of the ends of a range in an uncertain value.
+pub const RANGES: [&str; 2] = ["..", "–"];
+
 /// Standard normal values that no study file states: what the scans of either body leave uncertain, differences between scans, and
 /// between the parts of a rough slider.
 pub static LATENT: &[Key] = &[

@@ -1,7 +1,7 @@
 //! Tables of the page from `results.json`.
 
 use asperity_results::choice::Choice;
-use asperity_results::keys::{Key, KeyDefault};
+use asperity_results::keys::{Key, KeyDefault, RANGES, SPREADS};
 use asperity_results::{PressureResult, ScalarQuantile};
 
 use crate::cells::{DASH, shown};
@@ -99,9 +99,7 @@ fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static 
         (_, Some(KeyDefault { of_paper: true, .. })) => "the paper’s default",
         (_, Some(_)) => "asperity’s default",
         _ if known.is_none() => "setting",
-        _ if key.contains('.') || ["±", "+/-", "+-", "..", "–"].iter().any(|mark| value.contains(mark)) => {
-            "stated, uncertain"
-        }
+        _ if key.contains('.') || SPREADS.iter().chain(&RANGES).any(|mark| value.contains(mark)) => "stated, uncertain",
         _ => "stated",
     }
 }

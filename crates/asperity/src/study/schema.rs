@@ -1,6 +1,6 @@
 //! JSON Schema of study files.
 
-use asperity_results::keys::Key;
+use asperity_results::keys::{Key, RANGES, SPREADS};
 use asperity_results::tidy;
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::quantity::{Dimension, NUMBER_PATTERN};
 use crate::study::StudyFile;
-use crate::study::uncertain::{RANGES, SPREADS, numbers};
+use crate::study::uncertain::numbers;
 
 /// Returns the JSON Schema of study files, for editors and for programs that write studies.
 ///

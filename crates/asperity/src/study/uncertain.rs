@@ -16,7 +16,6 @@ use asperity_results::keys::{Key, LATENT};
 
 use self::keys::{Access, find, show};
 pub(super) use self::keys::{needs, numbers, parse};
-pub(super) use self::stated::{RANGES, SPREADS};
 use self::stated::{Stated, StatedDistribution};
 use crate::chaos::{InputError, UncertainInput};
 use crate::distribution::Marginal;

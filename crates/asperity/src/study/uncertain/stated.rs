@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use asperity_results::keys::{RANGES, SPREADS};
 use toml::{Table, Value};
 
 /// Uncertain value as stated; quantities keep their units.
@@ -40,9 +41,6 @@ impl StatedDistribution {
     }
 }
 
-/// Separators of mean and standard deviation, and of the ends of a range.
-pub(in crate::study) const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
-pub(in crate::study) const RANGES: [&str; 2] = ["..", "–"];
 /// Separators that names of files and channels may contain.
 const IN_NAMES: [&str; 2] = ["+-", "–"];
 
