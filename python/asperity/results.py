@@ -1239,7 +1239,9 @@ class ScanCutoff(Record):
     order: float | None
     """Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown."""
     std: float
-    """Standard deviation of friction between windows of a sixteenth by a quarter of the scan, at the mean load."""
+    """Standard deviation of friction between windows of a sixteenth by a quarter of the scan, at the mean load; 0 in
+    results of earlier versions.
+    """
     rms_slope: float
     """Root mean square gradient of the heights, by differences over the pixels."""
     plastic_fraction: float
@@ -2071,7 +2073,9 @@ class VerdictResult(Record):
     remedies: list[Remedy]
     """Changes that reach the target probabilities."""
     turning_points: list[TurningPoint]
-    """If the study states no uncertain value, what each number of the machine would have to be; otherwise empty."""
+    """If no value is uncertain and the mean friction decides, what each number of the machine would have to be;
+    otherwise empty.
+    """
     map: ProbabilityMap | None
     """Probability over the central values of the first two remedies; `null` with fewer remedies."""
     area_as_one: list[AreaAsOne] | None

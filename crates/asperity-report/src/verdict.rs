@@ -93,7 +93,11 @@ impl Headline {
         let [damping_text, limit_text] = [damping, limit].map(|ratio| significant(ratio, 3));
         let damping = format!("its damping ratio of {damping_text} is {}", part_of(damping / limit));
         if verdict.nominal.vibrates {
-            let after = format!(" ({}), once started: {damping} the {limit_text} that it needs.", noun.to_lowercase());
+            let from = match verdict.nominal.steady_sliding_unstable {
+                true => "from standstill and from steady sliding",
+                false => "once started from standstill",
+            };
+            let after = format!(" ({}), {from}: {damping} the {limit_text} that it needs.", noun.to_lowercase());
             return Self { before, answer: "vibrates".into(), after };
         }
         let after = if limit > 0.0 { format!(": {damping} the {limit_text} that it needs.") } else { ".".into() };
@@ -104,9 +108,9 @@ impl Headline {
 /// Returns a ratio as a part or a multiple, before the whole.
 fn part_of(ratio: f64) -> String {
     match ratio {
-        ratio if ratio < 0.98 => format!("{} % of", significant(100.0 * ratio, 2)),
-        ratio if ratio > 1.02 => format!("{} times", significant(ratio, 2)),
-        _ => "just about".into(),
+        ratio if (ratio - 1.0).abs() < 0.005 => "just about".into(),
+        ratio if ratio < 1.0 => format!("{} % of", significant(100.0 * ratio, 2)),
+        ratio => format!("{} times", significant(ratio, if ratio < 1.1 { 3 } else { 2 })),
     }
 }
 
@@ -239,7 +243,7 @@ pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
         return None;
     }
     if nominal.steady_sliding_unstable {
-        return Some("steady sliding does not last".into());
+        return None;
     }
     let kick = nominal
         .kick_m_per_s

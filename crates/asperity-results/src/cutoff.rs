@@ -92,7 +92,9 @@ pub struct ScanCutoff {
     pub grid_error: Option<f64>,
     /// Observed order of convergence in the pitch; `null` if it is below 0.5 or unknown.
     pub order: Option<f64>,
-    /// Standard deviation of friction between windows of a sixteenth by a quarter of the scan, at the mean load.
+    /// Standard deviation of friction between windows of a sixteenth by a quarter of the scan, at the mean load; 0 in results of earlier
+    /// versions.
+    #[serde(default)]
     pub std: f64,
     /// Root mean square gradient of the heights, by differences over the pixels.
     pub rms_slope: f64,

@@ -76,7 +76,7 @@ pub struct VerdictResult {
     pub guesses: Vec<Guess>,
     /// Changes that reach the target probabilities.
     pub remedies: Vec<Remedy>,
-    /// If the study states no uncertain value, what each number of the machine would have to be; otherwise empty.
+    /// If no value is uncertain and the mean friction decides, what each number of the machine would have to be; otherwise empty.
     #[serde(default)]
     pub turning_points: Vec<TurningPoint>,
     /// Probability over the central values of the first two remedies; `null` with fewer remedies.

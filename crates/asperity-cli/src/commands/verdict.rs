@@ -15,7 +15,7 @@ use crate::output::{Answer, check_target, print, replace_file, write_verb};
 
 /// Computes how probable vibration is, what decides it, and what changes it.
 ///
-/// Counts the uncertain values of the study. Runs the stages that it needs and writes no folder.
+/// Takes the uncertain values of the study into account. Runs the stages that it needs and writes no folder.
 #[derive(Debug, Args)]
 pub(crate) struct Verdict {
     /// Study file with a [vibration] section.

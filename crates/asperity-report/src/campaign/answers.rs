@@ -1,6 +1,8 @@
 //! The first screen of a campaign: which value changes the probability, or how many members vibrate and where the verdict changes, and the
 //! ranges of the other answers.
 
+use std::collections::BTreeMap;
+
 use asperity_results::{CampaignResults, InputValue, MemberResult};
 
 use crate::campaign::words::{
@@ -189,65 +191,82 @@ struct Level {
     error: f64,
 }
 
-/// Answers how much each value changes the probability in the mean over the others, the largest effect first.
+/// Answers how much each value changes the probability while the others stay, the largest effect first.
 fn effects(results: &CampaignResults) -> Option<Answer> {
-    let keys =
-        (0..results.keys.len()).filter(|place| differs(results, *place)).filter(|place| !results.keys[*place].sampled);
+    let keys = (0..results.keys.len()).filter(|place| differs(results, *place) && !results.keys[*place].sampled);
     let of_key = |place: usize| {
         let key = &results.keys[place];
         let value = |member: &MemberResult| (shown(key, &member.values[place]), number(&member.values[place]));
-        effect(&key_in_words(key), results, &value)
+        let others = |member: &MemberResult| {
+            [values_in_words(results, member, Some(place)), member.scan.iter().cloned().collect()]
+        };
+        effect(&key_in_words(key), results, &value, &|member| others(member).concat())
     };
     let scan = |member: &MemberResult| (member.scan.clone().unwrap_or_default(), None);
-    let mut found: Vec<(f64, String)> = keys.filter_map(of_key).chain(effect("scan", results, &scan)).collect();
+    let of_scan = effect("scan", results, &scan, &|member| values_in_words(results, member, None));
+    let mut found: Vec<(f64, String)> = keys.filter_map(of_key).chain(of_scan).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut sentences = found.into_iter().map(|(_, sentence)| capitalised(sentence));
     let answer = sentences.next()?;
     let mut detail: Vec<String> = sentences.map(|sentence| format!("{sentence}.")).collect();
-    if !detail.is_empty() {
-        detail.push("Probabilities are means over the other values.".into());
+    if results.members.len() > 2 && !detail.is_empty() {
+        detail.push("Probabilities are means over the members that differ in nothing else.".into());
     }
     Some(Answer { question: "What changes the probability of vibration?", answer, detail: detail.join(" ") })
 }
 
 /// Returns the largest difference between the mean probabilities of a value's levels, and a sentence on it; `None` for a single level.
+///
+/// Members with the same `others` form a group. Groups in which a level has no probability do not count.
 fn effect(
     what: &str,
     results: &CampaignResults,
     value: &dyn Fn(&MemberResult) -> (String, Option<f64>),
+    others: &dyn Fn(&MemberResult) -> Vec<String>,
 ) -> Option<(f64, String)> {
+    let own = |member: &MemberResult| probable(member).filter(|_| !is_undetermined(member));
+    let members: Vec<_> = results.members.iter().filter_map(|member| Some((member, own(member)?))).collect();
     let mut levels: Vec<Level> = Vec::new();
-    for member in results.members.iter().filter(|member| !is_undetermined(member)) {
-        let Some(own) = member.answers.probability else { continue };
+    let mut groups: BTreeMap<Vec<String>, Vec<String>> = BTreeMap::new();
+    for (member, _) in &members {
         let (name, number) = value(member);
-        let place = levels.iter().position(|level| level.name == name).unwrap_or_else(|| {
+        groups.entry(others(member)).or_default().push(name.clone());
+        if levels.iter().all(|level| level.name != name) {
             levels.push(Level { name, number, members: 0.0, probability: 0.0, error: 0.0 });
-            levels.len() - 1
-        });
-        let level = &mut levels[place];
-        level.members += 1.0;
-        level.probability += own;
-        level.error += member.answers.probability_interval.map_or(0.0, |[low, high]| 0.5 * (high - low));
+        }
     }
+    let is_complete = |member: &MemberResult| levels.iter().all(|level| groups[&others(member)].contains(&level.name));
+    let complete: Vec<_> = members.into_iter().filter(|(member, _)| is_complete(member)).collect();
     for level in &mut levels {
+        for (member, own) in complete.iter().filter(|(member, _)| value(member).0 == level.name) {
+            level.members += 1.0;
+            level.probability += own;
+            level.error += member.answers.probability_interval.map_or(0.0, |[low, high]| 0.5 * (high - low));
+        }
         (level.probability, level.error) = (level.probability / level.members, level.error / level.members);
     }
     let mut ends = [levels.iter().min_by(by_probability)?, levels.iter().max_by(by_probability)?];
-    let size = ends[1].probability - ends[0].probability;
-    if levels.len() < 2 {
+    if levels.len() < 2 || complete.is_empty() {
         return None;
     }
+    let (size, error) = (ends[1].probability - ends[0].probability, ends[0].error.hypot(ends[1].error));
     if ends[0].number > ends[1].number {
         ends.swap(0, 1);
     }
     let matters = match size {
-        size if size <= ends[0].error.hypot(ends[1].error) => "has no effect",
+        size if size + error < SMALL && size <= error => "has no effect",
+        size if size <= error => "has no resolved effect",
         size if size < SMALL => "hardly matters",
         _ => "matters",
     };
     let [from, to] = ends;
     let (low, high) = (probability(from.probability), probability(to.probability));
     Some((size, format!("{what} {matters}: {low} at {}, {high} at {}", from.name, to.name)))
+}
+
+/// Returns the probability of a member; that of a machine of exact values is 0 or 1.
+fn probable(member: &MemberResult) -> Option<f64> {
+    member.answers.probability.or(member.answers.vibrates.map(f64::from))
 }
 
 fn by_probability(a: &&Level, b: &&Level) -> std::cmp::Ordering {
@@ -257,13 +276,13 @@ fn by_probability(a: &&Level, b: &&Level) -> std::cmp::Ordering {
 /// Answers how probable vibration is: the numbers of members in ranges of the probability.
 fn probabilities(results: &CampaignResults) -> Option<Answer> {
     let of = |holds: fn(f64) -> bool| {
-        numbers(results, |member| !is_undetermined(member) && member.answers.probability.is_some_and(holds))
+        numbers(results, |member| !is_undetermined(member) && probable(member).is_some_and(holds))
     };
     let (low, between, high) = (of(|p| p < 0.05), of(|p| (0.05..=0.95).contains(&p)), of(|p| p > 0.95));
     let open = numbers(results, is_undetermined);
     let groups = [("below 5 %", &low), ("5 % to 95 %", &between), ("above 95 %", &high), ("not determined", &open)];
     let groups: Vec<_> = groups.into_iter().filter(|(_, members)| !members.is_empty()).collect();
-    let own = |member: &MemberResult| member.answers.probability.filter(|_| !is_undetermined(member));
+    let own = |member: &MemberResult| probable(member).filter(|_| !is_undetermined(member));
     let extremes = extremes(results, own);
     let answer = match (groups.as_slice(), &extremes) {
         ([], _) => return None,

@@ -10,6 +10,9 @@ use crate::cells::DASH;
 use crate::format::{Unit, significant};
 use crate::markup::{Html, html};
 
+/// Columns that are left out if all their numbers are 0.
+const MAY_VANISH: [&str; 2] = ["Its standard deviation", "Warnings"];
+
 /// Column of the table: its title and the cells, each with the number by which it is sorted.
 struct Column {
     title: String,
@@ -36,7 +39,8 @@ impl Column {
     }
 
     fn is_empty(&self) -> bool {
-        let zeros = !self.is_input && self.cells.iter().all(|(_, value)| *value == Some(0.0));
+        let zeros =
+            MAY_VANISH.contains(&self.title.as_str()) && self.cells.iter().all(|(_, value)| *value == Some(0.0));
         zeros || self.cells.iter().all(|(text, _)| text.text() == DASH)
     }
 

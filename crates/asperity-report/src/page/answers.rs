@@ -26,7 +26,15 @@ const VANISHES: &str = "Roughness has no effect at the scale of your machine";
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
     let results = &run.results;
     let vibration = results.vibration.as_ref();
-    [contact(run), results.friction.as_ref().map(friction), vibration.map(vibrates)].into_iter().flatten().collect()
+    [
+        contact(run),
+        results.friction.as_ref().map(friction),
+        vibration.map(vibrates),
+        results.mode_coupling.as_ref().map(coupled),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// Answers at the operating point if there is one, otherwise at the level of the pressure stage.
@@ -141,7 +149,12 @@ pub(super) fn of_friction(result: &FrictionResult) -> String {
 /// Returns whether the machine vibrates, and the damping that stops it, in a sentence.
 pub(super) fn of_vibration(run: &Run, vibration: &VibrationResult) -> String {
     let is_centre = run.results.verdict.as_ref().is_some_and(|verdict| !is_exact(verdict));
-    let values = if is_centre { "With all uncertain values at their centres: " } else { "" };
+    let fluctuates = run.results.verdict.as_ref().is_some_and(|verdict| verdict.friction_fluctuates);
+    let values = match (is_centre, fluctuates) {
+        (true, _) => "With all uncertain values at their centres: ",
+        (false, true) => "Without the fluctuation of friction: ",
+        (false, false) => "",
+    };
     let limit = vibration
         .limit_damping_ratio
         .map_or(String::new(), |limit| format!(" No vibration persists above ζ = {}.", significant(limit, 4)));
@@ -181,6 +194,15 @@ fn vibrates(vibration: &VibrationResult) -> Answer {
         significant(vibration.damping_ratio, 4)
     );
     Answer { question: "Does it vibrate?", answer: vibration_answer(vibration), detail }
+}
+
+fn coupled(found: &ModeCouplingResult) -> Answer {
+    let critical = found.critical_friction.map_or_else(
+        || "No friction coefficient makes it unstable.".to_owned(),
+        |critical| format!("The critical coefficient is {}.", significant(critical, 4)),
+    );
+    let detail = format!("With the mean friction coefficient μ = {}. {critical}", significant(found.friction, 4));
+    Answer { question: "Does it squeal by mode coupling?", answer: mode_coupling::answer(found).into(), detail }
 }
 
 /// Returns the entry with the nearest damping ratio.

@@ -129,7 +129,7 @@ fn vibration(run: &Run) -> Option<Link> {
             let hertz = machines.frequency_hz.map(|hertz| between(Dimension::Frequency, hertz).0);
             (hertz.unwrap_or_else(|| DASH.into()), kind_of_motion(verdict).to_lowercase())
         }
-        None if is_exact(verdict) => ("quiet".into(), "steady sliding".into()),
+        None if is_exact(verdict) && !verdict.nominal.vibrates => ("quiet".into(), "steady sliding".into()),
         None => ("quiet".into(), "no sampled machine vibrates".into()),
     };
     let picture = picture.filter(|_| verdict.nominal.vibrates);

@@ -29,6 +29,17 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         p if p < 0.35 => "unlikely",
         _ => "vibrates",
     };
+    if verdict.friction_unresolved {
+        return html!(
+            "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"unlikely\">{}</strong>{}</p>\n\
+             <div class=\"cards\">\n{}</div>\n{}</section>\n",
+            before,
+            answer,
+            after,
+            card("What it rests on", &rests_on::card(&verdict.rests_on, verdict.model)),
+            chain,
+        );
+    }
     html!(
         "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"{}\">{}</strong>{}</p>\n\
          {}<div class=\"cards\">\n<div class=\"column\">\n{}{}</div>\n<div class=\"column\">\n{}{}</div>\n\

@@ -105,8 +105,9 @@ fn the_sentence_states_the_probability_with_its_interval() {
     (exact.evaluations, exact.if_vibrating, exact.probability_interval) = (1, None, [1.0; 2]);
     let sentence = verdict_sentence(&exact);
     assert!(
-        sentence.contains("The machine vibrates (stick-slip), once started: its damping ratio of 0.0155 is 86 % of")
-            && sentence.contains("13\u{a0}mm/s"),
+        sentence.contains(
+            "The machine vibrates (stick-slip), once started from standstill: its damping ratio of 0.0155 is 86 % of"
+        ) && sentence.contains("13\u{a0}mm/s"),
         "{sentence}"
     );
     exact.nominal.vibrates = false;
@@ -401,7 +402,7 @@ fn exact_values_are_two_marks_on_an_axis() {
     let html = page(verdict);
     let words = plain(&html);
     for wanted in [
-        "The machine vibrates (stick-slip), once started: its damping ratio of 0.0155 is 86 % of the 0.018 that it needs.",
+        "The machine vibrates (stick-slip), once started from standstill: its damping ratio of 0.0155 is 86 % of the 0.018 that it needs.",
         "normal force90 N81 N−10 %\ndamping ratio0.01550.018+16 %",
         "for example damping_ratio = &quot;0.0155 ± 0.002&quot; in [vibration]",
         "Steady sliding stays quiet, unless a kick of 13 mm/s starts it.",

@@ -117,6 +117,10 @@ pub(super) fn run(
         remedies::remedies(&machines, study, (&decide, fluctuates), probabilities.friction_error, seed, monitor)?;
     output.warnings.extend(warnings);
     let rests_on = rests_on::rests_on(whole, study, window, fluctuates);
+    // Where friction fluctuates, the margin of its mean may not decide.
+    let turns = machines.variables() == 0
+        && window.mean_errors.resolved
+        && vibrates == nominal.dynamics.margins()?.from_stick.is_sign_negative();
     let (probability, share, sampled) = (found, &probabilities.share, &sampled);
     let ends = Ends { study, machines: &machines, sampled, probability, share, evaluate: &evaluate, monitor };
     let (assumed, warnings) = ends.assumed(&rests_on)?;
@@ -134,11 +138,7 @@ pub(super) fn run(
         if_vibrating: vibrating_machines(&machines, sampled, monitor)?,
         margin_quantiles: margin_quantiles(sampled),
         remedies,
-        turning_points: if whole.file().uncertain.is_empty() {
-            turning_points(&machines, &rests_on)
-        } else {
-            Vec::new()
-        },
+        turning_points: if turns { turning_points(&machines, &nominal, &rests_on)? } else { Vec::new() },
         friction_unresolved: !window.mean_errors.resolved,
         rests_on,
         assumed,

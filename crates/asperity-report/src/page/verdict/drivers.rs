@@ -1,13 +1,20 @@
 //! The card of the values that decide the verdict.
 
-use asperity_results::{Driver, MachineModel, TurningPoint, VerdictResult};
+use asperity_results::{Driver, InputValue, MachineModel, TurningPoint, VerdictResult};
 
+use crate::cells::DASH;
 use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
+use crate::verdict::is_exact;
 use crate::words::{named, unbroken};
 
 /// Number of values on the card.
 const SHOWN: usize = 3;
+/// Name of the damping ratio, and its value in an example for a machine without damping.
+const DAMPING: &str = "vibration.damping_ratio";
+const EXAMPLE: f64 = 0.03;
+/// Relative change that is none.
+const LEAST: f64 = 5e-4;
 /// Fraction below which no single measurement narrows the margin.
 const LITTLE: f64 = 0.01;
 
@@ -27,7 +34,7 @@ fn percent(fraction: f64) -> String {
 /// Returns the three largest drivers as bars, and the value to measure next.
 pub(super) fn card(verdict: &VerdictResult) -> Html {
     let mut drivers: Vec<&Driver> = verdict.drivers.iter().collect();
-    if !verdict.turning_points.is_empty() {
+    if is_exact(verdict) {
         return one_at_a_time(verdict);
     }
     if drivers.is_empty() {
@@ -65,12 +72,14 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     )
 }
 
-/// Returns the values whose smallest change turns a machine without stated uncertain values, and how to make one of them uncertain.
+/// Returns the values whose smallest change turns a machine without uncertain values, and how to make one of them uncertain.
 fn one_at_a_time(verdict: &VerdictResult) -> Html {
-    let rows = turning_points(verdict).into_iter().take(SHOWN + 1).map(|(point, value)| {
+    let points = turning_points(verdict);
+    let rows = points.iter().take(SHOWN + 1).map(|&(point, value)| {
         let dimension = Dimension::of_unit(&point.unit);
         let change = significant(100.0 * (value / point.now - 1.0).abs(), 2);
         let change = unbroken(&format!("{}{change} %", if value > point.now { '+' } else { '−' }));
+        let change = if point.now == 0.0 { DASH.to_owned() } else { change };
         let [now, then] = [point.now, value].map(|value| dimension.show_short(value));
         html!(
             "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
@@ -81,21 +90,34 @@ fn one_at_a_time(verdict: &VerdictResult) -> Html {
         )
     });
     let turns = if verdict.nominal.vibrates { "vibration ends at" } else { "vibration begins at" };
-    let damping = verdict.nominal.limit_damping_ratio.map_or(0.03, |limit| limit + verdict.nominal.damping_margin);
+    let damping = verdict.rests_on.iter().find(|input| input.input == DAMPING).map(|input| &input.value);
+    let damping = match damping {
+        Some(InputValue::Number(damping)) if *damping > 0.0 => *damping,
+        _ => EXAMPLE,
+    };
     let example = format!("damping_ratio = \"{} ± {}\"", significant(damping, 3), significant(0.1 * damping, 1));
+    let how = html!(
+        "<p class=\"note\">No value is uncertain. For a probability, state how well you know one, for example <code>{}</code> in \
+         [vibration].</p>\n",
+        example
+    );
+    if points.is_empty() {
+        return how;
+    }
     html!(
         "<table>\n<thead><tr><th scope=\"col\">one value alone</th><th scope=\"col\">now</th><th scope=\"col\">{}</th>\
-         <th scope=\"col\">change</th></tr></thead>\n<tbody>\n{}</tbody>\n</table>\n<p class=\"note\">The study \
-         states no value as uncertain. For its probability, state how well you know one, for example <code>{}</code> in [vibration].</p>\n",
+         <th scope=\"col\">change</th></tr></thead>\n<tbody>\n{}</tbody>\n</table>\n{}",
         turns,
         rows.collect::<Html>(),
-        example,
+        how,
     )
 }
 
 /// Returns the turning points with their values, the smallest change first.
 pub(super) fn turning_points(verdict: &VerdictResult) -> Vec<(&TurningPoint, f64)> {
-    let mut found: Vec<_> = verdict.turning_points.iter().filter_map(|point| Some((point, point.value?))).collect();
+    let found = verdict.turning_points.iter().filter_map(|point| Some((point, point.value?)));
+    // A machine at its limit has no change to state.
+    let mut found: Vec<_> = found.filter(|(point, value)| (value - point.now).abs() > LEAST * point.now).collect();
     let size = |(point, value): &(&TurningPoint, f64)| (value / point.now).ln().abs();
     found.sort_by(|a, b| size(a).total_cmp(&size(b)));
     found

@@ -255,7 +255,10 @@ impl Limits {
             0 => "From the quantiles of the margin.".to_owned(),
             samples => format!("{} sampled machines.", count(samples)),
         };
-        let fewer = if verdict.probability > 0.0 && self.sorted.last().is_some_and(|limit| *limit <= self.split) {
+        let fewer = if verdict.probability > 0.0
+            && !verdict.friction_fluctuates
+            && self.sorted.last().is_some_and(|limit| *limit <= self.split)
+        {
             " None of them vibrates: the small probability has its own samples."
         } else {
             ""

@@ -9,12 +9,12 @@ use crate::page::data_table::DataTable;
 use crate::page::verdict::capitalised;
 use crate::page::verdict::drivers::turning_points;
 use crate::page::verdict::margin::Limits;
-use crate::verdict::{percent, vibration};
+use crate::verdict::{is_exact, percent, vibration};
 use crate::words::{named, unbroken};
 
 /// Probability that the damping ratio is given for if the study states no remedies.
 const TARGET: f64 = 0.05;
-/// Values whose changes are stated if the study states no uncertain value.
+/// Values whose changes are stated if no value is uncertain.
 const CHANGED: [&str; 2] = ["vibration.damping_ratio", "vibration.normal_force"];
 /// Relative change of the friction coefficient from which it is stated.
 const VISIBLE: f64 = 0.005;
@@ -155,7 +155,7 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
     DataTable::new("What would stop it", &headers, verdict.remedies.iter().map(cells).collect())
 }
 
-/// Returns the changes of damping and load that end the vibration of a machine without stated uncertain values, or that may be made without
+/// Returns the changes of damping and load that end the vibration of a machine without uncertain values, or that may be made without
 /// starting it.
 fn of_one_machine(verdict: &VerdictResult) -> String {
     let changes = turning_points(verdict).into_iter().filter(|(point, _)| CHANGED.contains(&point.input.as_str()));
@@ -171,8 +171,8 @@ fn of_one_machine(verdict: &VerdictResult) -> String {
     });
     let changes: Vec<String> = changes.collect();
     match (changes.is_empty(), verdict.nominal.vibrates) {
-        (true, true) => "No damping and no load up to ten times the present one ends the vibration.".into(),
-        (true, false) => "Nothing needs to change, and no other damping or load starts vibration.".into(),
+        (true, true) => "No change of damping or load up to ten times ends the vibration.".into(),
+        (true, false) => "Nothing needs to change.".into(),
         (false, true) => unbroken(&format!("{}.", capitalised(&changes.join(", or ")))),
         (false, false) => unbroken(&format!("Nothing needs to change: {}.", changes.join(", and "))),
     }
@@ -181,7 +181,7 @@ fn of_one_machine(verdict: &VerdictResult) -> String {
 /// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.
 fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
     const STATE: &str = "State remedies in [verdict] to compute changes of any value, with their intervals.";
-    if !verdict.turning_points.is_empty() {
+    if is_exact(verdict) && !(verdict.friction_fluctuates && verdict.turning_points.is_empty()) {
         let fluctuates = "These are values of the mean friction coefficient: where friction fluctuates, vibration ends little by little. ";
         let how = if verdict.friction_fluctuates { fluctuates } else { "" };
         return html!("<p>{}</p>\n<p class=\"note\">{}{}</p>\n", of_one_machine(verdict), how, STATE);
@@ -196,7 +196,7 @@ fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
         });
         return html!("<p>{}{}</p>\n", sentence, STATE);
     }
-    let needed = if limits.sign_decides() {
+    let needed = if limits.sign_decides() && !is_exact(verdict) {
         let quantile = verdict.margin_quantiles.iter().find(|quantile| quantile.probability == TARGET);
         quantile.map(|quantile| limits.damping_ratio() - quantile.damping_margin)
     } else {

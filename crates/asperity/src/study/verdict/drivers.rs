@@ -73,7 +73,13 @@ impl MarginModel {
             model.effect = effect_of_fluctuation(&points, &margins, &vibrates);
             margins.iter_mut().zip(&points).for_each(|(margin, point)| *margin += dot(&model.effect, point));
             margins.sort_by(f64::total_cmp);
-            model.threshold = quantile_sorted(&margins, sampled.probability().value);
+            let (first, last) = (margins[0], margins[margins.len() - 1]);
+            // If all of the machines vibrate, or none, the error of the expansion moves no machine across the threshold.
+            model.threshold = match sampled.probability().value {
+                0.0 => first - (last - first),
+                1.0 => last + (last - first),
+                probability => quantile_sorted(&margins, probability),
+            };
         }
         Ok(Some(model))
     }

@@ -1,11 +1,15 @@
 //! Values at which a machine without uncertain values begins or ceases to vibrate.
 
 use asperity_base::numeric::try_root_between;
+use asperity_results::keys::Bounds;
 
-use super::machines::{Change, Machines};
+use super::dynamics::Dynamics;
+use super::machines::{Change, Machine, Machines};
+use super::margins::DAMPING;
 use crate::study::file::Hold;
 use crate::study::result::{InputValue, RestsOn, TurningPoint};
 use crate::study::uncertain::Place;
+use crate::vibration::{VibrationError, limit_damping};
 
 /// Largest ratio of the values that are tried to the present one, and steps to it.
 const LARGEST_RATIO: f64 = 10.0;
@@ -15,30 +19,34 @@ const TOLERANCE: f64 = 1e-8;
 /// Friction coefficient, which the machine may state or not.
 const FRICTION: &str = "vibration.static_friction";
 
-/// Returns the turning point of every number of the machine, and of a friction coefficient that is computed or read.
-pub(super) fn turning_points(machines: &Machines<'_>, rests_on: &[RestsOn]) -> Vec<TurningPoint> {
-    let mut found: Vec<TurningPoint> = rests_on
-        .iter()
-        .filter(|input| input.input.starts_with("vibration.") && matches!(input.value, InputValue::Number(_)))
-        .filter_map(|input| {
-            let place = Place::named(&input.input, machines.central())?;
-            let now = machines.central_value(place).filter(|now| *now != 0.0)?;
-            let key = place.key();
-            let margin = |value: f64| {
-                key.bounds.filter(|bounds| bounds.contain(value))?;
-                margin(&machines.with_changes(vec![Change { place, value, hold: Hold::Damper }]))
-            };
-            Some(TurningPoint { input: place.name(), unit: key.unit.into(), now, value: nearest(now, &margin) })
-        })
-        .collect();
-    if found.iter().all(|point| point.input != FRICTION)
-        && let Ok(nominal) = machines.nominal()
-    {
+/// Returns the turning point of every number of the machine, and of a friction coefficient that is computed or read. `nominal` is the machine.
+///
+/// # Errors
+/// The machine has no limit of the damping ratio.
+pub(super) fn turning_points(
+    machines: &Machines<'_>,
+    nominal: &Machine,
+    rests_on: &[RestsOn],
+) -> Result<Vec<TurningPoint>, VibrationError> {
+    let numbers = rests_on.iter().filter(|input| matches!(input.value, InputValue::Number(_)));
+    let places = numbers.filter_map(|input| Place::named(&input.input, machines.central()));
+    let mut found = Vec::new();
+    for place in places.filter(|place| place.key().section == "vibration") {
+        let (key, Some(now)) = (place.key(), machines.central_value(place)) else { continue };
+        let margin = |value: f64| margin(&machines.with_changes(vec![Change { place, value, hold: Hold::Damper }]));
+        let value = match &nominal.dynamics {
+            // The limit may be far from the present value, which may be 0.
+            Dynamics::StickSlip(oscillator) if place.name() == DAMPING => Some(limit_damping(oscillator)?),
+            _ => nearest(now, key.bounds, &margin),
+        };
+        found.push(TurningPoint { input: place.name(), unit: key.unit.into(), now, value });
+    }
+    if found.iter().all(|point| point.input != FRICTION) {
         let now = nominal.window.mean;
-        let value = nearest(now, &|value| margin(&machines.with_friction_factor(value / now)));
+        let value = nearest(now, None, &|value| margin(&machines.with_friction_factor(value / now)));
         found.push(TurningPoint { input: FRICTION.into(), unit: String::new(), now, value });
     }
-    found
+    Ok(found)
 }
 
 /// Returns the margin of the machine; `None` without an answer.
@@ -46,12 +54,13 @@ fn margin(machines: &Machines<'_>) -> Option<f64> {
     Some(machines.nominal().ok()?.dynamics.margins().ok()?.from_stick)
 }
 
-/// Returns the value nearest to the present one at which a margin changes its sign.
-fn nearest(now: f64, margin: &dyn Fn(f64) -> Option<f64>) -> Option<f64> {
+/// Returns the value nearest to the present one at which a margin changes its sign, within the bounds.
+fn nearest(now: f64, bounds: Option<Bounds>, margin: &dyn Fn(f64) -> Option<f64>) -> Option<f64> {
+    let within = |value: f64| bounds.map_or(value, |bounds| value.clamp(bounds.low, bounds.high));
     let side = |ratio: f64| {
         let mut before = [now, margin(now)?];
         for step in 1..=STEPS {
-            let value = now * ratio.powf(f64::from(step) / f64::from(STEPS));
+            let value = within(now * ratio.powf(f64::from(step) / f64::from(STEPS)));
             let here = [value, margin(value)?];
             if here[1].is_sign_negative() != before[1].is_sign_negative() {
                 let found = try_root_between(|value| margin(value).ok_or(()), before, here, TOLERANCE * now.abs());
@@ -84,7 +93,8 @@ mod tests {
         let (study, window) = stated(text);
         let verdict = study.verdict.as_ref().unwrap();
         let machines = Machines::new(verdict, &window, None, 1);
-        let points = turning_points(&machines, &rests_on(&study, verdict, &window, false));
+        let nominal = machines.nominal().unwrap();
+        let points = turning_points(&machines, &nominal, &rests_on(&study, verdict, &window, false)).unwrap();
         let of = |name: &str| points.iter().find(|point| point.input == format!("vibration.{name}")).unwrap();
         // The damper stays, so ζ falls as 1/m and 1/ω₀, and b as 1/(mω₀).
         for (name, ratio) in [("damping_ratio", 1.25), ("linear_weakening", 0.8), ("normal_force", 0.8)] {
@@ -94,6 +104,14 @@ mod tests {
         for name in ["mass", "natural_frequency", "static_friction", "belt_velocity"] {
             assert_eq!(of(name).value, None, "{name}");
         }
-        assert!(points.iter().all(|point| point.now != 0.0), "{points:?}");
+        // A share just below the bound of 1 is found, although a step of the search would pass it.
+        let (study, window) = stated(&format!("{text}kinetic_share = 0.9\n").replace("0.04", "0.07"));
+        let verdict = study.verdict.as_ref().unwrap();
+        let machines = Machines::new(verdict, &window, None, 1);
+        let nominal = machines.nominal().unwrap();
+        let points = turning_points(&machines, &nominal, &rests_on(&study, verdict, &window, false)).unwrap();
+        let share = points.iter().find(|point| point.input == "vibration.kinetic_share").unwrap();
+        assert!(nominal.dynamics.margins().unwrap().from_stick < 0.0);
+        assert!(share.value.is_some_and(|share| share > 0.9 && share < 1.0), "{share:?}");
     }
 }
