@@ -1,10 +1,13 @@
 //! The verdict in words.
 
 use asperity_results::choice::Choice;
-use asperity_results::{Assumed, ErrorSource, Guess, MachineModel, MotionKind, VerdictResult};
+use asperity_results::{Assumed, ErrorSource, Guess, InputValue, MachineModel, MotionKind, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::named;
+
+/// Name of a stated friction coefficient.
+const FRICTION: &str = "vibration.static_friction";
 
 /// Probability below which a number rests on the tails of the assumed distributions.
 pub(crate) const RARE: f64 = 1e-3;
@@ -72,10 +75,20 @@ impl Headline {
     fn of_one_machine(verdict: &VerdictResult, noun: &str, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let before = String::from("The machine ");
         if verdict.model == MachineModel::ModeCoupling {
-            let distance = significant(verdict.nominal.damping_margin.abs(), 3);
-            let (answer, side) =
-                if verdict.nominal.vibrates { ("squeals", "above") } else { ("does not squeal", "below") };
-            let after = format!(" by mode coupling: its friction coefficient is {distance} {side} the critical one.");
+            let answer = if verdict.nominal.vibrates { "squeals" } else { "does not squeal" };
+            let friction = verdict.rests_on.iter().find(|input| input.input == FRICTION).map(|input| &input.value);
+            let of_limit = match friction {
+                Some(InputValue::Number(friction)) => {
+                    let critical = friction + verdict.nominal.damping_margin;
+                    let [friction_text, limit] = [*friction, critical].map(|value| significant(value, 3));
+                    format!("of {friction_text} is {} the critical {limit}", part_of(friction / critical))
+                }
+                _ => {
+                    let side = if verdict.nominal.vibrates { "above" } else { "below" };
+                    format!("is {} {side} the critical one", significant(verdict.nominal.damping_margin.abs(), 3))
+                }
+            };
+            let after = format!(" by mode coupling: its friction coefficient {of_limit}.");
             return Self { before, answer: answer.into(), after };
         }
         if verdict.friction_fluctuates {

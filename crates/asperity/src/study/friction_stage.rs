@@ -115,7 +115,8 @@ pub(super) fn run(
         ..result_of_levels(study, &problem, &levels, lead, nominal_area_m2)
     };
     let mut output = output_of_levels(&result.levels, &levels, lead, study.body);
-    output.warnings.splice(0..0, generated.warnings.clone());
+    // What keeps friction from being resolved comes before what concerns single levels.
+    output.warnings.splice(0..0, whole.warnings.into_iter().chain(generated.warnings.clone()));
     if let Some(pressure_pa) = &levels[lead].strips.sample_pressure_pa {
         output.fields.push(("pressure_strip", map_field(grid, "Pa", pressure_pa.clone())));
     }
@@ -125,7 +126,6 @@ pub(super) fn run(
     output.assumptions.extend(words::sentences(study, &strips, mean_compliance_m_per_pa, &levels[lead]));
     output.assumptions.extend(generated.correction.clone());
     [of_cutoffs, of_cutoff.unwrap_or_default(), of_scan].into_iter().for_each(|part| output.extend(part));
-    output.warnings.extend(whole.warnings);
     output.assumptions.extend(whole.sentences);
     output.extend(of_uncertain.unwrap_or_default());
     Ok(FrictionStage { level: levels.swap_remove(lead), result, output })

@@ -186,53 +186,42 @@ impl Limits {
         picture(&label, &[areas, damping, scale(&axis)].into_iter().collect(), &self.caption(verdict))
     }
 
-    /// Draws the damping ratio and its limit for exact values.
+    /// Draws the damping ratio and its limit, or the friction coefficient and the critical one, for exact values.
     fn marks(&self, verdict: &VerdictResult) -> Html {
-        if self.coupled {
-            return self.coupled_marks(verdict);
-        }
-        let (damping, limit) = (self.central, verdict.nominal.limit_damping_ratio.unwrap_or(0.0));
+        let (name, value, limit, sides, caption) = if self.coupled {
+            let friction = self.central - verdict.nominal.damping_margin;
+            let caption = "Above the critical coefficient steady sliding is unstable and the machine flutters.";
+            ("friction coefficient", friction, self.central, ["quiet", "vibrates"], caption)
+        } else {
+            let limit = verdict.nominal.limit_damping_ratio.unwrap_or(0.0);
+            let caption =
+                "Below the limit the machine vibrates once started from standstill; above it, it stays quiet.";
+            ("damping ratio ζ", self.central, limit, ["vibrates", "quiet"], caption)
+        };
         // The text beside the larger of both has room on its right.
-        let high = 2.0 * damping.max(limit).max(f64::MIN_POSITIVE);
-        let axis = Axis::linear("damping ratio ζ", Unit::none(), (0.0, high));
-        let x = |ratio: f64| LEFT + (RIGHT - LEFT) * (ratio / high).clamp(0.0, 1.0);
-        let texts = [significant(damping, 3), significant(limit, 3)];
-        let label = format!("The damping ratio is {}, its limit {}", texts[0], texts[1]);
+        let high = 2.0 * value.max(limit).max(f64::MIN_POSITIVE);
+        let axis = Axis::linear(name, Unit::none(), (0.0, high));
+        let x = |value: f64| LEFT + (RIGHT - LEFT) * (value / high).clamp(0.0, 1.0);
+        let texts = [significant(value, 3), significant(limit, 3)];
+        let label = format!("The {} is {}, its limit {}", name.trim_end_matches(" ζ"), texts[0], texts[1]);
         let ranges = html!(
-            "<path class=\"area vibrates\" d=\"M{0} {2}H{1}V{3}H{0}Z\"/>\n<path class=\"area quiet\" d=\"M{1} {2}H{4}V{3}H{1}Z\"/>\n",
+            "<path class=\"area {5}\" d=\"M{0} {2}H{1}V{3}H{0}Z\"/>\n<path class=\"area {6}\" d=\"M{1} {2}H{4}V{3}H{1}Z\"/>\n",
             format!("{LEFT}"),
             format!("{:.2}", x(limit)),
             format!("{}", BASE - 40.0),
             format!("{BASE}"),
             format!("{RIGHT}"),
+            sides[0],
+            sides[1],
         );
         // The line of the smaller one starts in the upper row, to the left of the text in the lower row.
-        let (upper, lower) = if damping < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
+        let (upper, lower) = if value < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
         let marks = [
             ranges,
-            mark(x(damping), "", &format!("the machine has {}", texts[0]), upper),
+            mark(x(value), "", &format!("the machine has {}", texts[0]), upper),
             mark(x(limit), " limit", &format!("the limit is {}", texts[1]), lower),
             scale(&axis),
         ];
-        let caption = "Below the limit the machine vibrates once started from standstill; above it, it stays quiet.";
-        picture(&label, &marks.into_iter().collect(), caption)
-    }
-
-    /// Draws the friction coefficient and the critical one for exact values.
-    fn coupled_marks(&self, verdict: &VerdictResult) -> Html {
-        let (critical, friction) = (self.central, self.central - verdict.nominal.damping_margin);
-        let high = 1.5 * friction.max(critical).max(f64::MIN_POSITIVE);
-        let axis = Axis::linear("friction coefficient", Unit::none(), (0.0, high));
-        let x = |coefficient: f64| LEFT + (RIGHT - LEFT) * (coefficient / high).clamp(0.0, 1.0);
-        let texts = [significant(friction, 3), significant(critical, 3)];
-        let label = format!("The friction coefficient is {}, the critical one {}", texts[0], texts[1]);
-        let (upper, lower) = if friction < critical { (UPPER, LOWER) } else { (LOWER, UPPER) };
-        let marks = [
-            mark(x(friction), "", &format!("the machine has {}", texts[0]), upper),
-            mark(x(critical), " limit", &format!("critical is {}", texts[1]), lower),
-            scale(&axis),
-        ];
-        let caption = "Above the critical coefficient steady sliding is unstable and the machine flutters.";
         picture(&label, &marks.into_iter().collect(), caption)
     }
 
