@@ -29,6 +29,7 @@ use self::answer::Answer;
 use self::machine::Machine;
 use self::section::{Section, unordered};
 use crate::markup::{Html, html};
+use crate::verdict::is_exact;
 use crate::{Figure, ReportError, Run};
 
 const STYLE: &str = concat!(include_str!("page/style.css"), include_str!("page/figures.css"));
@@ -178,6 +179,9 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         sections,
         details: details.into_iter().chain(conditions).flatten().collect(),
         script: "",
-        machine: run.machine.as_deref().map(|json| Machine { json, is_centre: results.verdict.is_some() }),
+        machine: run.machine.as_deref().map(|json| Machine {
+            json,
+            is_centre: results.verdict.as_ref().is_some_and(|verdict| !is_exact(verdict)),
+        }),
     })
 }

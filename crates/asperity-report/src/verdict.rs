@@ -1,13 +1,11 @@
 //! The verdict in words.
 
 use asperity_results::choice::Choice;
+use asperity_results::keys::STATIC_FRICTION;
 use asperity_results::{Assumed, ErrorSource, Guess, InputValue, MachineModel, MotionKind, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::named;
-
-/// Name of a stated friction coefficient.
-const FRICTION: &str = "vibration.static_friction";
 
 /// Probability below which a number rests on the tails of the assumed distributions.
 pub(crate) const RARE: f64 = 1e-3;
@@ -74,9 +72,17 @@ impl Headline {
     /// Returns the verdict on a machine whose values are all exact.
     fn of_one_machine(verdict: &VerdictResult, noun: &str, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let before = String::from("The machine ");
-        if verdict.model == MachineModel::ModeCoupling {
+        let [low, high] = verdict.probability_interval;
+        let coupled = verdict.model == MachineModel::ModeCoupling;
+        if low < high && (coupled || !verdict.friction_fluctuates) {
+            let answer = if coupled { "may squeal" } else { "may vibrate" };
+            let after = ": the error of its friction coefficient decides.";
+            return Self { before, answer: answer.into(), after: after.into() };
+        }
+        if coupled {
             let answer = if verdict.nominal.vibrates { "squeals" } else { "does not squeal" };
-            let friction = verdict.rests_on.iter().find(|input| input.input == FRICTION).map(|input| &input.value);
+            let friction =
+                verdict.rests_on.iter().find(|input| input.input == STATIC_FRICTION).map(|input| &input.value);
             let of_limit = match friction {
                 Some(InputValue::Number(friction)) => {
                     let critical = friction + verdict.nominal.damping_margin;
@@ -95,11 +101,6 @@ impl Headline {
             let answer = format!("vibrates {} of the time", percent(verdict.expected_vibration_share));
             let error = interval(verdict.expected_vibration_share_interval);
             return Self { before, answer, after: format!("{error}, once started from standstill.") };
-        }
-        let [low, high] = verdict.probability_interval;
-        if low < high {
-            let after = ": the error of its friction coefficient decides.";
-            return Self { before, answer: "may vibrate".into(), after: after.into() };
         }
         let limit = verdict.nominal.limit_damping_ratio.unwrap_or_default();
         let damping = limit + verdict.nominal.damping_margin;

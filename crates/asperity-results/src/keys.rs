@@ -306,6 +306,15 @@ pub static KEYS: &[Key] = &{
     study_keys!(row)
 };
 
+/// Path of the damping ratio.
+pub const DAMPING_RATIO: &str = "vibration.damping_ratio";
+
+/// Path of the friction coefficient that a study states.
+pub const STATIC_FRICTION: &str = "vibration.static_friction";
+
+/// Path of the load.
+pub const NORMAL_FORCE: &str = "vibration.normal_force";
+
 /// Separators of mean and standard deviation in an uncertain value.
 pub const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
 

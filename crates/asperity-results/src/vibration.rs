@@ -82,6 +82,18 @@ pub struct VibrationResult {
     pub area: EnsembleResult,
 }
 
+impl VibrationResult {
+    /// Returns whether one window carries the whole normal force in the study.
+    pub fn is_of_one_window(&self) -> bool {
+        self.upscaling == "paper"
+    }
+
+    /// Returns the ensembles of the upscaling that the study uses.
+    pub fn of_study(&self) -> &EnsembleResult {
+        if self.is_of_one_window() { &self.paper } else { &self.area }
+    }
+}
+
 /// Parameters and resolution of a stability map.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -99,11 +99,10 @@ fn of_run(results: &Results, folder: &Path) -> Answer {
     }
     if let Some(vibration) = vibration {
         // The standard deviation of the study's main upscaling.
-        let main = if vibration.upscaling == "paper" { &vibration.paper } else { &vibration.area };
-        show("friction_std", main.friction_std.into());
+        show("friction_std", vibration.of_study().friction_std.into());
         // A part of a rough slider has constant friction.
         match point.filter(|_| vibration.friction_correlation_length_m.is_none()) {
-            Some(point) if vibration.upscaling == "paper" => show("friction_std_between_parts", point.std.into()),
+            Some(point) if vibration.is_of_one_window() => show("friction_std_between_parts", point.std.into()),
             Some(point) => show("friction_std_between_parts", point.std_nominal_area.into()),
             None => show("friction_correlation_length_m", vibration.friction_correlation_length_m.into()),
         }

@@ -81,17 +81,10 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         chart.band("ζ < ζ_v: vibrates", &x, [&[y_ends.0; 2], &[0.0; 2]], VERMILION);
         chart.band("ζ > ζ_v: quiet", &x, [&[0.0; 2], &[y_ends.1; 2]], BLUE);
     }
-    let mut intervals: Vec<(f64, Pair)> = Vec::new();
     if title == PROBABILITY && is_curves && groups.len() == 1 {
-        let of =
+        let interval =
             |(index, member): (usize, &MemberResult)| Some((at(index, member), member.answers.probability_interval?));
-        intervals.extend(members.iter().enumerate().filter_map(of));
-        intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
-    if !intervals.is_empty() {
-        let x: Vec<f64> = intervals.iter().map(|(x, _)| *x).collect();
-        let [low, high] = [0, 1].map(|end| intervals.iter().map(|(_, ends)| ends[end]).collect::<Vec<f64>>());
-        chart.band("95 % interval", &x, [&low, &high], BLUE);
+        band(&mut chart, members.iter().enumerate().filter_map(interval).collect());
     }
     for (place, (name, mut points)) in groups.into_iter().enumerate() {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -112,6 +105,16 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
     let caption = caption(points, title, members.iter().filter(|member| answer(member).is_none()).count());
     let figure = CaptionedFigure::from_charts("members", title, caption, 1, &[chart], &[])?;
     Some(CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
+}
+
+/// Adds the intervals of the members of one curve, at their values.
+fn band(chart: &mut Chart, mut intervals: Vec<(f64, Pair)>) {
+    intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let x: Vec<f64> = intervals.iter().map(|(x, _)| *x).collect();
+    let [low, high] = [0, 1].map(|end| intervals.iter().map(|(_, ends)| ends[end]).collect::<Vec<f64>>());
+    if !x.is_empty() {
+        chart.band("95 % interval", &x, [&low, &high], BLUE);
+    }
 }
 
 /// Returns the axis of an answer.

@@ -18,8 +18,6 @@ const NEGLIGIBLE: f64 = 0.01;
 /// Largest half width of an interval around zero, as a fraction of the deterministic cycles, at which there is no effect. A wider
 /// interval is inconclusive.
 const NARROW: f64 = 0.1;
-/// Upscaling by which one window carries the whole load.
-const PAPER: &str = "paper";
 const VANISHES: &str = "Roughness has no effect at the scale of your machine";
 
 /// Returns the answers of a run without a verdict.
@@ -213,7 +211,7 @@ fn nearest(upscaling: &EnsembleResult, damping: f64) -> Option<&DampingResult> {
 
 /// Returns what roughness does to the vibration at the damping ratio of the sweep that is nearest to the study's, in a phrase.
 fn roughness(vibration: &VibrationResult) -> Option<String> {
-    let own = if vibration.upscaling == PAPER { &vibration.paper } else { &vibration.area };
+    let own = vibration.of_study();
     let entry = nearest(own, vibration.damping_ratio)?;
     let (lost, [low, high]) = (entry.difference_mean, entry.difference_interval);
     // Beyond the critical damping the deterministic count is zero, so the sweep's largest count sets the scale.

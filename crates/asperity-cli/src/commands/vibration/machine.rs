@@ -1,5 +1,6 @@
 //! Flags of the machine.
 
+pub(super) use asperity::keys::DAMPING_RATIO as DAMPING;
 use asperity::study::{implausible_damping, implausible_friction};
 use asperity::vibration::{Forcing, MotionKind, Oscillator, Parameters};
 use clap::Args;
@@ -60,8 +61,6 @@ pub(super) struct Damping {
     #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = args::of_input(DAMPING), help = args::help(DAMPING, " ζ"))]
     pub(super) damping_ratio: f64,
 }
-
-pub(super) const DAMPING: &str = "vibration.damping_ratio";
 
 /// Returns the number that denotes a kind of motion in tables.
 pub(super) fn code(kind: MotionKind) -> f64 {

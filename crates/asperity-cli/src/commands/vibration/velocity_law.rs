@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use asperity::choice::Choice;
 use asperity::friction::measured::ColumnTable;
 use asperity::keys::Key;
+use asperity::keys::STATIC_FRICTION as STATIC;
 use asperity::statement::Stated;
 use asperity::vibration::VelocityLaw;
 use asperity::vibration::law::VelocityLawKind;
@@ -15,7 +16,6 @@ use clap::{Arg, ArgGroup, ArgMatches, Args, Command, FromArgMatches, value_parse
 use crate::args;
 use crate::failure::{Failure, Kind};
 
-const STATIC: &str = "vibration.static_friction";
 const KINETIC: &str = "vibration.kinetic_share";
 
 /// Stick limit, and friction in sliding.

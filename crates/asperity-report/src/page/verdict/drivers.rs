@@ -1,5 +1,6 @@
 //! The card of the values that decide the verdict.
 
+use asperity_results::keys::DAMPING_RATIO;
 use asperity_results::{Driver, InputValue, MachineModel, TurningPoint, VerdictResult};
 
 use crate::cells::DASH;
@@ -10,8 +11,7 @@ use crate::words::{named, unbroken};
 
 /// Number of values on the card.
 const SHOWN: usize = 3;
-/// Name of the damping ratio, and its value in an example for a machine without damping.
-const DAMPING: &str = "vibration.damping_ratio";
+/// Damping ratio in the example for a machine without damping.
 const EXAMPLE: f64 = 0.03;
 /// Relative change that is none.
 const LEAST: f64 = 5e-4;
@@ -90,7 +90,7 @@ fn one_at_a_time(verdict: &VerdictResult) -> Html {
         )
     });
     let turns = if verdict.nominal.vibrates { "vibration ends at" } else { "vibration begins at" };
-    let damping = verdict.rests_on.iter().find(|input| input.input == DAMPING).map(|input| &input.value);
+    let damping = verdict.rests_on.iter().find(|input| input.input == DAMPING_RATIO).map(|input| &input.value);
     let damping = match damping {
         Some(InputValue::Number(damping)) if *damping > 0.0 => *damping,
         _ => EXAMPLE,

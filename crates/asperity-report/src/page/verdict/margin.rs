@@ -1,5 +1,6 @@
 //! The margin as a picture: the limit of the damping ratio over the uncertain values, and the damping ratio of the machine.
 
+use asperity_results::keys::DAMPING_RATIO;
 use asperity_results::{MachineModel, VerdictResult};
 
 use crate::Run;
@@ -70,10 +71,9 @@ impl Limits {
         let margins = sampled.unwrap_or_else(|| from_quantiles(verdict));
         let mut sorted: Vec<f64> = margins.iter().map(|margin| central - margin).collect();
         sorted.sort_by(f64::total_cmp);
-        let name = "vibration.damping_ratio";
         let uncertain_damping = match table {
-            Some(table) => table.defined_column(name).is_some(),
-            None => verdict.drivers.iter().any(|driver| driver.input == name),
+            Some(table) => table.defined_column(DAMPING_RATIO).is_some(),
+            None => verdict.drivers.iter().any(|driver| driver.input == DAMPING_RATIO),
         };
         let mut limits = Self { central, sorted, split: central, samples, uncertain_damping, coupled };
         let n = limits.sorted.len();

@@ -1,5 +1,6 @@
 //! The card of the changes that make vibration improbable.
 
+use asperity_results::keys::{DAMPING_RATIO, NORMAL_FORCE};
 use asperity_results::{MachineModel, Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
@@ -15,7 +16,7 @@ use crate::words::{named, unbroken};
 /// Probability that the damping ratio is given for if the study states no remedies.
 const TARGET: f64 = 0.05;
 /// Values whose changes are stated if no value is uncertain.
-const CHANGED: [&str; 2] = ["vibration.damping_ratio", "vibration.normal_force"];
+const CHANGED: [&str; 2] = [DAMPING_RATIO, NORMAL_FORCE];
 /// Relative change of the friction coefficient from which it is stated.
 const VISIBLE: f64 = 0.005;
 
@@ -157,7 +158,9 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
 
 /// Returns the changes of damping and load that end the vibration of a machine without uncertain values, or that may be made without
 /// starting it.
-fn of_one_machine(verdict: &VerdictResult) -> String {
+pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
+    let [low, high] = verdict.probability_interval;
+    let quiet = if low < high { "At the printed friction coefficient nothing" } else { "Nothing" };
     let changes = turning_points(verdict).into_iter().filter(|(point, _)| CHANGED.contains(&point.input.as_str()));
     let changes = changes.map(|(point, value)| {
         let dimension = Dimension::of_unit(&point.unit);
@@ -172,9 +175,9 @@ fn of_one_machine(verdict: &VerdictResult) -> String {
     let changes: Vec<String> = changes.collect();
     match (changes.is_empty(), verdict.nominal.vibrates) {
         (true, true) => "No change of damping or load up to ten times ends the vibration.".into(),
-        (true, false) => "Nothing needs to change.".into(),
+        (true, false) => format!("{quiet} needs to change."),
         (false, true) => unbroken(&format!("{}.", capitalised(&changes.join(", or ")))),
-        (false, false) => unbroken(&format!("Nothing needs to change: {}.", changes.join(", and "))),
+        (false, false) => unbroken(&format!("{quiet} needs to change: {}.", changes.join(", and "))),
     }
 }
 

@@ -18,12 +18,7 @@ pub fn verdict_summary(verdict: &VerdictResult) -> Vec<String> {
         return sentences;
     }
     sentences.extend(not_stated(verdict).into_iter().map(|value| format!("Not stated: {value}.")));
-    if !verdict.remedies.is_empty() {
-        sentences.push(remedies::sentence(verdict).text());
-    }
-    if verdict.drivers.len() > 1 {
-        sentences.push(drivers::next(verdict).text());
-    }
+    sentences.extend(advice(verdict));
     sentences.extend(largest_error(verdict));
     sentences.into_iter().map(|sentence| sentence.replace('\u{a0}', " ")).collect()
 }
@@ -38,12 +33,7 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
     }
     sentences.extend(half_of_the_time(verdict).filter(|_| !is_exact(verdict)));
     sentences.extend([over_unknowns(verdict), vibration(verdict)].into_iter().flatten().map(|html| html.text()));
-    if !verdict.remedies.is_empty() {
-        sentences.push(remedies::sentence(verdict).text());
-    }
-    if verdict.drivers.len() > 1 {
-        sentences.push(drivers::next(verdict).text());
-    }
+    sentences.extend(advice(verdict));
     if !is_exact(verdict) {
         sentences.push(computation(verdict));
     }
@@ -56,6 +46,20 @@ pub fn verdict_text(verdict: &VerdictResult) -> String {
         text += &format!("\nAssumptions\n  {}\n", verdict.assumptions.join("\n  "));
     }
     text.replace('\u{a0}', " ")
+}
+
+/// Returns what would stop the vibration, and what to measure next, in sentences.
+fn advice(verdict: &VerdictResult) -> Vec<String> {
+    let mut sentences = Vec::new();
+    if !verdict.remedies.is_empty() {
+        sentences.push(remedies::sentence(verdict).text());
+    } else if !verdict.turning_points.is_empty() {
+        sentences.push(remedies::of_one_machine(verdict));
+    }
+    if verdict.drivers.len() > 1 {
+        sentences.push(drivers::next(verdict).text());
+    }
+    sentences
 }
 
 /// Returns the parts of the error of the probability.

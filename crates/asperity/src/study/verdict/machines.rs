@@ -416,7 +416,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_factor_of_friction_multiplies_the_mean_coefficient() {
+    fn a_factor_of_friction_multiplies_the_mean_and_its_fluctuation() {
         let (study, window) = stated(LINEAR);
         let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).with_friction_factor(1.5);
         let machine = machines.nominal().unwrap();
@@ -424,6 +424,12 @@ pub(super) mod tests {
         for friction in [machine.window.mean, oscillator.static_friction()] {
             assert!((friction - 0.45).abs() < 1e-15, "{friction}");
         }
+        // Fluctuating friction keeps its standard deviation over the mean.
+        let study = Study::parse(&format!("{STUDY}[verdict]\n"), "study.toml").unwrap();
+        let window = WindowFriction { std: 0.03, ..computed_window(None) };
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1).with_friction_factor(1.5);
+        let found = machines.nominal().unwrap().window;
+        assert!((found.mean - 0.45).abs() < 1e-12 && (found.std - 0.045).abs() < 1e-12, "{found:?}");
     }
 
     #[test]

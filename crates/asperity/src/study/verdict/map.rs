@@ -2,9 +2,10 @@
 
 use asperity_base::blocks::Task;
 use asperity_base::sentence;
+use asperity_results::keys::DAMPING_RATIO;
 
 use super::machines::{Change, Machines};
-use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
+use super::margins::{Limits, Moved, is_damping, margins, moved};
 use super::replicates::{fraction_below_zero, fraction_unanswered, points};
 use crate::monitor::{Cancelled, Monitor, Quiet};
 use crate::stats::quantile_sorted;
@@ -148,7 +149,7 @@ impl Grid<'_> {
 
     /// Returns the machines with two central values. The map of a damping ratio states it, whatever the other input holds.
     fn at(&self, values: [f64; 2]) -> Moved<'_> {
-        let states_damping = self.axes.iter().any(|axis| axis.place.name() == DAMPING);
+        let states_damping = self.axes.iter().any(|axis| axis.place.name() == DAMPING_RATIO);
         let hold = |axis: &RemedyStudy| if states_damping { Hold::DampingRatio } else { axis.hold };
         let changes = [0, 1].map(|k| Change { place: self.axes[k].place, value: values[k], hold: hold(self.axes[k]) });
         moved(self.machines, &changes)

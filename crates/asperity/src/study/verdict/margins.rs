@@ -1,6 +1,7 @@
 //! Margins of machines with constant friction at changed central values.
 
 use asperity_base::blocks::Task;
+use asperity_results::keys::DAMPING_RATIO;
 
 use super::machines::{Change, Machines};
 use super::sampled::Evaluated;
@@ -8,9 +9,6 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::study::file::Hold;
 use crate::study::result::MachineModel;
 use crate::study::uncertain::Place;
-
-/// Name of the damping ratio.
-pub(super) const DAMPING: &str = "vibration.damping_ratio";
 
 /// Names of the values that change mω₀.
 const INERTIA: [&str; 2] = ["vibration.mass", "vibration.natural_frequency"];
@@ -62,7 +60,7 @@ pub(super) fn margins(machines: &Moved, points: &[Vec<f64>], monitor: &dyn Monit
 
 /// Returns whether a change of a value changes the margins by as much as the damping ratios. The margin of coupled modes is one of friction.
 pub(super) fn is_damping(place: Place, model: MachineModel) -> bool {
-    place.name() == DAMPING && model == MachineModel::StickSlip
+    place.name() == DAMPING_RATIO && model == MachineModel::StickSlip
 }
 
 /// Limits of the damping ratio of machines. They do not depend on the damping ratio, so machines that differ from known ones in it alone

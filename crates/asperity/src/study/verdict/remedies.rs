@@ -3,11 +3,12 @@
 use asperity_base::blocks::Task;
 use asperity_base::numeric::try_root_between;
 use asperity_base::sentence;
+use asperity_results::keys::DAMPING_RATIO;
 
 use super::answers::Answers;
 use super::decided;
 use super::machines::{Change, Machines};
-use super::margins::{DAMPING, Limits, Moved, is_damping, margins, moved};
+use super::margins::{Limits, Moved, is_damping, margins, moved};
 use super::replicates::{REPLICATES, points};
 use super::sampled::{Evaluate, Evaluated};
 use crate::distribution::standard_normal_cdf;
@@ -116,7 +117,7 @@ impl Changed<'_> {
         Ok(Remedy {
             input: place.name(),
             unit: place.key().unit.into(),
-            held: (place.name() != DAMPING).then(|| hold.name().into()),
+            held: (place.name() != DAMPING_RATIO).then(|| hold.name().into()),
             now,
             range: [low, high],
             friction_coefficient_now,

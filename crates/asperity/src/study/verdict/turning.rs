@@ -1,11 +1,10 @@
 //! Values at which a machine without uncertain values begins or ceases to vibrate.
 
 use asperity_base::numeric::try_root_between;
-use asperity_results::keys::Bounds;
+use asperity_results::keys::{Bounds, DAMPING_RATIO, STATIC_FRICTION};
 
 use super::dynamics::Dynamics;
 use super::machines::{Change, Machine, Machines};
-use super::margins::DAMPING;
 use crate::study::file::Hold;
 use crate::study::result::{InputValue, RestsOn, TurningPoint};
 use crate::study::uncertain::Place;
@@ -16,8 +15,6 @@ const LARGEST_RATIO: f64 = 10.0;
 const STEPS: u32 = 16;
 /// Relative tolerance of a value.
 const TOLERANCE: f64 = 1e-8;
-/// Friction coefficient, which the machine may state or not.
-const FRICTION: &str = "vibration.static_friction";
 
 /// Returns the turning point of every number of the machine, and of a friction coefficient that is computed or read. `nominal` is the machine.
 ///
@@ -35,16 +32,18 @@ pub(super) fn turning_points(
         let (key, Some(now)) = (place.key(), machines.central_value(place)) else { continue };
         let margin = |value: f64| margin(&machines.with_changes(vec![Change { place, value, hold: Hold::Damper }]));
         let value = match &nominal.dynamics {
-            // The limit may be far from the present value, which may be 0.
-            Dynamics::StickSlip(oscillator) if place.name() == DAMPING => Some(limit_damping(oscillator)?),
+            // The limit may be far from the present value, which may be 0. Without a limit no damping starts vibration.
+            Dynamics::StickSlip(oscillator) if place.name() == DAMPING_RATIO => {
+                Some(limit_damping(oscillator)?).filter(|limit| *limit > 0.0)
+            }
             _ => nearest(now, key.bounds, &margin),
         };
         found.push(TurningPoint { input: place.name(), unit: key.unit.into(), now, value });
     }
-    if found.iter().all(|point| point.input != FRICTION) {
+    if found.iter().all(|point| point.input != STATIC_FRICTION) {
         let now = nominal.window.mean;
         let value = nearest(now, None, &|value| margin(&machines.with_friction_factor(value / now)));
-        found.push(TurningPoint { input: FRICTION.into(), unit: String::new(), now, value });
+        found.push(TurningPoint { input: STATIC_FRICTION.into(), unit: String::new(), now, value });
     }
     Ok(found)
 }
