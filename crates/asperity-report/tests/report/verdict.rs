@@ -1,7 +1,7 @@
 //! The verdict in words and on the page.
 
 use asperity_report::{Run, not_stated, render, verdict_sentence, verdict_text};
-use asperity_results::{InputKind, InputValue, Remedy, RestsOn, Table, VerdictResult};
+use asperity_results::{InputKind, InputValue, MachineModel, Remedy, RestsOn, Table, VerdictResult};
 
 use crate::documents::{elements, resources, text, without_scripts};
 use crate::synthetic::{example, full_run};
@@ -115,6 +115,15 @@ fn the_sentence_states_the_probability_with_its_interval() {
     // Friction whose error crosses the limit, and friction that is not resolved.
     exact.probability_interval = [0.0, 1.0];
     assert!(verdict_sentence(&exact).starts_with("The machine may vibrate: the error of its friction"));
+    let coupled = VerdictResult { model: MachineModel::ModeCoupling, ..exact.clone() };
+    assert!(verdict_sentence(&coupled).starts_with("The machine may squeal: the error of its friction"));
+    let turning_points = example::verdict::turning_points();
+    let text =
+        verdict_text(&VerdictResult { turning_points, remedies: Vec::new(), drivers: Vec::new(), ..exact.clone() });
+    assert!(
+        text.contains("\nAt the printed friction coefficient nothing needs to change: the normal force may"),
+        "{text}"
+    );
     exact.friction_unresolved = true;
     assert!(verdict_sentence(&exact).starts_with("No verdict yet: the friction coefficient is not resolved"));
 }
