@@ -5,6 +5,7 @@
 
 mod campaign;
 mod check;
+mod complete;
 mod computation;
 mod counterface;
 mod coupled_stage;

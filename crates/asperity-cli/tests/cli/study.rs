@@ -387,7 +387,7 @@ fn check_gives_the_warnings_of_run_and_refuses_what_run_refuses() {
     let ran = run_in(folder.path(), "run study.toml --only vibration");
     assert_eq!((text.code, ran.code), (0, 0), "{ran:?}");
     for warning in &warnings {
-        assert!(text.stdout.contains(&format!("# warning: {warning}")), "{text:?}");
+        assert!(text.stdout.contains(&format!("\nwarning: {warning}\n")), "{text:?}");
         assert!(ran.stderr.contains(&format!("warning: {warning}")), "{ran:?}");
     }
     // The standard deviation of the friction equals its mean.

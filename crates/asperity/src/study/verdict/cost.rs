@@ -1,13 +1,14 @@
 //! Rough cost of the verdict.
 
+use super::fluctuating::NEGLIGIBLE_STD;
 use super::judge::LATER;
 use super::replicates::REPLICATES;
 use super::scan::POINTS as SCAN_POINTS;
 use super::{area, assumed, axis, decided, expansion, map, margins, points, remedies, rests_on, sampled, vibrating};
 use crate::contact::memory_bytes;
-use crate::friction::RoughBody;
+use crate::friction::{RoughBody, Upscaling};
 use crate::map::BoundaryKind;
-use crate::study::check::{FrictionSource, RemedyStudy, VerdictStudy};
+use crate::study::check::{FrictionSource, FrictionStudy, MachineInputs, RemedyStudy, VerdictStudy};
 use crate::study::estimate::contact_seconds;
 use crate::study::result::MachineModel;
 use crate::study::vibration_stage::trajectory_seconds;
@@ -21,6 +22,9 @@ const TRAJECTORIES_NEAR_LIMIT: usize = 100;
 /// Evaluations of all machines of a remedy per target, in the search for its value.
 const EVALUATIONS_PER_TARGET: usize = 15;
 const FLUCTUATING_EVALUATIONS_PER_TARGET: usize = 6;
+/// Typical standard deviations of the friction of one window relative to its mean, of plastic contact and of elastic contact.
+const PLASTIC_STD: f64 = 0.005;
+const ELASTIC_STD: f64 = 0.1;
 /// Limit cycles of sampled machines, in machines: those of the samples' table and of the machines that vibrate.
 const CYCLES: usize = vibrating::MOST_ROWS + vibrating::MOST;
 
@@ -35,7 +39,9 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
         && match &vibration.machine.friction {
             FrictionSource::Stated(stated) => stated.std > 0.0,
             FrictionSource::File(_) => true,
-            FrictionSource::Computed(_) => friction.is_some_and(|friction| friction.body != RoughBody::Slider),
+            FrictionSource::Computed(_) => friction.is_some_and(|friction| {
+                friction.body != RoughBody::Slider && typical_fluctuation(friction, &vibration.machine) > NEGLIGIBLE_STD
+            }),
         };
     // The uncertainty due to the scans of a body is one more value, whose effect takes solved points of its own.
     let file = whole.file();
@@ -84,6 +90,17 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
             + paths as f64 * trajectory_seconds(whole, vibration) * longer,
         memory_bytes: if cells > 0 { threads as f64 * memory_bytes(cells, BoundaryKind::Periodic) } else { 0.0 },
     })
+}
+
+/// Returns the standard deviation of the computed friction of a machine relative to its mean, as it typically is.
+fn typical_fluctuation(friction: &FrictionStudy, machine: &MachineInputs) -> f64 {
+    let of_window = if friction.material.hardness_pa.is_some() { PLASTIC_STD } else { ELASTIC_STD };
+    let [length_m, width_m] = friction.window_m;
+    of_window
+        * match machine.upscaling {
+            Upscaling::Area => (length_m * width_m / machine.nominal_area.0).min(1.0).sqrt(),
+            Upscaling::Paper => 1.0,
+        }
 }
 
 /// Returns the numbers of machines that are evaluated with constant friction for a remedy, and that ensembles decide.
