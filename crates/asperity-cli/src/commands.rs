@@ -22,6 +22,8 @@ mod surface;
 mod verdict;
 mod vibration;
 
+pub(crate) use vibration::dimensionless;
+
 use clap::Subcommand;
 
 use crate::failure::Failure;
@@ -60,8 +62,7 @@ pub(crate) enum Command {
     /// Friction coefficient as a random process: fit measured records, draw new ones.
     #[command(subcommand)]
     Friction(friction::Friction),
-    /// A mass on a moving belt, in dimensionless form.
-    #[command(subcommand)]
+    /// A mass on a moving belt, in dimensionless form or with units.
     Vibration(vibration::Vibration),
 }
 

@@ -68,7 +68,14 @@ fn program() -> clap::Command {
 static PANIC_LOCATION: OnceLock<String> = OnceLock::new();
 
 fn main() -> ExitCode {
-    let cli = match Cli::from_arg_matches(&program().get_matches()) {
+    let arguments = match commands::dimensionless(env::args_os().collect()) {
+        Ok(arguments) => arguments,
+        Err(failure) => {
+            output::print_message(&failure.to_string());
+            return ExitCode::from(failure.kind().exit_code());
+        }
+    };
+    let cli = match Cli::from_arg_matches(&program().get_matches_from(arguments)) {
         Ok(cli) => cli,
         Err(error) => error.exit(),
     };

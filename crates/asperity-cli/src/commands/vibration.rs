@@ -1,4 +1,4 @@
-//! A mass on a moving belt, in dimensionless form: X = x·c/N, τ = ω₀t.
+//! A mass on a moving belt, in dimensionless form, X = x·c/N and τ = ω₀t, or with units.
 
 mod basin;
 mod bifurcation;
@@ -15,19 +15,31 @@ mod random;
 mod series;
 mod sound;
 mod trajectory;
+mod units;
 mod velocity_law;
 mod wav;
 
 use asperity::study::FailureKind;
 use asperity::vibration::VibrationError;
-use clap::Subcommand;
+use clap::{Args, Subcommand};
+
+pub(crate) use units::dimensionless;
 
 use crate::failure::Failure;
 use crate::monitor::Terminal;
 
+/// A mass on a moving belt.
+#[derive(Debug, Args)]
+pub(crate) struct Vibration {
+    #[command(flatten)]
+    units: units::Units,
+    #[command(subcommand)]
+    computation: Computation,
+}
+
 /// Commands of the stick-slip oscillator. Help shows the documentation of each command's type.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Vibration {
+enum Computation {
     Cycle(cycle::Cycle),
     CriticalDamping(critical_damping::CriticalDamping),
     Trajectory(trajectory::Trajectory),
@@ -43,18 +55,19 @@ pub(crate) enum Vibration {
 
 impl Vibration {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        match self {
-            Self::Cycle(cycle) => cycle.run(monitor),
-            Self::CriticalDamping(critical) => critical.run(monitor),
-            Self::Trajectory(trajectory) => trajectory.run(monitor),
-            Self::Ensemble(ensemble) => ensemble.run(monitor),
-            Self::Sound(sound) => sound.run(monitor),
-            Self::Map(map) => map.run(monitor),
-            Self::CriticalCurve(curve) => curve.run(monitor),
-            Self::Bifurcation(diagram) => diagram.run(monitor),
-            Self::ForcedCycles(cycles) => cycles.run(monitor),
-            Self::Basin(basin) => basin.run(monitor),
-            Self::ModeCoupling(coupling) => coupling.run(monitor),
+        self.units.note(monitor)?;
+        match &self.computation {
+            Computation::Cycle(cycle) => cycle.run(monitor),
+            Computation::CriticalDamping(critical) => critical.run(monitor),
+            Computation::Trajectory(trajectory) => trajectory.run(monitor),
+            Computation::Ensemble(ensemble) => ensemble.run(monitor),
+            Computation::Sound(sound) => sound.run(monitor),
+            Computation::Map(map) => map.run(monitor),
+            Computation::CriticalCurve(curve) => curve.run(monitor),
+            Computation::Bifurcation(diagram) => diagram.run(monitor),
+            Computation::ForcedCycles(cycles) => cycles.run(monitor),
+            Computation::Basin(basin) => basin.run(monitor),
+            Computation::ModeCoupling(coupling) => coupling.run(monitor),
         }
     }
 }

@@ -33,6 +33,21 @@ fn the_paper_s_cycle_has_its_period_and_displacements() {
 }
 
 #[test]
+fn the_paper_s_machine_may_be_stated_in_si() {
+    // The unit of velocity is 2500 N/(1 kg · 316 rad/s) = 7.911 m/s, and its inverse that of the Stribeck coefficient.
+    let machine = "--mass 1kg --natural-frequency 316rad/s --normal-force 2.5kN";
+    let stated =
+        "--static-friction 0.1 --damping-ratio 0.17 --belt-velocity 23.734177215189874mm/s --stribeck 0.53088s/m";
+    let found = asperity(&format!("vibration cycle {machine} {stated} --json"));
+    let json = found.json(0);
+    close(number(&json, "period"), 6.372_163_483_739_709, 1e-12);
+    close(number(&json, "displacement_max"), 0.101_931_013_749_859_7, 1e-12);
+    assert!(found.stderr.contains("the unit of lengths is 25.04 mm, of times 3.165 ms, of velocities 7.911 m/s"));
+    asperity(&format!("vibration cycle {stated}")).refuses(2, &["has a unit", "--mass, --natural-frequency"]);
+    asperity(&format!("vibration cycle --mass 1kg {PAPER} --damping-ratio 0.17")).refuses(2, &["all of --mass"]);
+}
+
+#[test]
 fn no_limit_cycle_is_an_answer() {
     let found = asperity(&format!("vibration cycle {PAPER} --damping-ratio 0.3 --json"));
     let json = found.json(0);
