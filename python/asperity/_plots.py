@@ -315,16 +315,17 @@ def _pressure_cdf(results: StudyResults, ax: Axes) -> Axes:
     pressure = column(results, "pressure_cdf", "pressure_pa")
     factor, unit = scaled("Pa", pressure)
     names = [name for name in results.tables["pressure_cdf"] if name != "pressure_pa"]
-    styles = zip([GREY, *COLOURS, "black"], [*DASHES, *DASHES], strict=False)
-    for name, (colour, dashes) in zip(names, styles, strict=False):
-        width = 3.0 if name == "reference" else 1.2
+    styles = zip([*COLOURS, "black"], [*DASHES, *DASHES], strict=False)
+    for name in names:
+        is_reference = name == "reference"
+        colour, dashes = (GREY, "-") if is_reference else next(styles)
         ax.plot(
             factor * pressure,
             column(results, "pressure_cdf", name),
             color=colour,
-            ls="-" if name == "reference" else dashes,
-            lw=width,
-            alpha=0.5 if name == "reference" else 1.0,
+            ls=dashes,
+            lw=3.0 if is_reference else 1.2,
+            alpha=0.5 if is_reference else 1.0,
             label=_METHODS.get(name, _words(name)),
         )
     ax.set(xlabel=_label("contact pressure", unit), ylabel="cumulative probability", ylim=(None, 1.005))
