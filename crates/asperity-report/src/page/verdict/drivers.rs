@@ -58,17 +58,19 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
         MachineModel::StickSlip => "damping ratio − limit",
         MachineModel::ModeCoupling => "critical friction coefficient − friction coefficient",
     };
-    let others = match drivers.len() {
-        count if count > SHOWN => format!("; {} more in the details", count - SHOWN),
-        _ => String::new(),
+    let is_unknown = |driver: &Driver| verdict.guesses.iter().any(|guess| guess.input == driver.input);
+    let note = match (verdict.guesses.is_empty(), drivers.len()) {
+        (false, _) if !is_unknown(drivers[0]) => ". What varies from part to part is changed, not measured".to_owned(),
+        (_, count) if count > SHOWN => format!(": fractions of its variance; {} more in the details", count - SHOWN),
+        _ => ": fractions of its variance".to_owned(),
     };
     html!(
-        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, {}: fractions of its variance{}.</p>\n",
+        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, {}{}.</p>\n",
         bars.collect::<Html>(),
         next(verdict),
         measure,
         margin,
-        others,
+        note,
     )
 }
 

@@ -7,7 +7,7 @@ use crate::Run;
 use crate::format::{Unit, count, significant};
 use crate::markup::{Html, html};
 use crate::plot::Axis;
-use crate::verdict::{is_exact, sampled_percent};
+use crate::verdict::{is_exact, percent, sampled_percent};
 use crate::words::unbroken;
 
 /// Table of the sampled machines.
@@ -27,9 +27,13 @@ const LEFT: f64 = 16.0;
 const RIGHT: f64 = 584.0;
 const TOP: f64 = 62.0;
 const BASE: f64 = 164.0;
+/// Width of a bold character, on a phone.
+const CHARACTER: f64 = 13.0;
 /// Rows of the texts above the drawing.
 const UPPER: f64 = 22.0;
 const LOWER: f64 = 50.0;
+/// Row of the text of a remedy, in the drawing.
+const INSIDE: f64 = 84.0;
 
 /// Limits of the damping ratio, moved such that a machine vibrates if its limit exceeds the central damping ratio: ζ_c − M for the
 /// central damping ratio ζ_c and the margin M.
@@ -183,7 +187,19 @@ impl Limits {
             &shares[1],
         );
         let damping = mark(x(self.central), "", &format!("{marked} {}", significant(self.central, 3)), LOWER);
-        picture(&label, &[areas, damping, scale(&axis)].into_iter().collect(), &self.caption(verdict))
+        let remedied = self.remedied(verdict).filter(|(value, _)| (range.0..=range.1).contains(value));
+        let line = remedied.map(|(value, _)| mark(x(value), " limit", &significant(value, 3), INSIDE));
+        let caption = self.caption(verdict)
+            + &remedied
+                .map_or_else(String::new, |(_, probability)| format!(" Dashed: {} vibrate.", percent(probability)));
+        picture(&label, &[areas, damping].into_iter().chain(line).chain([scale(&axis)]).collect(), &caption)
+    }
+
+    /// Returns the damping ratio of the first target, with the probability there.
+    fn remedied(&self, verdict: &VerdictResult) -> Option<(f64, f64)> {
+        let damping = verdict.remedies.iter().find(|remedy| remedy.input == DAMPING_RATIO && !self.coupled)?;
+        let first = damping.reach.first()?;
+        Some((first.value.filter(|value| *value != damping.now)?, first.probability))
     }
 
     /// Draws the damping ratio and its limit, or the friction coefficient and the critical one, for exact values.
@@ -274,7 +290,8 @@ fn from_quantiles(verdict: &VerdictResult) -> Vec<f64> {
 
 /// Draws a vertical line with a text beside its upper end.
 fn mark(x: f64, class: &str, text: &str, y: f64) -> Html {
-    let (anchor, beside) = if x < 0.58 * WIDTH { ("start", x + 6.0) } else { ("end", x - 6.0) };
+    let has_room = x + 6.0 + CHARACTER * text.chars().count() as f64 <= WIDTH;
+    let (anchor, beside) = if has_room { ("start", x + 6.0) } else { ("end", x - 6.0) };
     html!(
         "<line class=\"mark{}\" x1=\"{2}\" x2=\"{2}\" y1=\"{3}\" y2=\"{4}\"/>\n<text class=\"mark{0}\" x=\"{5}\" y=\"{6}\" \
          text-anchor=\"{1}\">{7}</text>\n",
