@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use asperity_base::blocks::Task;
 use asperity_base::correlation::{CorrelationModel, Covariance, LengthSettings, RecordCorrelation};
 use asperity_base::distribution::Marginal;
 use asperity_base::distribution::fit::Family;
@@ -16,7 +17,7 @@ use asperity_friction::statistics::FrictionStatistics;
 use asperity_friction::strip::{Record, SolvedStrips, StripProblem, Strips};
 use asperity_friction::window::{Window, WindowError};
 use asperity_friction::window_study::WindowStudy;
-use asperity_friction::{FrictionError, WindowContact, window_contacts};
+use asperity_friction::{FrictionError, PressedScan, WINDOWS, WindowContact, window_contacts};
 use asperity_surface::{RandomSurface, SpectralField};
 use asperity_testing::autoregressive;
 use ndarray::Array2;
@@ -270,6 +271,51 @@ fn at_the_mean_load_windows_count_by_their_load() {
     assert!((all.iter().sum::<f64>() / 5.0 - mean).abs() < 1e-15);
     // A window with little load has a quotient of 3 and little weight.
     assert!((uneven[1].friction[1] - 3.0).abs() < 1e-12 && (linear[1].friction[1] - mean).abs() < 0.02);
+}
+
+#[test]
+fn the_windows_of_a_pressed_wave_fluctuate_as_those_of_westergaard() {
+    // Two waves along x under s = p̄/p*. With sin²(πa/λ) = s the pressure over u = sin(πx/λ) is (2p̄/s)√(s − u²)√(1 − u²), and a window from
+    // the crest to u has the load (p̄λ/π)(u√(s − u²)/s + asin(u/√s)) and the friction force τ per contact width.
+    let (s, waves, amplitude_m): (f64, f64, f64) = (0.3, 2.0, 0.1e-6);
+    let grids = [1024, 2048].map(|nx| Grid::new(nx, 8, 256e-6 / nx as f64, 32e-6).unwrap());
+    let wavelength_m = grids[0].width_m() / waves;
+    let pascal = s * PI * MODULUS_PA * amplitude_m / wavelength_m;
+    let law = BowdenTabor { shear_strength_pa: 1e8 };
+    let wave = |x: f64, _| amplitude_m * (2.0 * PI * x / wavelength_m).cos();
+    let maps = grids.map(|grid| HeightMap::from_function(grid, wave).unwrap());
+    let [along, across] = WINDOWS;
+    let window_m = grids[0].width_m() / along as f64;
+    let problems = grids.map(|grid| {
+        let window = Window::rectangle(window_m, grid.height_m() / across as f64, grid).unwrap();
+        problem(half_space(grid, true), &law, 1e20, &window)
+    });
+    let task = Task::new(&Silent, "wave", 2);
+    let found = PressedScan::new(&maps, &problems, Control::MeanPressure { pascal }, &task).unwrap().unwrap();
+
+    let edge = s.sqrt();
+    let halves = |x: f64| {
+        // Signed contact width and load between the crest and x, at most half a wave away.
+        let x = x / wavelength_m;
+        let (turns, part) = (x.round(), x - x.round());
+        let u = (PI * part).sin().clamp(-edge, edge);
+        let load = (u * (s - u * u).max(0.0).sqrt() / s + (u / edge).clamp(-1.0, 1.0).asin()) / PI;
+        [2.0 * turns * edge.asin() / PI + u.asin() / PI, turns + load]
+    };
+    let mean = 1e8 * 2.0 * edge.asin() / PI / pascal;
+    let positions = 4096;
+    let friction: Vec<f64> = (0..positions)
+        .map(|index| {
+            let start_m = wavelength_m * f64::from(index) / f64::from(positions);
+            let ([a0, n0], [a1, n1]) = (halves(start_m), halves(start_m + window_m));
+            let [area, load] = [a1 - a0, n1 - n0].map(|part| part * wavelength_m / window_m);
+            mean + 1e8 * area / pascal - mean * load
+        })
+        .collect();
+    let exact = Moments::from_values(friction.iter().copied());
+    assert!((exact.mean / mean - 1.0).abs() < 1e-9, "{exact:?} {mean}");
+    assert!((found.mean.value / mean - 1.0).abs() < 0.01, "{found:?} {mean}");
+    assert!((found.std / exact.std - 1.0).abs() < 0.02, "{found:?} {exact:?}");
 }
 
 /// Averages a periodic record of one value per cell over windows.
