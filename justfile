@@ -61,9 +61,11 @@ portable *TARGETS="wasm":
 fuzz-vibration COUNT="1000000":
     ASPERITY_CYCLES={{COUNT}} cargo test --release -p asperity-vibration --lib of_random_machines -- --nocapture
 
-# Takes the picture of README.md from the quickstart. Needs Chromium.
+# Screenshots need Chromium and web/dist/explorer.html (the recipe `web`).
+# Draws the diagrams and plots of the book, and takes the screenshots of README.md and the book.
 pictures:
     cargo build --release --bin asperity
+    scripts/draw-figures
     scripts/take-pictures
 
 # Solves 1,000 contact problems and checks each solution, compares distributions of the pressure with references, and counts how often the
@@ -91,8 +93,8 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures
+    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/book-math scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures scripts/draw-figures
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/book-math scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures scripts/draw-figures
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:

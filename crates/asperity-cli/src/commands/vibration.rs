@@ -55,13 +55,14 @@ enum Computation {
 
 impl Vibration {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        self.units.note(monitor)?;
+        let writes_wav = matches!(&self.computation, Computation::Sound(sound) if sound.writes_wav());
+        self.units.note(writes_wav, monitor)?;
         match &self.computation {
             Computation::Cycle(cycle) => cycle.run(monitor),
             Computation::CriticalDamping(critical) => critical.run(monitor),
             Computation::Trajectory(trajectory) => trajectory.run(monitor),
             Computation::Ensemble(ensemble) => ensemble.run(monitor),
-            Computation::Sound(sound) => sound.run(monitor),
+            Computation::Sound(sound) => sound.run(self.units.natural_frequency, monitor),
             Computation::Map(map) => map.run(monitor),
             Computation::CriticalCurve(curve) => curve.run(monitor),
             Computation::Bifurcation(diagram) => diagram.run(monitor),

@@ -199,7 +199,7 @@ fn sounds_beyond_the_limits_of_a_file_are_refused() {
         ("--wav a.wav --natural-frequency 22.05kHz", ["half the sampling rate", "22050"]),
         ("--wav a.wav --natural-frequency 440Hz --seconds 1000", ["seconds", "600"]),
         ("--wav a.wav", ["--natural-frequency", "required"]),
-        ("--natural-frequency 440Hz", ["--wav", "required"]),
+        ("--natural-frequency 440Hz", ["--mass", "--normal-force"]),
         ("--wav a.wav --natural-frequency 440m", ["--natural-frequency", "440m"]),
         ("--wav gone/a.wav --natural-frequency 440Hz", ["--wav", "gone"]),
     ] {

@@ -1,7 +1,7 @@
 //! Intervals of crossings cover the crossings computed from many more trajectories.
 //!
-//! `ASPERITY_REPLICATES` sets the number of replicates; the default is small. `docs/vibration.md` reports the coverage
-//! of 1,000. The unit tests of the sweep use 1,000 replicates of a closed form.
+//! `ASPERITY_REPLICATES` sets the number of replicates; the default is small. `docs/vibration-fluctuation.md` reports
+//! the coverage of 1,000. The unit tests of the sweep use 1,000 replicates of a closed form.
 
 use asperity_base::monitor::Silent;
 use asperity_process::{FrictionProcess, ProcessModel};

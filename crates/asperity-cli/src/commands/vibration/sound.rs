@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity::quantity::AngularFrequency;
 use asperity::study::Table;
 use asperity::study::result::SoundSpectrum;
 use asperity::vibration::{self, Drive, Oscillator, SoundSettings, TrajectorySettings, limit_cycle};
@@ -52,7 +53,12 @@ pub(crate) struct Sound {
 }
 
 impl Sound {
-    pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
+    /// Returns whether the command writes a sound file, which has the natural frequency of the machine.
+    pub(super) fn writes_wav(&self) -> bool {
+        self.wav.is_requested()
+    }
+
+    pub(crate) fn run(&self, natural_frequency: Option<AngularFrequency>, monitor: &Terminal) -> Result<(), Failure> {
         let oscillator = self.machine.oscillator(self.damping.damping_ratio, monitor)?;
         let process = self.source.process(&oscillator, monitor)?;
         let settings = SoundSettings {
@@ -69,7 +75,7 @@ impl Sound {
         // Includes the phase portraits and transforms of the velocities.
         let points = self.duration / TAU * settings.points_per_period as f64;
         require_memory(POINT_BYTES * points * self.trajectories as f64, "the record of the velocities")?;
-        let wave = self.wav.record(&oscillator, &process, &settings, monitor)?;
+        let wave = self.wav.record(&oscillator, &process, &settings, natural_frequency, monitor)?;
         let sound = vibration::Sound::record(&oscillator, &process, &settings, monitor)?;
         let period = cycle_period(&oscillator, monitor)?;
         let clipped = process.model().clipped_fraction();

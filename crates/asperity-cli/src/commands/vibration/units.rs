@@ -35,20 +35,21 @@ pub(super) struct Units {
     mass: Option<Mass>,
     /// Natural frequency ω₀, such as 100Hz or 628rad/s.
     #[arg(long, global = true, value_name = "Q", value_parser = args::positive_quantity::<AngularFrequency>, allow_hyphen_values = true)]
-    natural_frequency: Option<AngularFrequency>,
+    pub(super) natural_frequency: Option<AngularFrequency>,
     /// Normal force N.
     #[arg(long, global = true, value_name = "Q", value_parser = args::positive_quantity::<Force>, allow_hyphen_values = true)]
     normal_force: Option<Force>,
 }
 
 impl Units {
-    /// Prints the units of the answer.
+    /// Prints the units of the answer. The natural frequency may stand alone if it is that of a sound file.
     ///
     /// # Errors
     /// Only a part of the machine is stated.
-    pub(super) fn note(&self, monitor: &Terminal) -> Result<(), Failure> {
+    pub(super) fn note(&self, writes_wav: bool, monitor: &Terminal) -> Result<(), Failure> {
         let scales = match (self.mass, self.natural_frequency, self.normal_force) {
             (None, None, None) => return Ok(()),
+            (None, Some(_), None) if writes_wav => return Ok(()),
             (Some(mass), Some(frequency), Some(force)) => Scales::new(mass.0, frequency.0, force.0)?,
             _ => return Err(Failure::usage(WANTED)),
         };

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use asperity::friction::process::FrictionProcess;
-use asperity::quantity::{AngularFrequency, Frequency};
+use asperity::quantity::AngularFrequency;
 use asperity::vibration::{Oscillator, SoundSettings, Waveform, WaveformSettings};
 use clap::Args;
 use hound::{SampleFormat, WavSpec, WavWriter};
@@ -27,26 +27,16 @@ pub(super) struct Wav {
     /// dB below full scale.
     #[arg(long, value_name = "FILE.wav", requires = "natural_frequency")]
     wav: Option<PathBuf>,
-    /// Natural frequency of the machine in the sound file: 80Hz, or as ω₀, 500rad/s.
-    #[arg(long, value_name = "Q", value_parser = natural_frequency_hz, allow_hyphen_values = true, requires = "wav")]
-    natural_frequency: Option<f64>,
     /// Length of the sound file in seconds; 5 when left out.
     #[arg(long, value_name = "X", value_parser = args::positive, allow_hyphen_values = true, requires = "wav")]
     seconds: Option<f64>,
 }
 
-/// Parses a frequency or an angular frequency; returns f₀ in hertz.
-fn natural_frequency_hz(text: &str) -> Result<f64, args::Refusal> {
-    if let Ok(angular) = text.parse::<AngularFrequency>()
-        && angular.0 > 0.0
-        && angular.0.is_finite()
-    {
-        return Ok(angular.0 / TAU);
-    }
-    args::positive_quantity::<Frequency>(text).map(|frequency| frequency.0)
-}
-
 impl Wav {
+    pub(super) fn is_requested(&self) -> bool {
+        self.wav.is_some()
+    }
+
     /// Fails if the file cannot be written.
     pub(super) fn check(&self, inputs: &[&Path]) -> Result<(), Failure> {
         self.wav.as_ref().map_or(Ok(()), |file| check_target("--wav", file, inputs))
@@ -58,11 +48,12 @@ impl Wav {
         oscillator: &Oscillator,
         process: &FrictionProcess,
         settings: &SoundSettings,
+        natural_frequency: Option<AngularFrequency>,
         monitor: &Terminal,
     ) -> Result<Option<Waveform>, Failure> {
-        let Some(natural_frequency_hz) = self.natural_frequency else { return Ok(None) };
+        let Some(natural_frequency) = natural_frequency.filter(|_| self.is_requested()) else { return Ok(None) };
         let waveform = WaveformSettings {
-            natural_frequency_hz,
+            natural_frequency_hz: natural_frequency.0 / TAU,
             sampling_rate_hz: f64::from(SAMPLING_RATE_HZ),
             seconds: self.seconds.unwrap_or(SECONDS),
             from: settings.from,
