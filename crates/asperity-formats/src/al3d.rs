@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 
 use crate::sections::Section;
-use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large};
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large, refuse_if, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["al3d"],
@@ -63,14 +63,10 @@ impl<'a> Header<'a> {
         for key in ["Version", "TagCount"] {
             let at = header.end;
             let found = header.next_tag()?;
-            if found != key {
-                return Err(input.wrong("the key of a tag", at, found, key));
-            }
+            refuse_if!(found != key, input.wrong("the key of a tag", at, found, key));
         }
         let count = header.tags.number::<i64>("TagCount")?;
-        if !(0..=MAX_TAGS).contains(&count) {
-            return Err(header.tags.wrong("TagCount", &format!("0 to {MAX_TAGS}")));
-        }
+        refuse_if!(!(0..=MAX_TAGS).contains(&count), header.tags.wrong("TagCount", &format!("0 to {MAX_TAGS}")));
         for _ in 0..count {
             header.next_tag()?;
         }
@@ -156,9 +152,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     }
     // Sides of a pixel: n of them make the field of view.
     let pitch_m = header.number("PixelSizeXMeter")?.zip(header.number("PixelSizeYMeter")?);
-    if pitch_m.is_none() {
-        warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
-    }
+    warn_if!(warnings, pitch_m.is_none(), "there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read");
     let heights_m = input.matrix("Cols", 0, (ny, nx), depths)?;
     Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
 }

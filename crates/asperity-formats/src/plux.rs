@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use crate::plu::LOST;
 use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
-use crate::{Archive, Description, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, Shape};
+use crate::{Archive, Description, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, Shape, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["plux"],
@@ -85,9 +85,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
     let mut warnings = Vec::new();
     let (mut heights, unpacked) = archive.read_numbers(link, Sample::F32, 0, ny * nx, ny as u64 * nx as u64)?;
-    if unpacked.md5.is_none() {
-        warnings.push(format!("{link} is longer than the stated dimensions"));
-    }
+    warn_if!(warnings, unpacked.md5.is_none(), "{link} is longer than the stated dimensions");
     for z in &mut heights {
         *z = if *z == LOST { f64::NAN } else { *z / PER_METRE };
     }

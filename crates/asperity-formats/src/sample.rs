@@ -51,6 +51,11 @@ impl Sample {
         [Self::F32, Self::F64].into_iter().find(|sample| 8 * sample.size() as u64 == bits)
     }
 
+    /// Returns whether this is a type of signed integers.
+    pub(crate) fn is_signed(self) -> bool {
+        matches!(self, Self::I8 | Self::I16 | Self::I32 | Self::I64)
+    }
+
     /// Returns whether this is a floating-point type.
     pub(crate) fn is_float(self) -> bool {
         matches!(self, Self::F32 | Self::F64)

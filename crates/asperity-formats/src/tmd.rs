@@ -13,7 +13,7 @@
 //! The length of an axis is the number of points times their distance: the file states the field of view, not the
 //! distance between the outermost points.
 
-use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, latin1};
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, latin1, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["tmd"],
@@ -105,15 +105,13 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         }
     }
     let surplus = (bytes.len() as u64).saturating_sub(layout.file_bytes(&input)?);
-    if surplus > 0 {
-        scan.warnings.push(format!("{surplus} bytes follow the heights and were not read"));
-    }
+    warn_if!(scan.warnings, surplus > 0, "{surplus} bytes follow the heights and were not read");
     Ok(scan)
 }
 
 /// Returns the offset of the zero after a text.
 fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usize> {
-    let bytes = input.bytes().get(start..).unwrap_or_default();
+    let bytes = input.bytes.get(start..).unwrap_or_default();
     let end = bytes.iter().take(limit).position(|&byte| byte == 0);
     end.map(|length| start + length).ok_or_else(|| input.missing(part, start, "a text that a zero byte ends"))
 }

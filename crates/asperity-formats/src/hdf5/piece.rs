@@ -1,6 +1,6 @@
 //! Sequential reading of the fields of a structure.
 
-use crate::{FormatError, Input, Result};
+use crate::{FormatError, Input, Result, refuse_if};
 
 /// Address that marks an absent object.
 const UNDEFINED: u64 = u64::MAX;
@@ -105,9 +105,7 @@ impl<'a> Piece<'a> {
     pub(super) fn expect(&mut self, field: &str, wanted: &[u8]) -> Result<()> {
         let at = self.at;
         let found = self.take(field, wanted.len())?;
-        if found != wanted {
-            return Err(self.wrong(field, at, found.escape_ascii(), &wanted.escape_ascii().to_string()));
-        }
+        refuse_if!(found != wanted, self.wrong(field, at, found.escape_ascii(), &wanted.escape_ascii().to_string()));
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use md5::{Digest, Md5};
 use super::names::{CHECKSUM, MAIN, path, sample};
 use crate::archive::hexadecimal;
 use crate::xml::Value;
-use crate::{Archive, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, large, scan, shown};
+use crate::{Archive, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, large, scan, shown, warn_if};
 
 /// Largest `main.xml` in bytes: it holds a data list of two million points.
 const MAX_MAIN_BYTES: u64 = 1 << 26;
@@ -76,9 +76,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let Record { document, mut warnings, .. } = record;
 
     let pitch_m = document.number(&axis_path("CX", "Increment"))?.zip(document.number(&axis_path("CY", "Increment"))?);
-    if pitch_m.is_none() {
-        warnings.push("the x or y axis has no increment; no pixel size was read".into());
-    }
+    warn_if!(warnings, pitch_m.is_none(), "the x or y axis has no increment; no pixel size was read");
     if let Some(origin) = document.text(path::ORIGIN).filter(|origin| *origin != TOP_LEFT) {
         let origin = shown(origin);
         warnings.push(format!("the file states the origin `{origin}`; its first line was read as the top line"));
@@ -94,16 +92,11 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
     let letter = document.required(&type_path, "I, L, F or D")?;
     let sample =
         sample(&letter.text).ok_or_else(|| document.wrong(&type_path, &letter.text, letter.offset, "I, L, F or D"))?;
-    let is_integer = matches!(sample, Sample::I16 | Sample::I32);
-    let sample = match sample {
-        Sample::I16 | Sample::I32 if document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER) => {
-            warnings.push(format!(
-                "{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read as unsigned"
-            ));
-            if sample == Sample::I16 { Sample::U16 } else { Sample::U32 }
-        }
-        _ => sample,
-    };
+    let is_integer = sample.is_signed();
+    let is_unsigned = is_integer && document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER);
+    let doubt = "writes unsigned integers, against the format; they were read as unsigned";
+    warn_if!(warnings, is_unsigned, "{UNSIGNED_WRITER} {doubt}");
+    let sample = Sample::integer(8 * sample.size() as u64, false).filter(|_| is_unsigned).unwrap_or(sample);
     let increment = match document.number(&increment_path)? {
         // The schema requires an increment only for integers. An increment of 0 for floats means that there is none.
         Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),
