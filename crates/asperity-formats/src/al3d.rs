@@ -93,11 +93,6 @@ impl<'a> Header<'a> {
         Ok(key)
     }
 
-    /// Returns a whole number; `None` if there is no such tag.
-    fn integer(&self, key: &str) -> Result<Option<i64>> {
-        self.tags.field(key).map(|_| self.tags.number(key)).transpose()
-    }
-
     /// Returns a finite number; `None` if there is no such tag.
     fn number(&self, key: &str) -> Result<Option<f64>> {
         let Some(text) = self.tags.field(key) else { return Ok(None) };
@@ -107,7 +102,7 @@ impl<'a> Header<'a> {
 
     /// Returns the offset of an image; `None` if there is none (no tag, or 0).
     fn offset(&self, key: &str) -> Result<Option<usize>> {
-        let Some(offset) = self.integer(key)?.filter(|&offset| offset != 0) else { return Ok(None) };
+        let Some(offset) = self.tags.optional::<i64>(key)?.filter(|&offset| offset != 0) else { return Ok(None) };
         let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
         let wanted = || format!("0 or a byte after the tags, {} or more", self.end);
         behind_tags.map(Some).ok_or_else(|| self.tags.wrong(key, &wanted()))
@@ -170,7 +165,7 @@ fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
 /// plane, no filter, or a filter of 0, which would exclude every depth.
 fn repeatability(header: &Header, texture: usize, (ny, nx): Shape) -> Result<Option<(Vec<f64>, f64)>> {
     let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
-    let Some((filter, plane)) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
+    let Some((filter, plane)) = filter.zip(header.tags.optional::<i64>("DepthImageResPtr")?) else { return Ok(None) };
     let plane = usize::try_from(plane).map_err(|_| header.tags.wrong("DepthImageResPtr", "the number of a plane"))?;
     let start = plane.saturating_mul(stride(nx, Sample::U8) * ny).saturating_add(texture);
     let mut values = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;

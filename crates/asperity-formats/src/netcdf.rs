@@ -33,8 +33,8 @@ pub(crate) const CODEC: Description = Description {
     reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
     missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
     orientation: "the first y is the top row; (x, y) is turned to (y, x)",
-    tested: Tested::OtherPrograms,
     // HDF5 files that are not DATX are tried as netCDF-4: the registry tries DATX first.
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::NetCdf, |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes), read)
 };
 

@@ -19,8 +19,8 @@ pub(crate) const CODEC: Description = Description {
     stores_pitch: false,
     missing_points: "NaN, ±inf",
     orientation: "the first index is the row",
-    tested: Tested::OtherPrograms,
     write: Some(|scan| Ok(write_npy(scan))),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Npy, |bytes| bytes.starts_with(MAGIC), read)
 };
 

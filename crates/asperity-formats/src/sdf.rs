@@ -41,8 +41,8 @@ pub(crate) const CODEC: Description = Description {
     writes: "binary float64",
     missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
     orientation: "the first profile (y = 0) is row 0",
-    tested: Tested::OtherPrograms,
     write: Some(write_sdf),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Sdf, |bytes| Version::detect(bytes).is_some(), read)
 };
 

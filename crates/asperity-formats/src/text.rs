@@ -46,8 +46,8 @@ pub(crate) const CODEC: Description = Description {
     writes: ".csv with commas, others with spaces; unit and pixel size as comments",
     missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
     orientation: "the first line is row 0",
-    tested: Tested::OtherPrograms,
     write: Some(|scan| Ok(write_text(scan, Separator::Space))),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Text, is_text, read)
 };
 

@@ -44,11 +44,6 @@ impl<'a> Piece<'a> {
         Ok(bytes)
     }
 
-    /// Returns all unread bytes.
-    pub(super) fn rest(mut self) -> Result<&'a [u8]> {
-        self.take("bytes", self.left())
-    }
-
     pub(super) fn skip(&mut self, field: &str, length: usize) -> Result<()> {
         self.take(field, length).map(|_| ())
     }
@@ -129,7 +124,7 @@ impl<'a> Piece<'a> {
 
     /// Reads text up to a zero, which is skipped, or up to the end.
     pub(super) fn text(&mut self, field: &str) -> Result<&'a [u8]> {
-        let rest = self.rest()?;
+        let rest = Self { ..*self }.take("bytes", self.left())?;
         let length = rest.iter().position(|&byte| byte == 0).unwrap_or(rest.len());
         self.skip(field, (length + 1).min(rest.len()))?;
         Ok(&rest[..length])
