@@ -136,14 +136,6 @@ pub(crate) fn refusal(bytes: &[u8]) -> String {
     read_bytes(bytes).unwrap_err().to_string()
 }
 
-/// The name of the field for whose value a file is refused.
-pub(crate) fn wrong_field(bytes: &[u8]) -> String {
-    match read_bytes(bytes) {
-        Err(FormatError::Field { field, .. }) => field,
-        other => panic!("{other:?}"),
-    }
-}
-
 /// The content for which a valid file is refused.
 pub(crate) fn unsupported(bytes: &[u8]) -> String {
     match read_bytes(bytes) {
