@@ -134,3 +134,9 @@ pub(crate) fn assert_warns(scan: &Scan, words: &str) {
 pub(crate) fn assert_no_warning(scan: &Scan) {
     assert_eq!(scan.warnings, [] as [String; 0]);
 }
+
+/// Asserts that a scan has one warning, of these words.
+#[track_caller]
+pub(crate) fn assert_one_warning(scan: &Scan, words: &str) {
+    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains(words)), "{:?}, wanted {words}", scan.warnings);
+}
