@@ -77,7 +77,7 @@ pub(crate) fn patched(file: &[u8], offset: usize, field: impl Raw) -> Vec<u8> {
 
 /// Asserts that an error has a message with these words.
 #[track_caller]
-pub(crate) fn assert_error(result: Result<Scan, FormatError>, words: &str) {
+pub(crate) fn assert_error<T: std::fmt::Debug>(result: Result<T, FormatError>, words: &str) {
     let message = result.unwrap_err().to_string();
     assert!(message.contains(words), "{message}, wanted {words}");
 }

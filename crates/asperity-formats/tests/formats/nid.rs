@@ -1,6 +1,7 @@
 use asperity_formats::{Format, FormatError};
 
 use crate::assert_heights;
+use crate::check::assert_error;
 use crate::fixture::{Fixture, read_bytes};
 
 /// A file of three data sets of 3 × 2 points; `second` replaces fields of the second, the heights.
@@ -94,6 +95,5 @@ fn other_data_and_damaged_headers_are_refused_with_their_field() {
     }
     let volts = read_bytes(&nid(&[("Dim2Unit", "V")], &numbers())).unwrap();
     assert_eq!(volts.channels, ["Scan forward: Deflection"]);
-    let error = read_bytes(b"[DataSet]\r\nGroupCount=1\r\n").unwrap_err().to_string();
-    assert!(error.contains("the end of the header"), "{error}");
+    assert_error(read_bytes(b"[DataSet]\r\nGroupCount=1\r\n"), "the end of the header");
 }

@@ -1,5 +1,6 @@
 use asperity_formats::{Format, Scan, write_sur};
 
+use crate::check::assert_error;
 use crate::fixture::{Fixture, read_bytes};
 use crate::{NAN, assert_heights};
 
@@ -282,8 +283,7 @@ fn lines_that_are_not_points_are_named() {
 fn points_that_span_a_giant_grid_are_refused() {
     let mut text = list(&by_rows(), " ");
     text += "1000000000 -1 0\n";
-    let message = read_bytes(text.as_bytes()).unwrap_err().to_string();
-    assert!(message.starts_with("XYZ: the points would fill less than 1 of 4 places of a grid of"), "{message}");
+    assert_error(read_bytes(text.as_bytes()), "XYZ: the points would fill less than 1 of 4 places of a grid of");
 }
 
 #[test]
@@ -349,10 +349,9 @@ fn three_columns_in_a_file_named_xyz_are_points() {
         asperity_formats::read(&path)
     };
     let map = "1 2 3\n4 5 6\n7 9 9\n";
-    let error = write("map.xyz", map).unwrap_err().to_string();
-    assert!(
-        error.contains("map.xyz: XYZ: the three columns are points x, y, z that lie on no regular grid"),
-        "{error}"
+    assert_error(
+        write("map.xyz", map),
+        "map.xyz: XYZ: the three columns are points x, y, z that lie on no regular grid",
     );
     let sized = "# pixel size: 1 um\n1 2 3\n4 5 6\n";
     for (name, text) in [("map.txt", map), ("map.xyz", "1 2\n3 4\n"), ("map.xyz", sized)] {

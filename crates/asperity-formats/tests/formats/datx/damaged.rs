@@ -1,6 +1,7 @@
 //! Structures that refer to themselves, and sizes beyond the end of the file.
 
 use super::*;
+use crate::check::assert_error;
 
 /// Reads a malicious file within the limits of time and memory.
 fn read_harmful(bytes: &[u8]) -> Result<Scan, FormatError> {
@@ -23,8 +24,7 @@ fn a_tree_whose_nodes_are_shared_ends_as_an_error() {
     }
     let heap = file.append(&fields![*b"HEAP", [0; 4], 8_u64.to_le_bytes(), 1_u64.to_le_bytes(), node.to_le_bytes()]);
     let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), heap.to_le_bytes()])]);
-    let message = read_harmful(&file.finish(0, root)).unwrap_err().to_string();
-    assert!(message.contains("shared too often"), "{message}");
+    assert_error(read_harmful(&file.finish(0, root)), "shared too often");
 }
 
 #[test]
@@ -44,8 +44,7 @@ fn a_header_that_goes_on_in_itself_ends_as_an_error() {
     let next = file.append(&[]);
     let root = file.object(&[(0x10, fields![(next + 16).to_le_bytes(), 24_u64.to_le_bytes()])]);
     assert_eq!(root, next);
-    let message = read_harmful(&file.finish(0, root)).unwrap_err().to_string();
-    assert!(message.contains("the number of messages"), "{message}");
+    assert_error(read_harmful(&file.finish(0, root)), "the number of messages");
 }
 
 #[test]
