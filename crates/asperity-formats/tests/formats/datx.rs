@@ -1,10 +1,10 @@
 use asperity_formats::{Format, FormatError, Scan};
 
-use crate::check::{assert_error, assert_refused, assert_scan, patched};
+use crate::check::{assert_error, assert_refused, assert_scan, bytes, patched};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::{deflated as deflated_bytes, zlib};
 use crate::{NAN, assert_heights, assert_metadata};
-use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fields, fill_value};
+use hdf5::{Hdf5, Message, attribute, contiguous, dataspace, datatype, fill_value};
 
 mod damaged;
 pub(crate) mod hdf5;
@@ -95,7 +95,7 @@ impl Map {
         for (name, converting) in ["X Converter", "Y Converter", "Z Converter"].into_iter().zip(self.converters) {
             let Some((category, unit, parameters)) = converting else { continue };
             let parameters: Vec<u8> = parameters.iter().flat_map(|one| one.to_le_bytes()).collect();
-            let value = fields![
+            let value = bytes![
                 file.keep(category.as_bytes()).of(category.len()),
                 file.keep(unit.as_bytes()).of(unit.len()),
                 file.keep(&parameters).of(4),
@@ -131,15 +131,11 @@ impl Map {
                 for (offset, mask, bytes) in chunks {
                     let address = file.append(bytes);
                     // Bytes of the chunk, filter mask, offsets, offset within the element.
-                    let [row, column] = offset.map(u64::to_le_bytes);
-                    children.push((
-                        fields![(bytes.len() as u32).to_le_bytes(), mask.to_le_bytes(), row, column, [0; 8]],
-                        address,
-                    ));
+                    children.push((bytes![bytes.len() as u32, mask, offset, [0_u8; 8]], address));
                 }
                 // The key after the last chunk is beyond it.
                 let end = self.shape[0].next_multiple_of(u64::from(shape[0]));
-                let end = fields![[0; 8], end.to_le_bytes(), [0; 16]];
+                let end = bytes![[0_u8; 8], end, [0_u8; 16]];
                 // Two chunks in each node, and a node above these if there are several.
                 let nodes: Vec<(Vec<u8>, u64)> =
                     children.chunks(2).map(|pair| (pair[0].0.clone(), file.tree(1, 0, pair, &end))).collect();
@@ -149,8 +145,7 @@ impl Map {
                 };
                 // The element is the last of the dimensions.
                 let element = self.datatype[4..8].to_vec();
-                let [rows, columns] = shape.map(u32::to_le_bytes);
-                let layout = fields![[3, 2, 3], tree.to_le_bytes(), rows, columns, element];
+                let layout = bytes![[3_u8, 2, 3], tree, shape, element];
                 let pipeline = (!filters.is_empty()).then(|| (hdf5::FILTERS, filters.clone()));
                 [(hdf5::LAYOUT, layout)].into_iter().chain(pipeline).collect()
             }
@@ -230,9 +225,9 @@ fn read(map: Map) -> Scan {
 fn pipeline(filters: &[(u16, u32)]) -> Vec<u8> {
     let each = |&(filter, value): &(u16, u32)| {
         // Filter, length of the name, flags, number of values; an odd number of values is padded.
-        fields![filter.to_le_bytes(), [0; 2], [0; 2], 1_u16.to_le_bytes(), value.to_le_bytes(), [0; 4]]
+        bytes![filter, [0_u8; 2], [0_u8; 2], 1_u16, value, [0_u8; 4]]
     };
-    fields![[1, filters.len() as u8], [0; 6], filters.iter().flat_map(each).collect::<Vec<u8>>()]
+    bytes![[1_u8, filters.len() as u8], [0_u8; 6], filters.iter().flat_map(each).collect::<Vec<u8>>()]
 }
 
 /// Three rows of four integers in chunks of two by three; only three of the four chunks were written.
@@ -280,7 +275,7 @@ fn summed(change: u8) -> Map {
         first = (first + u64::from(u16::from_be_bytes([word[0], word[1]]))) % 65535;
         second = (second + first) % 65535;
     }
-    let mut bytes = fields![numbers, (second << 16 | first).to_le_bytes()[..4]];
+    let mut bytes = bytes![numbers, (second << 16 | first).to_le_bytes()[..4]];
     bytes[5] ^= change;
     Map { store: Store::Chunked([2, 3], pipeline(&[(3, 0)]), vec![([0, 0], 0, bytes)]), ..Map::default() }
 }
@@ -301,11 +296,11 @@ fn deflated(shape: [u64; 2]) -> Map {
 
 /// The usual heights in a compact layout and in that of a single chunk.
 fn of_other_layouts() -> [Map; 2] {
-    let compact = |_: &mut Hdf5, numbers: &[u8]| fields![[3, 0], (numbers.len() as u16).to_le_bytes(), numbers];
+    let compact = |_: &mut Hdf5, numbers: &[u8]| bytes![[3_u8, 0], numbers.len() as u16, numbers];
     // Version 4: class, flags, rank, width of sizes, sizes, index 1, address; no filters.
     let single = |file: &mut Hdf5, numbers: &[u8]| {
         let address = file.append(numbers);
-        fields![[4, 2, 0, 3, 1], [2, 3, 8], [1], address.to_le_bytes()]
+        bytes![[4_u8, 2, 0, 3, 1], [2_u8, 3, 8], [1_u8], address]
     };
     [compact as fn(&mut Hdf5, &[u8]) -> Vec<u8>, single]
         .map(|layout| Map { store: Store::Layout(layout), ..Map::default() })
@@ -315,7 +310,7 @@ fn of_other_layouts() -> [Map; 2] {
 fn not_read() -> Vec<(Map, &'static str)> {
     let filter = |number| Store::Chunked([2, 3], pipeline(&[(number, 0)]), vec![]);
     // Version 4: class, flags, rank, width of sizes, sizes, index, bits of a page, address.
-    let index = |kind| Store::Message(fields![[4, 2, 0, 3, 1], [2, 3, 8], [kind, 10], 104_u64.to_le_bytes()]);
+    let index = |kind| Store::Message(bytes![[4_u8, 2, 0, 3, 1], [2_u8, 3, 8], [kind, 10_u8], 104_u64]);
     [
         (filter(4), "filter 4 (szip)"),
         (filter(5), "filter 5 (n-bit)"),
@@ -357,11 +352,7 @@ fn system() -> Vec<Message> {
         attribute("Data Context.Data Attributes.System Serial Number", &datatype::text(8), b"87266\0\0\0"),
         attribute("Data Context.Lateral Resolution:Value", &datatype::float(8, false), &4e-6_f64.to_le_bytes()),
         attribute("Data Context.Data Attributes.Camera Width", &datatype::integer(4, false), &1000_i32.to_le_bytes()),
-        attribute(
-            "Data Context.Data Attributes.Time Stamp",
-            &stamp,
-            &fields![1_500_000_000_i32.to_le_bytes(), (-60_i32).to_le_bytes()],
-        ),
+        attribute("Data Context.Data Attributes.Time Stamp", &stamp, &bytes![1_500_000_000_i32, -60_i32]),
     ]
 }
 

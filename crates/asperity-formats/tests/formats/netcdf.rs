@@ -2,7 +2,7 @@ use asperity_formats::{Format, Scan};
 
 use crate::check::{assert_no_warning, assert_pitch, assert_refused, assert_warns, bytes, patched};
 use crate::datx;
-use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fields, fill_value, new_attribute};
+use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fill_value, new_attribute};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::{NAN, assert_heights, assert_metadata};
 
@@ -82,19 +82,19 @@ impl Classic {
     }
 
     fn name(&self, name: &str) -> Vec<u8> {
-        fields![self.count(name.len() as u64), padded(name.as_bytes())]
+        bytes![self.count(name.len() as u64), padded(name.as_bytes())]
     }
 
     /// A list; one without entries is absent: tag and count are zero.
     fn list(&self, tag: u32, entries: &[Vec<u8>]) -> Vec<u8> {
         let tag = if entries.is_empty() { 0 } else { tag };
-        fields![tag.to_be_bytes(), self.count(entries.len() as u64), entries.concat()]
+        bytes![tag.to_be_bytes(), self.count(entries.len() as u64), entries.concat()]
     }
 
     fn attributes(&self, attributes: &Atts) -> Vec<u8> {
         let entry = |(name, att): &(&str, Att)| {
             let (kind, count, bytes) = att.parts();
-            fields![self.name(name), kind.to_be_bytes(), self.count(count), padded(&bytes)]
+            bytes![self.name(name), kind.to_be_bytes(), self.count(count), padded(&bytes)]
         };
         self.list(0x0c, &attributes.iter().map(entry).collect::<Vec<_>>())
     }
@@ -104,7 +104,7 @@ impl Classic {
     }
 
     fn header(&self, begins: &[u64]) -> Vec<u8> {
-        let dimension = |(name, length): &(&str, u64)| fields![self.name(name), self.count(*length)];
+        let dimension = |(name, length): &(&str, u64)| bytes![self.name(name), self.count(*length)];
         let variable = |(Var(name, places, attributes, kind, bytes), begin): (&Var, &u64)| {
             let places: Vec<u8> = places.iter().flat_map(|&place| self.count(place as u64)).collect();
             let rank = self.count((places.len() / self.count(0).len()) as u64);
@@ -112,9 +112,9 @@ impl Classic {
                 if self.version == 1 { (*begin as u32).to_be_bytes().to_vec() } else { begin.to_be_bytes().to_vec() };
             // Name, dimensions, attributes, type, size, place.
             let size = self.count(bytes.len() as u64);
-            fields![self.name(name), rank, places, self.attributes(attributes), kind.to_be_bytes(), size, begin]
+            bytes![self.name(name), rank, places, self.attributes(attributes), kind.to_be_bytes(), size, begin]
         };
-        fields![
+        bytes![
             [b'C', b'D', b'F', self.version],
             // A number of records with all bits set means unknown.
             self.count(self.records.unwrap_or(u64::MAX)),
@@ -148,7 +148,7 @@ impl Classic {
                 data.extend(if in_records.len() == 1 { part.to_vec() } else { padded(part) });
             }
         }
-        fields![self.header(&begins), data]
+        bytes![self.header(&begins), data]
     }
 
     fn read(&self) -> Scan {

@@ -15,14 +15,14 @@ fn read_harmful(bytes: &[u8]) -> Result<Scan, FormatError> {
 #[test]
 fn a_tree_whose_nodes_are_shared_ends_as_an_error() {
     let mut file = Hdf5::new();
-    let mut node = file.append(&fields![*b"SNOD", [1, 0], [0, 0]]);
+    let mut node = file.append(&bytes![b"SNOD", [1_u8, 0], [0_u8, 0]]);
     // Each level refers sixty times to the one below: 60⁸ symbol table nodes.
     for level in 0..8 {
         let children = vec![(vec![0; 8], node); 60];
         node = file.tree(0, level, &children, &[0; 8]);
     }
-    let heap = file.append(&fields![*b"HEAP", [0; 4], 8_u64.to_le_bytes(), 1_u64.to_le_bytes(), node.to_le_bytes()]);
-    let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), heap.to_le_bytes()])]);
+    let heap = file.append(&bytes![b"HEAP", [0_u8; 4], 8_u64, 1_u64, node]);
+    let root = file.object(&[(hdf5::SYMBOL_TABLE, bytes![node, heap])]);
     assert_error(read_harmful(&file.finish(0, root)), "shared too often");
 }
 
@@ -32,7 +32,7 @@ fn a_tree_that_is_its_own_child_ends_as_an_error() {
     let next = file.append(&[]);
     let node = file.tree(0, 1, &[(vec![0; 8], next)], &[0; 8]);
     assert_eq!(node, next);
-    let root = file.object(&[(hdf5::SYMBOL_TABLE, fields![node.to_le_bytes(), node.to_le_bytes()])]);
+    let root = file.object(&[(hdf5::SYMBOL_TABLE, bytes![node, node])]);
     assert!(read_harmful(&file.finish(0, root)).is_err());
 }
 
@@ -41,7 +41,7 @@ fn a_header_that_goes_on_in_itself_ends_as_an_error() {
     let mut file = Hdf5::new();
     // A continuation of the 24 bytes of this very message.
     let next = file.append(&[]);
-    let root = file.object(&[(0x10, fields![(next + 16).to_le_bytes(), 24_u64.to_le_bytes()])]);
+    let root = file.object(&[(0x10, bytes![(next + 16), 24_u64])]);
     assert_eq!(root, next);
     assert_error(read_harmful(&file.finish(0, root)), "the number of messages");
 }
