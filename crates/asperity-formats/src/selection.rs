@@ -116,10 +116,8 @@ mod tests {
 
     #[test]
     fn channels_are_chosen_by_number_or_name() {
-        assert_eq!(choose(None), Some(0));
-        assert_eq!(choose(Some("2")), Some(1));
-        assert_eq!(choose(Some("PHASE")), Some(1));
-        assert_eq!(choose(Some("height")), Some(2));
+        let cases = [(None, 0), (Some("2"), 1), (Some("PHASE"), 1), (Some("height"), 2)];
+        assert!(cases.iter().all(|&(channel, place)| choose(channel) == Some(place)));
     }
 
     #[test]
