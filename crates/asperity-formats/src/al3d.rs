@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 
 use crate::sections::Section;
-use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large};
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large, refuse_if, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["al3d"],
@@ -63,14 +63,10 @@ impl<'a> Header<'a> {
         for key in ["Version", "TagCount"] {
             let at = header.end;
             let found = header.next_tag()?;
-            if found != key {
-                return Err(input.wrong("the key of a tag", at, found, key));
-            }
+            refuse_if!(found != key, input.wrong("the key of a tag", at, found, key));
         }
         let count = header.tags.number::<i64>("TagCount")?;
-        if !(0..=MAX_TAGS).contains(&count) {
-            return Err(header.tags.wrong("TagCount", &format!("0 to {MAX_TAGS}")));
-        }
+        refuse_if!(!(0..=MAX_TAGS).contains(&count), header.tags.wrong("TagCount", &format!("0 to {MAX_TAGS}")));
         for _ in 0..count {
             header.next_tag()?;
         }
@@ -97,11 +93,6 @@ impl<'a> Header<'a> {
         Ok(key)
     }
 
-    /// Returns a whole number; `None` if there is no such tag.
-    fn integer(&self, key: &str) -> Result<Option<i64>> {
-        self.tags.field(key).map(|_| self.tags.number(key)).transpose()
-    }
-
     /// Returns a finite number; `None` if there is no such tag.
     fn number(&self, key: &str) -> Result<Option<f64>> {
         let Some(text) = self.tags.field(key) else { return Ok(None) };
@@ -111,7 +102,7 @@ impl<'a> Header<'a> {
 
     /// Returns the offset of an image; `None` if there is none (no tag, or 0).
     fn offset(&self, key: &str) -> Result<Option<usize>> {
-        let Some(offset) = self.integer(key)?.filter(|&offset| offset != 0) else { return Ok(None) };
+        let Some(offset) = self.tags.optional::<i64>(key)?.filter(|&offset| offset != 0) else { return Ok(None) };
         let behind_tags = usize::try_from(offset).ok().filter(|&offset| offset >= self.end);
         let wanted = || format!("0 or a byte after the tags, {} or more", self.end);
         behind_tags.map(Some).ok_or_else(|| self.tags.wrong(key, &wanted()))
@@ -156,9 +147,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     }
     // Sides of a pixel: n of them make the field of view.
     let pitch_m = header.number("PixelSizeXMeter")?.zip(header.number("PixelSizeYMeter")?);
-    if pitch_m.is_none() {
-        warnings.push("there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read".into());
-    }
+    warn_if!(warnings, pitch_m.is_none(), "there is no tag PixelSizeXMeter or PixelSizeYMeter; no pixel size was read");
     let heights_m = input.matrix("Cols", 0, (ny, nx), depths)?;
     Ok(Scan { metadata: metadata(&header), warnings, ..Scan::new(heights_m, pitch_m) })
 }
@@ -176,7 +165,7 @@ fn invalid(header: &Header) -> impl Fn(f64) -> bool + use<> {
 /// plane, no filter, or a filter of 0, which would exclude every depth.
 fn repeatability(header: &Header, texture: usize, (ny, nx): Shape) -> Result<Option<(Vec<f64>, f64)>> {
     let filter = header.number("DepthResFilterVal")?.filter(|&filter| filter > 0.0);
-    let Some((filter, plane)) = filter.zip(header.integer("DepthImageResPtr")?) else { return Ok(None) };
+    let Some((filter, plane)) = filter.zip(header.tags.optional::<i64>("DepthImageResPtr")?) else { return Ok(None) };
     let plane = usize::try_from(plane).map_err(|_| header.tags.wrong("DepthImageResPtr", "the number of a plane"))?;
     let start = plane.saturating_mul(stride(nx, Sample::U8) * ny).saturating_add(texture);
     let mut values = header.image("the repeatabilities", start, (ny, nx), Sample::U8)?;

@@ -11,7 +11,7 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
-use crate::{ByteOrder, Format, FormatError, Location, MAX_POINTS, Result, Sample, large, shown};
+use crate::{ByteOrder, Format, FormatError, Location, MAX_POINTS, Result, Sample, large, refuse_if, shown};
 
 /// Size in bytes that every stream may unpack to.
 const FREE_BYTES: u64 = 1 << 23;
@@ -155,14 +155,10 @@ impl<'a> Archive<'a> {
         let limit = limit.min(unpacked_limit(entry.compressed_size().min(packed_bytes)));
         let too_large =
             |found| FormatError::too_large(format, "the file's size in bytes", place(link, 0), found, limit);
-        if entry.size() > limit {
-            return Err(too_large(entry.size()));
-        }
+        refuse_if!(entry.size() > limit, too_large(entry.size()));
         let mut bytes = Vec::new();
         entry.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(format, link, damage(&error)))?;
-        if bytes.len() as u64 > limit {
-            return Err(too_large(bytes.len() as u64));
-        }
+        refuse_if!(bytes.len() as u64 > limit, too_large(bytes.len() as u64));
         Ok(bytes)
     }
 
@@ -172,9 +168,9 @@ impl<'a> Archive<'a> {
     /// [`FormatError::Archive`] if the file is absent or damaged.
     pub(crate) fn read_start(&mut self, link: &str, length: usize) -> Result<Vec<u8>> {
         let format = self.format;
-        let mut bytes = vec![0; length];
-        let filled = fill(&mut self.stream(link)?, &mut bytes);
-        bytes.truncate(filled.map_err(|error| damaged(format, link, damage(&error)))?);
+        let mut bytes = Vec::with_capacity(length);
+        let read = self.stream(link)?.take(length as u64).read_to_end(&mut bytes);
+        read.map_err(|error| damaged(format, link, damage(&error)))?;
         Ok(bytes)
     }
 
@@ -186,22 +182,30 @@ impl<'a> Archive<'a> {
         &mut self,
         link: &str,
         start: usize,
-        (sample, order): (Sample, ByteOrder),
+        number: (Sample, ByteOrder),
         count: usize,
     ) -> Result<Vec<f64>> {
-        let part =
-            Part { name: "the numbers", start: start as u64, length: (count * sample.size()) as u64, total: None };
-        let mut values = self.room_for(sample, count);
-        // Chunks are multiples of the size of every number, so no number is cut.
-        let take = |chunk: &[u8]| sample.decode(order, chunk, &mut values);
-        self.unpack(link, &part, |packed| may_hold(packed, count as u64, sample), take)?;
-        Ok(values)
+        let length = (count * number.0.size()) as u64;
+        let part = Part { name: "the numbers", start: start as u64, length, total: None };
+        Ok(self.unpack_numbers(link, &part, number, count as u64)?.0)
     }
 
-    /// Reserves memory for `count` numbers, limited by what the size of the archive makes plausible.
-    fn room_for(&self, sample: Sample, count: usize) -> Vec<f64> {
+    /// Reads the numbers of a part of a file whose first `reached` numbers must be plausible for its packed size.
+    fn unpack_numbers(
+        &mut self,
+        link: &str,
+        part: &Part,
+        (sample, order): (Sample, ByteOrder),
+        reached: u64,
+    ) -> Result<(Vec<f64>, Unpacked)> {
+        // The size of the archive limits the memory that is reserved.
         let held = usize::try_from(self.packed_bytes).unwrap_or(usize::MAX) / sample.size();
-        large::with_capacity(count.min(RESERVED_NUMBERS.max(held)))
+        let count = usize::try_from(part.length).unwrap_or(usize::MAX) / sample.size();
+        let mut values = large::with_capacity(count.min(RESERVED_NUMBERS.max(held)));
+        // Chunks are multiples of the size of every number, so no number is cut.
+        let take = |chunk: &[u8]| sample.decode(order, chunk, &mut values);
+        let unpacked = self.unpack(link, part, |packed| may_hold(packed, reached, sample), take)?;
+        Ok((values, unpacked))
     }
 
     /// Reads `count` little-endian numbers, after the first `skipped` ones, of a file that should hold `total`
@@ -223,12 +227,8 @@ impl<'a> Archive<'a> {
         let bytes = |numbers: u64| numbers.saturating_mul(sample.size() as u64);
         let numbers = skipped.saturating_add(count as u64);
         let (start, length, total) = (bytes(skipped), bytes(count as u64), Some(bytes(total)));
-        let mut values = self.room_for(sample, count);
-        // Chunks are multiples of the size of every number, so no number is cut.
-        let take = |chunk: &[u8]| sample.decode(ByteOrder::Little, chunk, &mut values);
         let part = Part { name: "the numbers", start, length, total };
-        let unpacked = self.unpack(link, &part, |packed| may_hold(packed, numbers, sample), take)?;
-        Ok((values, unpacked))
+        self.unpack_numbers(link, &part, (sample, ByteOrder::Little), numbers)
     }
 
     /// Reads `length` bytes, after the first `start` ones, of a file that should hold `total` bytes.
@@ -267,30 +267,26 @@ impl<'a> Archive<'a> {
             let found = found.saturating_sub(part.start);
             FormatError::truncated(format, part.name, place(link, part.start), found, part.length)
         };
-        if entry.size() < end {
-            return Err(truncated(entry.size()));
-        }
+        refuse_if!(entry.size() < end, truncated(entry.size()));
         let packed = entry.compressed_size().min(packed_bytes);
-        if !is_reachable(packed) {
-            return Err(beyond_reason(format, link, packed, end));
-        }
+        refuse_if!(!is_reachable(packed), beyond_reason(format, link, packed, end));
         let limit = part.total.map_or(0, |total| total.min(end.saturating_add(unpacked_limit(packed))));
-        let (mut md5, mut chunk, mut found) = (part.total.map(|_| Md5::new()), vec![0; CHUNK_BYTES], 0);
+        let (mut md5, mut chunk, mut found) = (part.total.map(|_| Md5::new()), Vec::with_capacity(CHUNK_BYTES), 0);
         loop {
             // No chunk crosses a border of the part.
             let border = [part.start, end, u64::MAX].into_iter().find(|&border| found < border).unwrap_or(found);
-            let room = chunk.len().min(usize::try_from(border - found).unwrap_or(usize::MAX));
-            let filled = fill(&mut entry, &mut chunk[..room]).map_err(|error| damaged(format, link, damage(&error)))?;
+            let room = CHUNK_BYTES.min(usize::try_from(border - found).unwrap_or(usize::MAX));
+            chunk.clear();
+            let read = entry.by_ref().take(room as u64).read_to_end(&mut chunk);
+            let filled = read.map_err(|error| damaged(format, link, damage(&error)))?;
             if let Some(md5) = &mut md5 {
-                md5.update(&chunk[..filled]);
+                md5.update(&chunk);
             }
             if (part.start..end).contains(&found) {
-                take(&chunk[..filled]);
+                take(&chunk);
             }
             found += filled as u64;
-            if filled < room && found < end {
-                return Err(truncated(found));
-            }
+            refuse_if!(filled < room && found < end, truncated(found));
             if filled < room || found > limit.max(end) || part.total.is_none() && found == end {
                 let md5 = md5.filter(|_| found <= limit).map(|md5| hexadecimal(&md5.finalize()));
                 return Ok(Unpacked { md5, length: found });
@@ -406,20 +402,6 @@ pub(crate) fn damage_of_zip(error: &ZipError) -> String {
         }
         _ => "it is damaged".into(),
     }
-}
-
-/// Reads until the buffer is full or the source ends. Returns the number of bytes read.
-pub(crate) fn fill(source: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
-    let mut filled = 0;
-    while filled < buffer.len() {
-        match source.read(&mut buffer[filled..]) {
-            Ok(0) => break,
-            Ok(read) => filled += read,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => (),
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(filled)
 }
 
 #[cfg(test)]

@@ -183,10 +183,7 @@ fn scale(header: &Header<'_>, sample: Sample, warnings: &mut Vec<String>) -> Res
         return Ok(1.0);
     }
     let scale = scale.ok_or_else(|| header.input.missing("bit2nm", 0, "the height of one step"))?;
-    match scale.is_finite() && scale != 0.0 {
-        true => Ok(scale),
-        false => Err(header.input.wrong("bit2nm", 0, scale, "a finite number other than 0")),
-    }
+    header.input.factor("bit2nm", 0, scale)
 }
 
 /// Returns the pitch in metre if the header states lengths.

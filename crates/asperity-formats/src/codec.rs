@@ -66,11 +66,10 @@ impl Description {
         detect: fn(&[u8]) -> bool,
         read: fn(&[u8], &ReadOptions) -> Result<Scan>,
     ) -> Self {
-        let (extensions, tested) = (&[], Tested::Specification);
         let [vendor, known_by, reads, writes, missing_points, orientation] = [""; 6];
         Self {
             format,
-            extensions,
+            extensions: &[],
             vendor,
             known_by,
             reads,
@@ -78,7 +77,7 @@ impl Description {
             stores_pitch: true,
             missing_points,
             orientation,
-            tested,
+            tested: Tested::Specification,
             detect,
             read,
             write: None,

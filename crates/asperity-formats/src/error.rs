@@ -285,6 +285,25 @@ impl FormatError {
     }
 }
 
+/// Returns an error from the function if a condition holds.
+macro_rules! refuse_if {
+    ($condition:expr, $error:expr) => {
+        if $condition {
+            return Err($error);
+        }
+    };
+}
+
+/// Adds a warning, formatted like a message, if a condition holds.
+macro_rules! warn_if {
+    ($warnings:expr, $condition:expr, $($message:tt)+) => {
+        if $condition {
+            $warnings.push(format!($($message)+));
+        }
+    };
+}
+pub(crate) use {refuse_if, warn_if};
+
 /// Returns the message of an error followed by the messages of its causes, without repetition.
 pub fn chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();

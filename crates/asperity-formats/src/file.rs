@@ -10,7 +10,7 @@ use crate::replace::replace_file;
 use crate::text::separator::Separator;
 use crate::text::write_text;
 use crate::x3p::ZIP_MAGIC;
-use crate::{Format, FormatError, Location, ReadOptions, Result, Scan, foreign, npy};
+use crate::{Format, FormatError, Location, ReadOptions, Result, Scan, foreign, npy, refuse_if};
 
 /// Largest file that is read, in bytes: twice the size of the largest map as `f64`.
 const MAX_FILE_BYTES: u64 = 2 * 8 * crate::MAX_POINTS;
@@ -98,9 +98,7 @@ fn content(path: &Path) -> Result<Vec<u8>> {
     (&mut file).take(PROBE_BYTES).read_to_end(&mut start).map_err(failed)?;
     // Pipes have no size.
     let size = file.metadata().map_or(0, |metadata| metadata.len()).max(start.len() as u64);
-    if start.len() as u64 == PROBE_BYTES && !may_be_known(&start) {
-        return Err(unrecognised(&start, size).in_file(path));
-    }
+    refuse_if!(start.len() as u64 == PROBE_BYTES && !may_be_known(&start), unrecognised(&start, size).in_file(path));
     if let Some(format) = Format::detect(&start).filter(|_| size > MAX_FILE_BYTES) {
         return Err(too_large(format, size).in_file(path));
     }
@@ -210,9 +208,7 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
     let detected = format.or_else(|| Format::detect(bytes)).and_then(Format::codec);
     let codec = detected.ok_or_else(|| unrecognised(bytes, size))?;
     let format = codec.format;
-    if size > MAX_FILE_BYTES {
-        return Err(too_large(format, size));
-    }
+    refuse_if!(size > MAX_FILE_BYTES, too_large(format, size));
     let mut scan = (codec.read)(bytes, options)?;
     if scan.channels.is_empty() {
         // In a file of one map, only map number 1 exists.

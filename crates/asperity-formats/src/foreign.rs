@@ -25,6 +25,8 @@ pub(crate) const TO_GWY: &str = "Gwyddion can save it as GWY";
 pub(crate) const TO_MATRIX: &str = "save the matrix of heights as NPY or text";
 const TO_GRID: &str = "save the heights on a regular grid, as text or XYZ";
 const NO_HEIGHTS: &str = "a picture holds no heights; export the height map from the instrument's program";
+const NO_HEIGHTS_IN_TEXT: &str = "a document holds no heights; export the height map from the instrument's program";
+const NO_MAP: &str = "a force curve is no height map";
 const CUT_OFF: &str = "the file is cut off or damaged; copy or download it again";
 const UNPACK: &str = "unpack it and give the file of heights";
 const AS_TEXT: &str = "export the height map as text";
@@ -33,11 +35,7 @@ const FETCH: &str = "fetch the file of heights itself";
 use Signature::{At, Start, Test};
 
 const FOREIGN: &[Foreign] = &[
-    Foreign(
-        "a Bruker Nanoscope file of force curves",
-        Start(&[b"\\*Force file list"]),
-        "a force curve is no height map",
-    ),
+    Foreign("a Bruker Nanoscope file of force curves", Start(&[b"\\*Force file list"]), NO_MAP),
     Foreign("an Igor wave of version 2, a curve", Test(is_old_igor_wave), TO_MATRIX),
     Foreign("an Igor text wave", Start(&[b"IGOR\r", b"IGOR\n"]), TO_MATRIX),
     Foreign("an Asylum Research ARDF file", At(8, b"ARDF"), TO_GWY),
@@ -68,11 +66,7 @@ const FOREIGN: &[Foreign] = &[
     Foreign("a GIF image", Start(&[b"GIF87a", b"GIF89a"]), NO_HEIGHTS),
     Foreign("a BMP image", Test(is_bitmap), NO_HEIGHTS),
     Foreign("an OpenEXR image", Start(&[b"\x76\x2f\x31\x01"]), TO_MATRIX),
-    Foreign(
-        "a PDF document",
-        Start(&[b"%PDF-"]),
-        "a document holds no heights; export the height map from the instrument's program",
-    ),
+    Foreign("a PDF document", Start(&[b"%PDF-"]), NO_HEIGHTS_IN_TEXT),
     Foreign("a SQLite database", Start(&[b"SQLite format 3\0"]), "export the height map from the instrument's program"),
     Foreign("a Git LFS pointer", Start(&[b"version https://git-lfs"]), "fetch the file itself (`git lfs pull`)"),
     Foreign("an HTML page", Test(is_html), FETCH),

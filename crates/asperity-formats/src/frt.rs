@@ -28,7 +28,7 @@ use self::blocks::{
     VALID_VALUES, VERSION_BYTES, Z_UNIT, blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
-use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, large, unique};
+use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, large, unique, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["frt"],
@@ -104,10 +104,8 @@ fn choose<'a>(
         return Err(input.unsupported("the file holds no topography, only other images", "an image of heights"));
     }
     let names = unique(names);
-    let main = maps.iter().position(Image::is_topography).filter(|_| options.channel.is_none());
-    let channel = main.map_or_else(|| options.choose(Format::Frt, &names), Ok)?;
-    let image = maps[channel];
-    Ok((names, channel, image))
+    let channel = options.choose_or(Format::Frt, &names, maps.iter().position(Image::is_topography))?;
+    Ok((names, channel, maps[channel]))
 }
 
 /// Converts stored numbers to metre; NaN for missing points.
@@ -115,10 +113,7 @@ fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], war
     let sensor = blocks
         .get(&SENSOR)
         .ok_or_else(|| input.missing("block 0x006c (sensor)", BLOCK_COUNT + 2, "the scale of heights"))?;
-    let scale_m = sensor.f64("z scale", 4)?;
-    if !(scale_m.is_finite() && scale_m != 0.0) {
-        return Err(sensor.wrong("z scale", 4, scale_m, "a finite number other than 0"));
-    }
+    let scale_m = sensor.factor("z scale", 4, sensor.f64("z scale", 4)?)?;
     let valid = blocks.get(&VALID_VALUES).and_then(|block| {
         let limit = |offset| block.u32("valid value", offset).ok();
         let (first, last) = (limit(0)?, limit(4)?);
@@ -173,9 +168,7 @@ fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result
     };
     let (x_m, y_m) = (size.f64("x range", 0)?, size.f64("y range", 8)?);
     for (axis, range_m) in [("x", x_m), ("y", y_m)] {
-        if range_m < 0.0 {
-            warnings.push(format!("the {axis} range is {range_m} m; its magnitude was used"));
-        }
+        warn_if!(warnings, range_m < 0.0, "the {axis} range is {range_m} m; its magnitude was used");
     }
     Ok(Some((x_m.abs() / nx as f64, y_m.abs() / ny as f64)))
 }

@@ -31,8 +31,8 @@ pub(crate) const CODEC: Description = Description {
     writes: "one image, with a mask for missing points",
     missing_points: "the mask of the image, NaN",
     orientation: "the first stored line is row 0",
-    tested: Tested::OtherPrograms,
     write: Some(write_gwy),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Gwy, detect, read::read)
 };
 

@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use crate::scan::{matrix, shape};
-use crate::{ByteOrder, Format, FormatError, Location, Result, Sample, Shape, large, shown};
+use crate::{ByteOrder, Format, FormatError, Location, Result, Sample, Shape, large, refuse_if, shown};
 
 /// Bytes of a file, or of one file in an archive.
 #[derive(Clone, Copy)]
 pub(crate) struct Input<'a> {
-    format: Format,
+    pub(crate) format: Format,
     entry: Option<&'a str>,
     order: ByteOrder,
-    bytes: &'a [u8],
+    pub(crate) bytes: &'a [u8],
     /// Offset of `bytes` in the file.
     start: usize,
 }
@@ -74,16 +74,6 @@ impl<'a> Input<'a> {
     /// Returns the bytes from `offset` on. Offsets then count from there; errors still name the place in the file.
     pub(crate) fn from(self, offset: usize) -> Self {
         Self { bytes: self.bytes.get(offset..).unwrap_or_default(), start: self.start.saturating_add(offset), ..self }
-    }
-
-    /// Returns the format of the file.
-    pub(crate) fn format(&self) -> Format {
-        self.format
-    }
-
-    /// Returns all bytes.
-    pub(crate) fn bytes(&self) -> &'a [u8] {
-        self.bytes
     }
 
     /// Returns the number of bytes.
@@ -216,6 +206,19 @@ impl<'a> Input<'a> {
     pub(crate) fn truncated(&self, part: &str, offset: usize, wanted: usize) -> FormatError {
         let found = self.bytes.len().saturating_sub(offset) as u64;
         FormatError::truncated(self.format, shown(part), self.at(offset), found, wanted as u64)
+    }
+
+    /// Returns a number that other numbers are multiplied with.
+    ///
+    /// # Errors
+    /// 0 and numbers that are not finite.
+    pub(crate) fn factor<T: Into<f64> + ToString + Copy>(&self, field: &str, offset: usize, found: T) -> Result<f64> {
+        let factor: f64 = found.into();
+        refuse_if!(
+            !factor.is_finite() || factor == 0.0,
+            self.wrong(field, offset, found, "a finite number other than 0")
+        );
+        Ok(factor)
     }
 
     /// Returns the error for a field whose value is invalid.

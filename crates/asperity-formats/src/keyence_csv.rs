@@ -7,8 +7,8 @@
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
 use crate::{
-    Description, Format, FormatError, Input, MAX_TEXT_BYTES, ReadOptions, Result, Scan, large, per_metre,
-    utf8_or_latin1,
+    Description, Format, FormatError, Input, MAX_TEXT_BYTES, ReadOptions, Result, Scan, large, per_metre, refuse_if,
+    utf8_or_latin1, warn_if,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -69,9 +69,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         value.ok_or_else(|| input.missing(keys[0], 0, "a line with this key in English or German"))
     };
     let wrong = |keys: [&str; 2], wanted: &str| input.wrong(keys[0], 0, value(keys).unwrap_or_default(), wanted);
-    if !HEIGHT.contains(&value(CONTENT)?) {
-        return Err(wrong(CONTENT, "Height"));
-    }
+    refuse_if!(!HEIGHT.contains(&value(CONTENT)?), wrong(CONTENT, "Height"));
     let size = |keys: [&'static str; 2]| {
         Ok::<_, FormatError>((keys[0], 0, value(keys)?.parse::<u64>().map_err(|_| wrong(keys, "a whole number"))?))
     };
@@ -99,9 +97,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         Some(pitch / per_metre(cells.get(2)?)?)
     });
     scan.pitch_m = pitch.map(|pitch| (pitch, pitch));
-    if pitch.is_none() {
-        scan.warnings.push("the file states no length for `XY Calibration`; no pixel size was read".into());
-    }
+    warn_if!(scan.warnings, pitch.is_none(), "the file states no length for `XY Calibration`; no pixel size was read");
     for cells in header.iter().filter(|cells| cells.len() > 1) {
         scan.metadata.insert(cells[0].clone(), cells[1..].join(" ").trim().to_owned());
     }

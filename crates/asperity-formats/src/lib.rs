@@ -73,7 +73,7 @@ pub(crate) use archive::Archive;
 pub(crate) use chosen_map::ChosenMap;
 pub use codec::{Description, Tested};
 pub use error::{FormatError, Location, chain};
-pub(crate) use error::{Result, shown};
+pub(crate) use error::{Result, refuse_if, shown, warn_if};
 pub use file::{
     read, read_bytes, read_bytes_with, read_limited, read_series, read_settings, read_text, read_with, to_bytes, write,
 };

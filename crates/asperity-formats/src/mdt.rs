@@ -5,7 +5,10 @@
 //!
 //! The vendor's description of version 1 is public; the frames of arrays of newer programs (type 106) have another layout and are not read.
 
-use crate::{ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, date, per_metre};
+use crate::{
+    ChosenMap, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, date, per_metre, refuse_if,
+    warn_if,
+};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["mdt"],
@@ -27,27 +30,8 @@ const TYPE_SCAN: u16 = 0;
 /// Units by their codes from −5 on.
 const UNITS: [&str; 6] = ["m", "cm", "mm", "um", "nm", "\u{c5}"];
 /// Channels by their numbers.
-const CHANNELS: [&str; 19] = [
-    "Height",
-    "DFL",
-    "Lateral F",
-    "Bias V",
-    "Current",
-    "FB-Out",
-    "MAG",
-    "MAG*Sin",
-    "MAG*Cos",
-    "RMS",
-    "CalcMag",
-    "Phase1",
-    "Phase2",
-    "CalcPhase",
-    "Ex1",
-    "Ex2",
-    "HvX",
-    "HvY",
-    "Snap Back",
-];
+const CHANNELS: &str = "Height,DFL,Lateral F,Bias V,Current,FB-Out,MAG,MAG*Sin,MAG*Cos,RMS,CalcMag,Phase1,Phase2,CalcPhase,\
+                        Ex1,Ex2,HvX,HvY,Snap Back";
 
 /// Frame of a scan.
 struct Frame<'a> {
@@ -66,9 +50,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut at = FRAMES;
     for _ in 0..=input.u16("number of the last frame", LAST_FRAME)? {
         let size = input.u32("size of a frame", at)? as usize;
-        if size < HEADER_BYTES {
-            return Err(input.wrong("size of a frame", at, size, &format!("{HEADER_BYTES} or more")));
-        }
+        refuse_if!(size < HEADER_BYTES, input.wrong("size of a frame", at, size, &format!("{HEADER_BYTES} or more")));
         input.take("a frame", at, size)?;
         let frame = input.up_to(at + size).from(at);
         at += size;
@@ -90,9 +72,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let maps = frames.iter().map(Frame::describe).collect::<Result<Vec<_>>>()?;
     let chosen = ChosenMap::new(Format::Mdt, maps, options)?;
     let mut scan = frames[chosen.map].scan(&chosen)?;
-    if others > 0 && options.channel.is_none() {
-        scan.warnings.push(format!("{others} frames other than scans were left out"));
-    }
+    warn_if!(scan.warnings, others > 0 && options.channel.is_none(), "{others} frames other than scans were left out");
     Ok(chosen.add_to(scan))
 }
 
@@ -100,8 +80,8 @@ impl Frame<'_> {
     /// Returns the name of the channel and the unit.
     fn describe(&self) -> Result<(String, String)> {
         let channel = self.input.u8("channel", 52)?;
-        let name =
-            CHANNELS.get(usize::from(channel)).map_or_else(|| format!("channel {channel}"), |name| (*name).to_owned());
+        let name = CHANNELS.split(',').nth(channel.into());
+        let name = name.map_or_else(|| format!("channel {channel}"), str::to_owned);
         let code = self.input.i16("unit of z", 50)?;
         Ok((name, unit(code).map_or_else(|| format!("code {code}"), str::to_owned)))
     }

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use crate::date::utc;
 use crate::input::Kind::{self, F32, I16, I32, Text, U16};
-use crate::{ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested};
+use crate::{ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, refuse_if, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["dat"],
@@ -121,9 +121,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let in_metre = |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m };
     let heights_m = input.heights("the connected phase", start, (ny, nx), Sample::I32, in_metre)?;
     let surplus = bytes.len() - start - phase_bytes;
-    if surplus > 0 {
-        warnings.push(format!("{surplus} bytes follow the connected phase and were not read"));
-    }
+    warn_if!(warnings, surplus > 0, "{surplus} bytes follow the connected phase and were not read");
     if input.i16("sign", 232)? != 0 {
         warnings.push("the file states that its data are inverted; heights were not inverted".into());
     }
@@ -137,12 +135,8 @@ fn header_bytes(input: &Input) -> Result<usize> {
     let known = HEADERS.into_iter().find(|(known, ..)| *known == magic);
     let known = known.ok_or_else(|| input.wrong("magic_number", 0, magic, "the number of a MetroPro file"))?;
     let (format, bytes) = (input.u16("header_format", 4)?, input.u32("header_size", 6)?);
-    if format != known.1 {
-        return Err(input.wrong("header_format", 4, format, &known.1.to_string()));
-    }
-    if bytes != known.2 {
-        return Err(input.wrong("header_size", 6, bytes, &known.2.to_string()));
-    }
+    refuse_if!(format != known.1, input.wrong("header_format", 4, format, &known.1.to_string()));
+    refuse_if!(bytes != known.2, input.wrong("header_size", 6, bytes, &known.2.to_string()));
     let bytes = bytes as usize;
     input.take("the bytes of the header", 0, bytes)?;
     Ok(bytes)
@@ -153,14 +147,7 @@ fn scale_m(input: &Input) -> Result<f64> {
     let code = input.u16("phase_res", 218)?;
     let counts = COUNTS_PER_FRINGE.get(usize::from(code));
     let counts = counts.ok_or_else(|| input.wrong("phase_res", 218, code, "0, 1 or 2"))?;
-    let factor = |field, offset| -> Result<f64> {
-        let found = input.f32(field, offset)?;
-        if found.is_finite() && found != 0.0 {
-            Ok(f64::from(found))
-        } else {
-            Err(input.wrong(field, offset, found, "a finite number other than 0"))
-        }
-    };
+    let factor = |field, offset| input.factor(field, offset, input.f32(field, offset)?);
     let waves_per_fringe = factor("intf_scale_factor", 164)? * factor("obliquity_factor", 176)?;
     Ok(factor("wavelength_in", 168)? * waves_per_fringe / counts)
 }

@@ -14,7 +14,8 @@ use cfb::CompoundFile;
 use crate::archive::{beyond_reason, damaged, may_unpack, unpack};
 use crate::foreign::{OLE_MAGIC, is_mountains};
 use crate::{
-    ByteOrder, ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, large, per_metre, utf16_text,
+    ByteOrder, ChosenMap, Description, Format, Input, ReadOptions, Result, Sample, Scan, large, per_metre, refuse_if,
+    utf16_text,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -113,7 +114,7 @@ fn class(object: Input<'_>) -> Result<Option<u32>> {
 
 /// Returns a text, empty if there is none.
 fn text(value: Input<'_>, path: &[u16]) -> Result<String> {
-    let text = find(value, path)?.and_then(|text| text.bytes().strip_prefix(&[4]));
+    let text = find(value, path)?.and_then(|text| text.bytes.strip_prefix(&[4]));
     Ok(text.map(|text| utf16_text(text, ByteOrder::Little).trim_end_matches('\0').to_owned()).unwrap_or_default())
 }
 
@@ -182,9 +183,7 @@ impl<'a> Surface<'a> {
         let points = shape.0 * shape.1;
         let (bytes, size) = array(self.heights, points)?;
         let sample = if size == 2 { Sample::I16 } else { Sample::I32 };
-        if size != sample.size() {
-            return Err(self.heights.unsupported(format!("heights of {size} bytes"), "2 or 4"));
-        }
+        refuse_if!(size != sample.size(), self.heights.unsupported(format!("heights of {size} bytes"), "2 or 4"));
         let mut heights = sample.decode_and_map(ByteOrder::Little, &bytes, |z| z * step_m + origin_m);
         drop(bytes);
         if let Some(mask) = find(self.grid, &[3])?
@@ -192,9 +191,7 @@ impl<'a> Surface<'a> {
         {
             let stride = shape.1 + 2;
             let (marks, size) = array(required(mask, &[2, 5, 2], "an array of marks")?, stride * (shape.0 + 2))?;
-            if size != 1 {
-                return Err(mask.unsupported(format!("marks of {size} bytes"), "1"));
-            }
+            refuse_if!(size != 1, mask.unsupported(format!("marks of {size} bytes"), "1"));
             for (row, marks) in heights.chunks_mut(shape.1).zip(marks[stride..].chunks(stride)) {
                 large::hide(row, marks[1..].iter().map(|&mark| mark != MEASURED));
             }
@@ -210,9 +207,7 @@ impl<'a> Surface<'a> {
 /// Its blocks, in any order, state the index of their first number, how many they hold, and their packed size.
 fn array(array: Input<'_>, points: usize) -> Result<(Vec<u8>, usize)> {
     let count = required(array, &[1], "a number of points")?.u32("points", 0)?;
-    if count as usize != points {
-        return Err(array.wrong("the number of points", 0, count, &points.to_string()));
-    }
+    refuse_if!(count as usize != points, array.wrong("the number of points", 0, count, &points.to_string()));
     let data = required(array, &[2], "numbers")?;
     let total = data.u64("the size of an array", 0)?;
     let size = total / points as u64;
@@ -237,8 +232,6 @@ fn array(array: Input<'_>, points: usize) -> Result<(Vec<u8>, usize)> {
         }
         unpack(packed, length, &mut bytes).map_err(|reason| damaged(Format::Mnt, "a block", reason))?;
     }
-    if bytes.len() as u64 != total {
-        return Err(data.truncated("the blocks", 0, total as usize));
-    }
+    refuse_if!(bytes.len() as u64 != total, data.truncated("the blocks", 0, total as usize));
     Ok((bytes, size as usize))
 }

@@ -10,7 +10,7 @@
 use crate::sections::{Section, quantity, sections};
 use crate::{
     ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested, TextLimit,
-    per_metre, utf8_or_latin1,
+    per_metre, refuse_if, utf8_or_latin1,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -45,9 +45,7 @@ const MAX_IMAGES: usize = 1000;
 /// Data that are text, force curves, no image of heights, a damaged header, and images beyond the end of the file.
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::Nanoscope, bytes);
-    if bytes.starts_with(AS_TEXT) {
-        return Err(input.unsupported("the data are text", "binary data"));
-    }
+    refuse_if!(bytes.starts_with(AS_TEXT), input.unsupported("the data are text", "binary data"));
     let start = &bytes[..bytes.len().min(MAX_TEXT_BYTES)];
     let end = start.iter().position(|&byte| byte == HEADER_END).unwrap_or(start.len());
     let text = utf8_or_latin1(&start[..end]);

@@ -23,6 +23,7 @@ use self::contents::{Contents, Dimension, HEIGHTS, MAX_NUMBERS, Value, Variable,
 use crate::foreign::TO_MATRIX;
 use crate::{
     Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, hdf5, large, per_metre,
+    refuse_if, warn_if,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -32,8 +33,8 @@ pub(crate) const CODEC: Description = Description {
     reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
     missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
     orientation: "the first y is the top row; (x, y) is turned to (y, x)",
-    tested: Tested::OtherPrograms,
     // HDF5 files that are not DATX are tried as netCDF-4: the registry tries DATX first.
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::NetCdf, |bytes| classic::version(bytes).is_some() || hdf5::File::is_one(bytes), read)
 };
 
@@ -96,9 +97,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut maps: Vec<&Variable> = contents.variables.iter().filter(|variable| variable.is_height()).collect();
     maps.sort_by_key(|variable| variable.name != HEIGHTS);
     let names: Vec<String> = maps.iter().map(|variable| variable.name.clone()).collect();
-    if maps.is_empty() {
-        return Err(source.foreign(&contents).or(first_error).unwrap_or_else(|| no_map(&input, &contents)));
-    }
+    refuse_if!(maps.is_empty(), source.foreign(&contents).or(first_error).unwrap_or_else(|| no_map(&input, &contents)));
     let chosen = options.choose(Format::NetCdf, &names)?;
     let map = maps[chosen];
     let Some((rows, columns)) = map.map() else { return Err(no_map(&input, &contents)) };
@@ -108,9 +107,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let [slow, fast] = [2, 1].map(|back| Axis::new(&contents, map, back));
     // Heights without a unit are in the unit of the positions.
     let unit = map.unit().or_else(|| [&slow, &fast].iter().find_map(|axis| axis.positions.and_then(Variable::unit)));
-    if unit.is_none() {
-        warnings.push("the file states no unit; heights and positions count as metre".into());
-    }
+    warn_if!(warnings, unit.is_none(), "the file states no unit; heights and positions count as metre");
     let is_turned = slow.is_named("x") || fast.is_named("y");
     let numbers = |variable: &Variable| source.map(variable, (rows, columns), is_turned);
     let heights = heights(numbers, &contents, map, unit.unwrap_or("m"), &input)?;

@@ -8,7 +8,7 @@
 use crate::sections::{Section, section, sections};
 use crate::{
     ByteOrder, ChosenMap, Description, Format, Input, MAX_TEXT_BYTES, ReadOptions, Result, Sample, Scan, Tested,
-    TextLimit, per_metre, utf8_or_latin1,
+    TextLimit, per_metre, refuse_if, utf8_or_latin1,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -60,8 +60,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let unit = |key| per_metre(set.section.field(key).unwrap_or_default()).unwrap_or(f64::NAN);
     let (low, range) = (field("Dim2Min")?, field("Dim2Range")?);
     let bits = 8 * set.sample.size() as i32;
-    let is_signed = matches!(set.sample, Sample::I8 | Sample::I16 | Sample::I32);
-    let zero = if is_signed { 2.0_f64.powi(bits - 1) } else { 0.0 };
+    let zero = if set.sample.is_signed() { 2.0_f64.powi(bits - 1) } else { 0.0 };
     let step = range / 2.0_f64.powi(bits);
     let shape = set.section.shape("Lines", "Points")?;
     let in_metre = |n| (low + (n + zero) * step) / chosen.per_metre;
@@ -90,9 +89,7 @@ fn data_sets<'s, 'a>(sections: &'s [Section<'a>], mut start: usize) -> Result<Ve
             // Channels that were not recorded have a number, but no entry.
             let Some(name) = list.field(&format!("Gr{group}-Ch{channel}")) else { continue };
             let section = section(sections, name)?;
-            if section.text("SaveMode")? != "Binary" {
-                return Err(section.wrong("SaveMode", "Binary"));
-            }
+            refuse_if!(section.text("SaveMode")? != "Binary", section.wrong("SaveMode", "Binary"));
             let is_signed = section.field("SaveSign") == Some("Signed");
             let bits = section.number::<usize>("SaveBits")? as u64;
             let sample = Sample::integer(bits, is_signed).filter(|_| bits <= 32);

@@ -8,7 +8,7 @@
 //! meaning are left out. Numbers are little-endian.
 
 use crate::input::Kind;
-use crate::{Description, Field, Format, Input, ReadOptions, Result, Sample, Scan, Tested, large};
+use crate::{Description, Field, Format, Input, ReadOptions, Result, Sample, Scan, Tested, large, refuse_if, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["nms", "orginal"],
@@ -100,9 +100,7 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
         other => return Err(input.wrong(DIMENSION_TYPE.0, DIMENSION_TYPE.1, other, "1, an area")),
     }
     let version = input.latin1(VERSION.0, VERSION.1, VERSION_BYTES)?;
-    if version != KNOWN_VERSION {
-        warnings.push(format!("the version is {version}; the file was read as {KNOWN_VERSION}"));
-    }
+    warn_if!(warnings, version != KNOWN_VERSION, "the version is {version}; the file was read as {KNOWN_VERSION}");
     let size = input.u32(HEADER_SIZE.0, HEADER_SIZE.1)?;
     if size as usize != HEADER_BYTES {
         warnings.push(format!("the header states its size as {size} bytes; it was read as {HEADER_BYTES}"));
@@ -113,9 +111,7 @@ fn check_kind(input: &Input, warnings: &mut Vec<String>) -> Result<()> {
 /// Converts stored numbers to metre; NaN for numbers outside of the declared range.
 fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Result<()> {
     let (n_low, n_high) = (input.i32(N_LOW.0, N_LOW.1)?, input.i32(N_HIGH.0, N_HIGH.1)?);
-    if n_low >= n_high {
-        return Err(input.wrong(N_HIGH.0, N_HIGH.1, n_high, &format!("more than n_low, {n_low}")));
-    }
+    refuse_if!(n_low >= n_high, input.wrong(N_HIGH.0, N_HIGH.1, n_high, &format!("more than n_low, {n_low}")));
     let (n_low, n_high) = (f64::from(n_low), f64::from(n_high));
     let bound = |field: Field| {
         let found = input.f64(field.0, field.1)?;
@@ -128,8 +124,6 @@ fn scale(input: &Input, heights: &mut [f64], warnings: &mut Vec<String>) -> Resu
         *z = if is_outside { f64::NAN } else { (f_low + (*z - n_low) * step) / MICROMETRES };
         is_outside
     });
-    if outside > 0 {
-        warnings.push(format!("{outside} numbers are outside of {n_low} to {n_high} and count as missing"));
-    }
+    warn_if!(warnings, outside > 0, "{outside} numbers are outside of {n_low} to {n_high} and count as missing");
     Ok(())
 }

@@ -5,7 +5,10 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use crate::sample::stored;
-use crate::{ByteOrder, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested, shown};
+use crate::{
+    ByteOrder, Description, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested, refuse_if, shown,
+    warn_if,
+};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["npy"],
@@ -16,8 +19,8 @@ pub(crate) const CODEC: Description = Description {
     stores_pitch: false,
     missing_points: "NaN, ±inf",
     orientation: "the first index is the row",
-    tested: Tested::OtherPrograms,
     write: Some(|scan| Ok(write_npy(scan))),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Npy, |bytes| bytes.starts_with(MAGIC), read)
 };
 
@@ -60,9 +63,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     };
     let heights_m = input.matrix("shape", VERSION_END, (rows, columns), values)?;
     let mut scan = Scan::new(heights_m, None);
-    if left_over > 0 {
-        scan.warnings.push(format!("{left_over} bytes after the array were left out"));
-    }
+    warn_if!(scan.warnings, left_over > 0, "{left_over} bytes after the array were left out");
     Ok(scan)
 }
 
@@ -78,9 +79,7 @@ pub(crate) fn read_series(bytes: &[u8]) -> Result<Vec<f64>> {
     };
     let (rows, columns) = input.shape(("length", VERSION_END, length), ("columns", VERSION_END, 1))?;
     let (bytes, left_over) = array(&input, &header, rows * columns)?;
-    if left_over > 0 {
-        return Err(wrong(&input, "shape", &header.shape, "an array that ends with the file"));
-    }
+    refuse_if!(left_over > 0, wrong(&input, "shape", &header.shape, "an array that ends with the file"));
     Ok(header.sample.decode_all(header.order, bytes))
 }
 
@@ -143,9 +142,7 @@ impl Header {
 fn header_text(input: &Input) -> Result<(String, usize)> {
     const PART: &str = "the bytes of the header";
     let start = input.take(PART, 0, VERSION_END)?;
-    if !start.starts_with(MAGIC) {
-        return Err(input.wrong("signature", 0, start.escape_ascii(), "\\x93NUMPY"));
-    }
+    refuse_if!(!start.starts_with(MAGIC), input.wrong("signature", 0, start.escape_ascii(), "\\x93NUMPY"));
     let version = input.u8(PART, MAGIC.len())?;
     let (length, start) = match version {
         1 => (usize::from(input.u16(PART, VERSION_END)?), VERSION_END + 2),

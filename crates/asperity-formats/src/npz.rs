@@ -138,10 +138,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let wanted = "a two-dimensional array of numbers whose name ends in no unit, or in one of length";
         return Err(FormatError::unsupported(Format::Npz, found, wanted));
     }
-    let place = match &options.channel {
-        None => main(&names),
-        Some(_) => options.choose(Format::Npz, &names)?,
-    };
+    let place = options.choose_or(Format::Npz, &names, Some(main(&names)))?;
     let mut warnings = Vec::new();
     if options.channel.is_none() && !others.is_empty() {
         warnings.push(format!("arrays other than heights were left out: {}", some_of(&others)));

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use crate::x3p::ZIP_MAGIC;
 use crate::{
     Archive, Description, Document, Format, FormatError, Input, MAX_POINTS, ReadOptions, Result, Sample, Scan, Shape,
-    per_metre, unique,
+    per_metre, refuse_if, unique, warn_if,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -80,9 +80,7 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
-    if names.is_empty() {
-        return Err(first_error.unwrap_or_else(|| no_heights(Input::new(Format::Oir, bytes))));
-    }
+    refuse_if!(names.is_empty(), first_error.unwrap_or_else(|| no_heights(Input::new(Format::Oir, bytes))));
     let channel = options.choose(Format::Oir, &unique(names.clone()))?;
     let file = names[channel].clone();
     let before = names.iter().position(|name| *name == file).unwrap_or_default();
@@ -113,9 +111,7 @@ fn scan(input: Input<'_>, maps: Vec<Map>, names: Vec<String>, before: usize, opt
     let data = data.ok_or_else(|| input.missing("the block of heights", HEADER_BYTES, &format!("`…{}_0`", map.id)))?;
     let heights_m = data.heights("the heights", 0, map.shape, map.sample, |z| z * map.step_m)?;
     let mut scan = Scan { height_unit: Some(map.unit.clone()), ..Scan::new(heights_m, map.pitch_m) };
-    if map.pitch_m.is_none() {
-        scan.warnings.push("the lateral units are not of length; no pixel size was read".into());
-    }
+    warn_if!(scan.warnings, map.pitch_m.is_none(), "the lateral units are not of length; no pixel size was read");
     Ok(scan.with_channels(names, channel))
 }
 
@@ -161,7 +157,7 @@ fn maps(input: Input<'_>) -> Result<Vec<Map>> {
     let mut xml = None;
     for_each_chunk(input, |kind, content, _| {
         if kind == DESCRIPTIONS {
-            xml = xml.or_else(|| between(content.bytes(), XML));
+            xml = xml.or_else(|| between(content.bytes, XML));
         }
     })?;
     let Some(xml) = xml.filter(|xml| xml.len() <= MAX_XML_BYTES) else { return Err(no_heights(input)) };

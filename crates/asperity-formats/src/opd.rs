@@ -97,8 +97,8 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     }
     let names = unique(maps.iter().map(|block| block.name.clone()).collect());
     let primary = find(&blocks, PRIMARY).and_then(|block| value(&input, block));
-    let main = names.iter().position(|name| options.channel.is_none() && Some(name) == primary.as_ref());
-    let channel = main.map_or_else(|| options.choose(Format::Opd, &names), Ok)?;
+    let main = names.iter().position(|name| Some(name) == primary.as_ref());
+    let channel = options.choose_or(Format::Opd, &names, main)?;
 
     let mut warnings = Vec::new();
     let heights_m = heights(&input, maps[channel], scale_m(&input, &blocks)?)?;

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use crate::plu::LOST;
 use crate::scan::matrix;
 use crate::x3p::ZIP_MAGIC;
-use crate::{Archive, Description, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, Shape};
+use crate::{Archive, Description, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, Shape, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["plux"],
@@ -41,14 +41,10 @@ const PER_METRE: f64 = 1e6;
 /// Relative difference below which the ratio of the sides of a pixel equals the ratio of the numbers of points.
 const RATIO_TOLERANCE: f64 = 1e-3;
 
-/// Paths of elements below the root of `index.xml`.
-mod path {
-    pub(super) const SIZE_X: &str = "GENERAL/IMAGE_SIZE_X";
-    pub(super) const SIZE_Y: &str = "GENERAL/IMAGE_SIZE_Y";
-    pub(super) const PITCH_X: &str = "GENERAL/FOV_X";
-    pub(super) const PITCH_Y: &str = "GENERAL/FOV_Y";
-    pub(super) const INFO: &str = "INFO/ITEM_";
-}
+/// Elements of `index.xml` below its root: distances between points along x and y, and the start of items.
+const PITCH_X: &str = "GENERAL/FOV_X";
+const PITCH_Y: &str = "GENERAL/FOV_Y";
+const INFO: &str = "INFO/ITEM_";
 
 /// Returns whether a zip archive has an `index.xml`, which is a common name, with a file of heights or with the size
 /// of a map.
@@ -82,12 +78,10 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let channel = options.choose(Format::Plux, &channels)?;
     let link = layers[channel].1;
 
-    let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
+    let (ny, nx) = document.shape("GENERAL/IMAGE_SIZE_Y", "GENERAL/IMAGE_SIZE_X")?;
     let mut warnings = Vec::new();
     let (mut heights, unpacked) = archive.read_numbers(link, Sample::F32, 0, ny * nx, ny as u64 * nx as u64)?;
-    if unpacked.md5.is_none() {
-        warnings.push(format!("{link} is longer than the stated dimensions"));
-    }
+    warn_if!(warnings, unpacked.md5.is_none(), "{link} is longer than the stated dimensions");
     for z in &mut heights {
         *z = if *z == LOST { f64::NAN } else { *z / PER_METRE };
     }
@@ -113,16 +107,15 @@ fn layers(document: &Document) -> Vec<(u64, &str)> {
 
 /// Returns the distance between points in metre.
 fn pitch(document: &Document, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>> {
-    let Some((x, y)) = document.number(path::PITCH_X)?.zip(document.number(path::PITCH_Y)?) else {
-        warnings.push(format!("{INDEX} states no {} or no {}; no pixel size was read", path::PITCH_X, path::PITCH_Y));
+    let Some((x, y)) = document.number(PITCH_X)?.zip(document.number(PITCH_Y)?) else {
+        warnings.push(format!("{INDEX} states no {PITCH_X} or no {PITCH_Y}; no pixel size was read"));
         return Ok(None);
     };
     let stretch = x * ny as f64 / (y * nx as f64);
     if nx != ny && (stretch - 1.0).abs() < RATIO_TOLERANCE {
         warnings.push(format!(
             "{} and {} are as the numbers of points and may be sides of the field; they were read as those of a pixel",
-            path::PITCH_X,
-            path::PITCH_Y
+            PITCH_X, PITCH_Y
         ));
     }
     Ok(Some((x / PER_METRE, y / PER_METRE)))
@@ -132,10 +125,10 @@ fn pitch(document: &Document, (ny, nx): Shape, warnings: &mut Vec<String>) -> Re
 fn metadata(document: &Document) -> BTreeMap<String, String> {
     let mut metadata = BTreeMap::new();
     for (path, value) in &document.values {
-        let item = path.strip_prefix(path::INFO).and_then(|item| item.split_once('/'));
+        let item = path.strip_prefix(INFO).and_then(|item| item.split_once('/'));
         match item {
             Some((number, "NAME")) => {
-                let text = document.text(&format!("{}{number}/VALUE", path::INFO)).unwrap_or_default();
+                let text = document.text(&format!("{}{number}/VALUE", INFO)).unwrap_or_default();
                 metadata.insert(value.text.clone(), text.to_owned());
             }
             Some((_, "VALUE")) => (),

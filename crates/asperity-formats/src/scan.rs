@@ -242,43 +242,25 @@ mod tests {
     use super::*;
     use ndarray::array;
 
-    fn warnings(heights_m: Array2<f64>, pitch_m: (f64, f64)) -> Vec<String> {
-        Scan::new(heights_m, Some(pitch_m)).checked(&ReadOptions::default()).warnings
-    }
-
     #[test]
-    fn a_plausible_scan_has_no_warnings() {
-        assert!(warnings(array![[0.0, 1e-6], [2e-6, f64::NAN]], (1e-6, 2e-6)).is_empty());
-    }
-
-    #[test]
-    fn heights_beyond_the_field_of_view_give_a_warning() {
-        let found = warnings(array![[0.0, 5e-6], [0.0, 0.0]], (1e-6, 2e-6));
-        assert!(matches!(found.as_slice(), [one] if one.contains("more than the field of view")), "{found:?}");
-    }
-
-    #[test]
-    fn pitches_beyond_a_picometre_and_a_metre_give_a_warning() {
-        for pitch_m in [0.9e-12, 1.1] {
-            let found = warnings(array![[0.0, 0.0]], (pitch_m, pitch_m));
-            assert_eq!(found.len(), 2, "{found:?}");
-            assert!(found[0].contains("between 1 pm and 1 m"));
+    fn doubtful_heights_and_pitches_give_a_warning() {
+        let flat = array![[0.0, 0.0]];
+        let beyond = "between 1 pm and 1 m";
+        for (heights_m, pitch_m, wanted) in [
+            (array![[0.0, 1e-6], [2e-6, f64::NAN]], (1e-6, 2e-6), &[][..]),
+            (array![[0.0, 5e-6], [0.0, 0.0]], (1e-6, 2e-6), &["more than the field of view"]),
+            (flat.clone(), (0.9e-12, 0.9e-12), &[beyond, ""]),
+            (flat.clone(), (1.1, 1.1), &[beyond, ""]),
+            (flat.clone(), (1e-6, 1.1e-5), &["far from square"]),
+            (flat.clone(), (1e-6, 0.9e-5), &[]),
+        ] {
+            let found = Scan::new(heights_m, Some(pitch_m)).checked(&ReadOptions::default()).warnings;
+            assert_eq!(found.len(), wanted.len(), "{found:?}");
+            assert!(found.iter().zip(wanted).all(|(found, words)| found.contains(words)), "{found:?}");
         }
-    }
-
-    #[test]
-    fn pixels_far_from_square_give_a_warning() {
-        let found = warnings(array![[0.0, 0.0]], (1e-6, 1.1e-5));
-        assert!(matches!(found.as_slice(), [one] if one.contains("far from square")), "{found:?}");
-        assert!(warnings(array![[0.0, 0.0]], (1e-6, 0.9e-5)).is_empty());
-    }
-
-    #[test]
-    fn an_invalid_pitch_is_left_out_with_a_warning() {
         for pitch_m in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
-            let scan = Scan::new(array![[0.0, 0.0]], Some((1e-6, pitch_m))).checked(&ReadOptions::default());
-            assert_eq!(scan.pitch_m, None);
-            assert_eq!(scan.warnings.len(), 1);
+            let scan = Scan::new(flat.clone(), Some((1e-6, pitch_m))).checked(&ReadOptions::default());
+            assert_eq!((scan.pitch_m, scan.warnings.len()), (None, 1));
         }
     }
 

@@ -29,6 +29,7 @@ use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
 use crate::{
     Description, Format, FormatError, Input, Location, ReadOptions, Result, Sample, Scan, Shape, Tested, large, latin1,
+    refuse_if,
 };
 pub use write::write_sdf;
 
@@ -40,8 +41,8 @@ pub(crate) const CODEC: Description = Description {
     writes: "binary float64",
     missing_points: "BAD in text; least value of the type, greatest in BCR files and unsigned types, NaN",
     orientation: "the first profile (y = 0) is row 0",
-    tested: Tested::OtherPrograms,
     write: Some(write_sdf),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Sdf, |bytes| Version::detect(bytes).is_some(), read)
 };
 
@@ -111,14 +112,10 @@ fn check(header: &Section) -> Result<(Shape, Sample)> {
         return Err(FormatError::unsupported(Format::Sdf, found, "the profiles of a surface"));
     }
     for key in [COMPRESSION, CHECK_TYPE] {
-        if header.number::<i64>(key)? != 0 {
-            return Err(header.wrong(key, "0, heights without compression and checksum"));
-        }
+        refuse_if!(header.number::<i64>(key)? != 0, header.wrong(key, "0, heights without compression and checksum"));
     }
     let scale: f64 = header.number(SCALES[2])?;
-    if !(scale.is_finite() && scale > 0.0) {
-        return Err(header.wrong(SCALES[2], "a positive number"));
-    }
+    refuse_if!(!(scale.is_finite() && scale > 0.0), header.wrong(SCALES[2], "a positive number"));
     let samples =
         [Sample::U8, Sample::U16, Sample::U32, Sample::F32, Sample::I8, Sample::I16, Sample::I32, Sample::F64];
     let sample = usize::try_from(header.number::<i64>(DATA_TYPE)?).ok().and_then(|code| samples.get(code));
@@ -140,15 +137,12 @@ fn scan(header: &Section, mut heights: Vec<f64>, shape: Shape, sample: Sample) -
 fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
     // Floats are compared with a margin, because texts round them.
     let (none_low, none_high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let range = 2.0_f64.powi(8 * sample.size() as i32);
     let (least, greatest) = match sample {
-        Sample::U8 => (none_low, f64::from(u8::MAX)),
-        Sample::U16 => (none_low, f64::from(u16::MAX)),
-        Sample::I8 => (f64::from(i8::MIN), f64::from(i8::MAX)),
-        Sample::I16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
-        Sample::I32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
         Sample::F32 => (-3.4e38, 3.4e38),
         Sample::F64 => (-1.79e308, 1.79e308),
-        _ => (none_low, f64::from(u32::MAX)),
+        _ if sample.is_signed() => (-range / 2.0, range / 2.0 - 1.0),
+        _ => (none_low, range - 1.0),
     };
     let is_float = sample.is_float();
     let has_greatest = is_bcr || is_float || least == none_low;
@@ -190,11 +184,11 @@ fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan> {
     let (shape, sample) = check(&header)?;
     let length = shape.0 * shape.1 * sample.size();
     // A program of Olympus adds two fields to the header, always 5 and 1.
-    if input.len() == start + EXTRA.len() + length && input.bytes()[start..].starts_with(EXTRA) {
+    if input.len() == start + EXTRA.len() + length && input.bytes[start..].starts_with(EXTRA) {
         start += EXTRA.len();
     }
     let numbers = input.samples("the heights", start, shape.0 * shape.1, sample)?;
-    let metadata = metadata(&header, &latin1(&input.bytes()[start + length..]));
+    let metadata = metadata(&header, &latin1(&input.bytes[start + length..]));
     Ok(Scan { metadata, ..scan(&header, numbers, shape, sample)? })
 }
 

@@ -111,6 +111,14 @@ impl<'a> Section<'a> {
         self.text(key)?.parse().map_err(|_| self.wrong(key, T::WANTED))
     }
 
+    /// Returns the number in a field; `None` if there is no field.
+    ///
+    /// # Errors
+    /// It is no number.
+    pub(crate) fn optional<T: Number>(&self, key: &str) -> Result<Option<T>> {
+        self.field(key).map(|_| self.number(key)).transpose()
+    }
+
     /// Checks the dimensions of a map.
     ///
     /// # Errors

@@ -42,7 +42,16 @@ impl ReadOptions {
     /// # Errors
     /// [`FormatError::NoSuchChannel`] with all names.
     pub(crate) fn choose(&self, format: Format, names: &[String]) -> Result<usize> {
+        self.choose_or(format, names, None)
+    }
+
+    /// Returns the index in `names` of the map to read, `main` if none is asked for.
+    ///
+    /// # Errors
+    /// As [`ReadOptions::choose`].
+    pub(crate) fn choose_or(&self, format: Format, names: &[String], main: Option<usize>) -> Result<usize> {
         let place = match &self.channel {
+            None if main.is_some() => main,
             None => names.iter().position(|name| !is_other_quantity(name)).or(Some(0)),
             Some(Channel::Number(number)) => number.checked_sub(1),
             Some(Channel::Name(name)) => {
@@ -65,21 +74,10 @@ impl ReadOptions {
 
 /// Returns whether the name of a map of lengths is that of another quantity than the height, such as the amplitude of a cantilever.
 fn is_other_quantity(name: &str) -> bool {
-    const OTHERS: [&str; 11] = [
-        "amplitude",
-        "phase",
-        "deflection",
-        "error",
-        "deformation",
-        "friction",
-        "lateral",
-        "indentation",
-        "intensity",
-        "separation",
-        "user",
-    ];
+    const OTHERS: &str =
+        "amplitude phase deflection error deformation friction lateral indentation intensity separation user";
     let name = name.to_lowercase();
-    OTHERS.iter().any(|other| name.contains(other))
+    OTHERS.split(' ').any(|other| name.contains(other))
 }
 
 /// Appends a number to names that repeat an earlier one, so that each can be selected.
@@ -118,10 +116,8 @@ mod tests {
 
     #[test]
     fn channels_are_chosen_by_number_or_name() {
-        assert_eq!(choose(None), Some(0));
-        assert_eq!(choose(Some("2")), Some(1));
-        assert_eq!(choose(Some("PHASE")), Some(1));
-        assert_eq!(choose(Some("height")), Some(2));
+        let cases = [(None, 0), (Some("2"), 1), (Some("PHASE"), 1), (Some("height"), 2)];
+        assert!(cases.iter().all(|&(channel, place)| choose(channel) == Some(place)));
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub(crate) const CODEC: Description = Description {
     writes: "int32",
     missing_points: "z minimum − 2",
     orientation: "the first stored line is the top one, row 0",
-    tested: Tested::InstrumentFiles,
     write: Some(write_sur),
+    tested: Tested::InstrumentFiles,
     ..Description::new(Format::Sur, is_object, read::read)
 };

@@ -28,7 +28,8 @@ use ndarray::Array2;
 
 use crate::input::utf16;
 use crate::{
-    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, shown, unique, utf8_or_latin1,
+    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, refuse_if, shown, unique,
+    utf8_or_latin1,
 };
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::Interpretation;
@@ -45,8 +46,8 @@ pub(crate) const CODEC: Description = Description {
     writes: ".csv with commas, others with spaces; unit and pixel size as comments",
     missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
     orientation: "the first line is row 0",
-    tested: Tested::OtherPrograms,
     write: Some(|scan| Ok(write_text(scan, Separator::Space))),
+    tested: Tested::OtherPrograms,
     ..Description::new(Format::Text, is_text, read)
 };
 
@@ -221,9 +222,7 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
 
 /// Returns the shape of a table after removing columns and rows that are not heights.
 fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<String>) -> Result<(usize, usize)> {
-    if table.values.is_empty() {
-        return Err(nothing());
-    }
+    refuse_if!(table.values.is_empty(), nothing());
     if let Some((ny, nx)) = header.shape().filter(|_| header.is_esri()) {
         if ny.checked_mul(nx) != Some(table.values.len()) {
             let (found, wanted) = (format!("{nx} × {ny}"), format!("{}, the number of values", table.values.len()));

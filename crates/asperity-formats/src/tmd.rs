@@ -13,7 +13,9 @@
 //! The length of an axis is the number of points times their distance: the file states the field of view, not the
 //! distance between the outermost points.
 
-use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, latin1};
+use crate::{
+    Description, Field, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Tested, latin1, warn_if,
+};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["tmd"],
@@ -40,37 +42,13 @@ const FILLED_COMMENT_BYTES: usize = 24;
 const MAX_COMMENT_BYTES: usize = 2048;
 const METRES_PER_MILLIMETRE: f64 = 1e-3;
 
-/// Place of the fields after the comment.
-#[derive(Clone, Copy)]
-struct Layout {
-    columns: usize,
-    has_offsets: bool,
-}
-
-impl Layout {
-    fn rows(self) -> usize {
-        self.columns + 4
-    }
-
-    fn lengths(self) -> [usize; 2] {
-        [self.columns + 8, self.columns + 12]
-    }
-
-    fn offsets(self) -> [usize; 2] {
-        [self.columns + 16, self.columns + 20]
-    }
-
-    fn heights(self) -> usize {
-        self.columns + if self.has_offsets { 24 } else { 16 }
-    }
-
-    /// Returns the size of the whole file in bytes from the stated numbers of columns and rows.
-    fn file_bytes(self, input: &Input) -> Result<u64> {
-        let columns = u64::from(input.u32("the number of columns", self.columns)?);
-        let rows = u64::from(input.u32("the number of rows", self.rows())?);
-        Ok((self.heights() as u64).saturating_add(columns.saturating_mul(rows).saturating_mul(4)))
-    }
-}
+/// Fields after the comment, and the size of all of them in bytes with the offsets.
+const COLUMNS: Field = Field("columns", 0);
+const ROWS: Field = Field("rows", 4);
+const LENGTH_X: Field = Field("the length of x", 8);
+const LENGTH_Y: Field = Field("the length of y", 12);
+const OFFSETS: [Field; 2] = [Field("offset x", 16), Field("offset y", 20)];
+const FIELDS_BYTES: usize = 24;
 
 /// Reads a map.
 ///
@@ -87,45 +65,44 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     }
     let comment = if is_version_2 { TITLE_2_BYTES } else { title_end + 1 };
     let comment_end = text_end(&input, "the comment", comment, MAX_COMMENT_BYTES)?;
-    let layout = layout(&input, comment, comment_end, is_version_2)?;
+    let offsets = if is_version_2 { &OFFSETS[..] } else { &[] };
+    let heights_at = FIELDS_BYTES - 4 * (OFFSETS.len() - offsets.len());
+    let fields = fields(&input, comment, comment_end, heights_at);
 
-    let (columns, rows) = (input.u32("columns", layout.columns)?, input.u32("rows", layout.rows())?);
-    let shape = input.shape(("rows", layout.rows(), rows), ("columns", layout.columns, columns))?;
+    let (columns, rows) = (fields.u32(COLUMNS.0, COLUMNS.1)?, fields.u32(ROWS.0, ROWS.1)?);
+    let shape = fields.shape((ROWS.0, ROWS.1, rows), (COLUMNS.0, COLUMNS.1, columns))?;
     let in_metre = |z| z * METRES_PER_MILLIMETRE;
-    let heights_m = input.heights("the heights", layout.heights(), shape, Sample::F32, in_metre)?;
-    let [length_x, length_y] = layout.lengths();
-    let dx_m = f64::from(input.f32("the length of x", length_x)?) / f64::from(columns) * METRES_PER_MILLIMETRE;
-    let dy_m = f64::from(input.f32("the length of y", length_y)?) / f64::from(rows) * METRES_PER_MILLIMETRE;
-
-    let mut scan = Scan::new(heights_m, Some((dx_m, dy_m)));
+    let heights_m = fields.heights("the heights", heights_at, shape, Sample::F32, in_metre)?;
+    let pitch_m = |length: Field, points: u32| {
+        Ok::<_, FormatError>(f64::from(fields.f32(length.0, length.1)?) / f64::from(points) * METRES_PER_MILLIMETRE)
+    };
+    let mut scan = Scan::new(heights_m, Some((pitch_m(LENGTH_X, columns)?, pitch_m(LENGTH_Y, rows)?)));
     scan.metadata.insert("comment".into(), latin1(&bytes[comment..comment_end]));
-    if layout.has_offsets {
-        for (name, place) in ["offset x", "offset y"].into_iter().zip(layout.offsets()) {
-            scan.metadata.insert(name.into(), format!("{} mm", input.f32(name, place)?));
-        }
+    for Field(name, place) in offsets {
+        scan.metadata.insert((*name).into(), format!("{} mm", fields.f32(name, *place)?));
     }
-    let surplus = (bytes.len() as u64).saturating_sub(layout.file_bytes(&input)?);
-    if surplus > 0 {
-        scan.warnings.push(format!("{surplus} bytes follow the heights and were not read"));
-    }
+    let surplus = fields.len() - heights_at - shape.0 * shape.1 * Sample::F32.size();
+    warn_if!(scan.warnings, surplus > 0, "{surplus} bytes follow the heights and were not read");
     Ok(scan)
 }
 
 /// Returns the offset of the zero after a text.
 fn text_end(input: &Input, part: &str, start: usize, limit: usize) -> Result<usize> {
-    let bytes = input.bytes().get(start..).unwrap_or_default();
+    let bytes = input.bytes.get(start..).unwrap_or_default();
     let end = bytes.iter().take(limit).position(|&byte| byte == 0);
     end.map(|length| start + length).ok_or_else(|| input.missing(part, start, "a text that a zero byte ends"))
 }
 
-/// Returns the place of the fields after the comment.
+/// Returns the fields after the comment, with the heights at an offset from their start.
 ///
 /// They follow its zero byte, but some writers fill the comment up to 24 bytes. The size of the file shows which
 /// applies.
-fn layout(input: &Input, comment: usize, comment_end: usize, has_offsets: bool) -> Result<Layout> {
-    let plain = Layout { columns: comment_end + 1, has_offsets };
-    let filled = Layout { columns: comment + FILLED_COMMENT_BYTES, has_offsets };
-    let fits = |layout: Layout| layout.file_bytes(input).is_ok_and(|bytes| bytes == input.len() as u64);
-    let is_filled = comment_end < filled.columns && !fits(plain) && fits(filled);
-    Ok(if is_filled { filled } else { plain })
+fn fields<'a>(input: &Input<'a>, comment: usize, comment_end: usize, heights_at: usize) -> Input<'a> {
+    let (plain, filled) = (input.from(comment_end + 1), input.from(comment + FILLED_COMMENT_BYTES));
+    let fits = |fields: &Input| {
+        let [columns, rows] = [COLUMNS, ROWS].map(|field| fields.u32(field.0, field.1).map_or(u64::MAX, u64::from));
+        columns.saturating_mul(rows).saturating_mul(4).saturating_add(heights_at as u64) == fields.len() as u64
+    };
+    let is_filled = comment_end < comment + FILLED_COMMENT_BYTES && !fits(&plain) && fits(&filled);
+    if is_filled { filled } else { plain }
 }

@@ -13,7 +13,7 @@ mod vk4;
 
 use ndarray::Array2;
 
-use crate::{Archive, Description, Format, Input, ReadOptions, Result, Sample, Scan, large};
+use crate::{Archive, Description, Format, Input, ReadOptions, Result, Sample, Scan, large, refuse_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["vk3", "vk4", "vk6", "vk7"],
@@ -85,9 +85,7 @@ fn mark_missing(archive: &mut Archive, heights_m: &mut Array2<f64>) -> Result<us
     let input = Input::entry(Format::Vk, ERRORS, &content);
     for (field, offset, wanted) in [("width", 0, nx), ("height", 4, ny), ("bytes per point", 8, 1)] {
         let found = input.u32(field, offset)?;
-        if usize::try_from(found) != Ok(wanted) {
-            return Err(input.wrong(field, offset, found, &wanted.to_string()));
-        }
+        refuse_if!(usize::try_from(found) != Ok(wanted), input.wrong(field, offset, found, &wanted.to_string()));
     }
     let stride = input.u32("bytes per row", 12)?;
     let stride = usize::try_from(stride)

@@ -22,8 +22,8 @@ pub(crate) const CODEC: Description = Description {
     writes: "float64 `height_m` with a mask `missing`, or fields by name",
     missing_points: "NaN, hidden points in vtkGhostType",
     orientation: "y points up: the last row of a scan is written first",
-    tested: Tested::OtherPrograms,
     write: Some(write_vtk),
+    tested: Tested::OtherPrograms,
     ..Description::new(
         Format::Vtk,
         |_| false,

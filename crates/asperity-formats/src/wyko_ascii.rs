@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
 use crate::{
-    Description, Format, FormatError, Input, MAX_TEXT_BYTES, ReadOptions, Result, Scan, TextLimit, large,
-    utf8_or_latin1,
+    Description, Format, FormatError, Input, MAX_TEXT_BYTES, ReadOptions, Result, Scan, TextLimit, large, refuse_if,
+    utf8_or_latin1, warn_if,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -75,9 +75,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let end = ends.nth(nx - 1).unwrap_or(bytes.len());
     let layout = Layout::new(Format::WykoAscii, Separator::Space, b"", b'\n').with_columns(ny);
     let columns = rows::read(&bytes[at..end], &layout, lines)?.values;
-    if columns.len() != ny * nx {
-        return Err(input.wrong("number of lines", at, columns.len() / ny, &nx.to_string()));
-    }
+    refuse_if!(columns.len() != ny * nx, input.wrong("number of lines", at, columns.len() / ny, &nx.to_string()));
     let mut heights = large::transposed(&columns, (nx, ny));
     large::map(&mut heights, |z| z * scale_nm / 1e9);
     large::flip(&mut heights, nx);
@@ -85,9 +83,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let pixel_m = number("Pixel_size")?.map(|millimetre| millimetre / 1e3);
     let aspect = number("Aspect")?.unwrap_or(1.0);
     let mut scan = Scan::new(heights_m, pixel_m.map(|dx_m| (dx_m, dx_m * aspect)));
-    if pixel_m.is_none() {
-        scan.warnings.push("the file has no block `Pixel_size`; no pixel size was read".into());
-    }
+    warn_if!(scan.warnings, pixel_m.is_none(), "the file has no block `Pixel_size`; no pixel size was read");
     scan.metadata = fields;
     Ok(scan)
 }

@@ -31,8 +31,8 @@ pub(crate) const CODEC: Description = Description {
     writes: "float64",
     missing_points: "NaN, ±inf, cleared bits of valid.bin",
     orientation: "the first stored line is the top one, row 0: the format does not say; programs show it so",
-    tested: Tested::InstrumentFiles,
     write: Some(write_x3p),
+    tested: Tested::InstrumentFiles,
     ..Description::new(Format::X3p, detect, read::read)
 };
 

@@ -22,7 +22,7 @@ use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::{COMMENT, Separator};
 use crate::text::{Head, TEXT_PROBE, is_text, lines, utf8};
-use crate::{Description, Format, FormatError, Location, ReadOptions, Result, Scan, utf8_or_latin1};
+use crate::{Description, Format, FormatError, Location, ReadOptions, Result, Scan, utf8_or_latin1, warn_if};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 
 pub(crate) const CODEC: Description = Description {
@@ -297,9 +297,7 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
     let pitch_m = resolution_m
         .filter(|resolution| *resolution > 0.0)
         .map(|resolution| (grid.axes[0].step * resolution, grid.axes[1].step * resolution));
-    if pitch_m.is_none() {
-        warnings.push("the camera was not calibrated; no pixel size was read".into());
-    }
+    warn_if!(warnings, pitch_m.is_none(), "the camera was not calibrated; no pixel size was read");
     let mut header = Header::default();
     header.insert("format", &head[0]);
     for (line, key) in ZYGO_NOTES {

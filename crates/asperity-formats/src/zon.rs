@@ -10,6 +10,7 @@ use crate::archive::unpack_zstandard;
 use crate::scan::MAX_POINTS;
 use crate::{
     Archive, Description, Document, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, Shape, large,
+    refuse_if,
 };
 
 pub(crate) const CODEC: Description = Description {
@@ -69,14 +70,10 @@ fn array(name: &str, bytes: &[u8], sample: Sample) -> Result<(Shape, Vec<f64>)> 
     let field = |name, at| Ok::<_, FormatError>((name, at, input.i32(name, at)?));
     let shape = input.shape(field("rows", 4)?, field("columns", 0)?)?;
     let (.., size) = field("bytes of a number", 8)?;
-    if size as usize != sample.size() {
-        return Err(input.wrong("bytes of a number", 8, size, &sample.size().to_string()));
-    }
+    refuse_if!(size as usize != sample.size(), input.wrong("bytes of a number", 8, size, &sample.size().to_string()));
     let (.., stride) = field("bytes of a row", 12)?;
     let row = shape.1 * sample.size();
     let stride = usize::try_from(stride).unwrap_or(0);
-    if stride < row {
-        return Err(input.wrong("bytes of a row", 12, stride, &format!("{row} or more")));
-    }
+    refuse_if!(stride < row, input.wrong("bytes of a row", 12, stride, &format!("{row} or more")));
     Ok((shape, input.padded("the array", HEADER_BYTES, shape, stride, sample)?))
 }

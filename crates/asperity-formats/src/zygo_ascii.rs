@@ -6,7 +6,7 @@
 use crate::metropro::{COUNTS_PER_FRINGE, INVALID};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::Separator;
-use crate::{Description, Format, Input, ReadOptions, Result, Scan, large, utf8_or_latin1};
+use crate::{Description, Format, Input, ReadOptions, Result, Scan, large, refuse_if, utf8_or_latin1, warn_if};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["asc"],
@@ -35,18 +35,13 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let end = end.ok_or_else(|| input.missing("the end of the header", 0, "a line that starts with `#`"))?;
     let header = utf8_or_latin1(&bytes[..end]);
     let lines: Vec<&str> = header.lines().collect();
-    if lines.len() < LEAST_LINES {
-        return Err(input.wrong("lines of the header", 0, lines.len(), "13 or 14"));
-    }
+    refuse_if!(lines.len() < LEAST_LINES, input.wrong("lines of the header", 0, lines.len(), "13 or 14"));
     let field = |name: &str, line: usize, place: usize| {
         let text = lines[line - 1].split_ascii_whitespace().nth(place).unwrap_or_default();
         let at = lines[line - 1].as_ptr() as usize - header.as_ptr() as usize;
         text.parse::<f64>().map_err(|_| input.wrong(name, at, text, "a number"))
     };
-    let factor = |name, line, place| match field(name, line, place)? {
-        factor if factor.is_finite() && factor != 0.0 => Ok(factor),
-        factor => Err(input.wrong(name, 0, factor, "a finite number other than 0")),
-    };
+    let factor = |name, line, place| input.factor(name, 0, field(name, line, place)?);
     let whole = |name, line, place| Ok::<_, crate::FormatError>(field(name, line, place)?.clamp(0.0, 1e18) as u64);
     let (columns, rows) = (whole("phase width", 4, 2)?, whole("phase height", 4, 3)?);
     if columns == 0 || rows == 0 {
@@ -67,16 +62,12 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let lines_before = bytes[..before].iter().filter(|&&byte| byte == b'\n').count();
     let layout = Layout::new(Format::ZygoAscii, Separator::Space, b"", b'\n');
     let mut heights = rows::read(phases, &layout, lines_before)?.values;
-    if heights.len() != ny * nx {
-        return Err(input.wrong("number of phases", end, heights.len(), &format!("{nx} × {ny}")));
-    }
+    refuse_if!(heights.len() != ny * nx, input.wrong("number of phases", end, heights.len(), &format!("{nx} × {ny}")));
     large::map(&mut heights, |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m });
     let heights_m = input.matrix("phase width", 0, (ny, nx), heights)?;
     let lateral = field("camera_res", 8, 6)?;
     let mut scan = Scan::new(heights_m, Some((lateral, lateral)).filter(|_| lateral != 0.0));
-    if lateral == 0.0 {
-        scan.warnings.push("the lateral resolution is 0, which means unknown; no pixel size was read".into());
-    }
+    warn_if!(scan.warnings, lateral == 0.0, "the lateral resolution is 0, which means unknown; no pixel size was read");
     for (name, line) in [("comment", 5), ("part_serial_number", 6), ("part_number", 7)] {
         scan.metadata.insert(name.into(), lines[line - 1].trim_matches(['"', ' ']).to_owned());
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Input, Result};
+use crate::{Input, Result, warn_if};
 
 /// First bytes of every file, before the version.
 pub(super) const SIGNATURE: &[u8] = b"FRTM_GLIDERV";
@@ -48,12 +48,8 @@ pub(super) fn blocks<'a>(input: Input<'a>, size_bytes: usize, warnings: &mut Vec
         found += 1;
         place = end;
     }
-    if place < input.len() {
-        warnings.push(format!("{} bytes after the last block were left out", input.len() - place));
-    }
+    warn_if!(warnings, place < input.len(), "{} bytes after the last block were left out", input.len() - place);
     let stated = input.u16("the number of blocks", BLOCK_COUNT)?;
-    if found != usize::from(stated) {
-        warnings.push(format!("the file states {stated} blocks and holds {found}"));
-    }
+    warn_if!(warnings, found != usize::from(stated), "the file states {stated} blocks and holds {found}");
     Ok(blocks)
 }

@@ -1,6 +1,6 @@
 //! Images of an FRT file.
 
-use crate::{Input, Result, Sample, Shape};
+use crate::{Input, Result, Sample, Shape, refuse_if, warn_if};
 
 /// Size in bytes of the description of the current image, before the first image of block 0x007d.
 const IMAGES_HEADER_BYTES: usize = 8;
@@ -76,12 +76,8 @@ pub(super) fn images<'a>(block: Input<'a>, warnings: &mut Vec<String>) -> Result
         let image = Image::new(kind, block.from(offset + 4), block.from(offset + IMAGE_HEADER_BYTES))?;
         offset += IMAGE_HEADER_BYTES + image.bytes();
         images.push(image);
-        if images.len() > MAX_IMAGES {
-            return Err(block.too_large("the number of images", 0, images.len(), MAX_IMAGES));
-        }
+        refuse_if!(images.len() > MAX_IMAGES, block.too_large("the number of images", 0, images.len(), MAX_IMAGES));
     }
-    if offset < block.len() {
-        warnings.push(format!("{} bytes after the last image were left out", block.len() - offset));
-    }
+    warn_if!(warnings, offset < block.len(), "{} bytes after the last image were left out", block.len() - offset);
     Ok(images)
 }

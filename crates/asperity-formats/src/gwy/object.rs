@@ -37,7 +37,7 @@ pub(super) struct Component<'a> {
 
 /// Returns the offset after the next zero before `limit`.
 fn text_end(input: &Input, field: &str, offset: usize, limit: usize) -> Result<usize> {
-    let bytes = input.bytes().get(offset..limit).unwrap_or_default();
+    let bytes = input.bytes.get(offset..limit).unwrap_or_default();
     let length = bytes.iter().position(|&byte| byte == 0);
     let wrong = || input.wrong(field, offset, "a text without end", "a zero byte after it");
     length.map(|length| offset + length + 1).ok_or_else(wrong)
@@ -47,7 +47,7 @@ fn text_end(input: &Input, field: &str, offset: usize, limit: usize) -> Result<u
 /// zero.
 fn string<'a>(input: &Input<'a>, field: &str, offset: usize, limit: usize) -> Result<(Cow<'a, str>, usize)> {
     let end = text_end(input, field, offset, limit)?;
-    let kept = &input.bytes()[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
+    let kept = &input.bytes[offset..(end - 1).min(offset.saturating_add(MAX_TEXT_BYTES))];
     Ok((String::from_utf8_lossy(kept), end))
 }
 

@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::object::{CONTAINER, Component, DATA_FIELD, MAGIC, MAGIC_1, Object, UNIT};
-use crate::{ChosenMap, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, TextLimit, large, per_metre};
+use crate::{
+    ChosenMap, Format, FormatError, Input, ReadOptions, Result, Sample, Scan, TextLimit, large, per_metre, warn_if,
+};
 
 /// Maximum number of images of one file.
 const MAX_IMAGES: usize = 1 << 16;
@@ -101,7 +103,7 @@ fn object<'a>(input: &Input<'a>, field: &str, offset: usize) -> Result<Object<'a
 
 /// Reads a title whose offset is known from the root.
 fn title(input: &Input, offset: usize) -> String {
-    let bytes = input.bytes().get(offset..).unwrap_or_default();
+    let bytes = input.bytes.get(offset..).unwrap_or_default();
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end.min(MAX_TITLE_BYTES)]).into_owned()
 }
@@ -208,9 +210,7 @@ fn apply_mask(input: &Input, mask: &Object, scan: &mut Scan) -> Result<()> {
     }
     let values = input.samples("data of the mask", data_at, nx * ny, Sample::F64)?;
     let masked = large::hide(&mut scan.heights_m, values.into_iter().map(|value| value > MASKED));
-    if masked > 0 {
-        scan.warnings.push(format!("{masked} points under the mask were read as missing"));
-    }
+    warn_if!(scan.warnings, masked > 0, "{masked} points under the mask were read as missing");
     Ok(())
 }
 

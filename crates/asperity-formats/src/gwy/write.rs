@@ -17,24 +17,16 @@ impl Writer {
         self.0.push(0);
     }
 
-    fn name(&mut self, name: &str, kind: u8) {
+    /// Writes the start of a component and a value of fixed size.
+    fn value(&mut self, name: &str, kind: u8, value: &[u8]) {
         self.text(name);
         self.0.push(kind);
+        self.0.extend(value);
     }
 
     fn string(&mut self, name: &str, value: &str) {
-        self.name(name, b's');
+        self.value(name, b's', &[]);
         self.text(value);
-    }
-
-    fn integer(&mut self, name: &str, value: i32) {
-        self.name(name, b'i');
-        self.0.extend(value.to_le_bytes());
-    }
-
-    fn double(&mut self, name: &str, value: f64) {
-        self.name(name, b'd');
-        self.0.extend(value.to_le_bytes());
     }
 
     /// Writes an object: its type, its size, and the output of `content`.
@@ -51,7 +43,7 @@ impl Writer {
     }
 
     fn unit(&mut self, name: &str, unit: &str) -> Result<()> {
-        self.name(name, b'o');
+        self.value(name, b'o', &[]);
         self.object(UNIT, |writer| {
             writer.string("unitstr", unit);
             Ok(())
@@ -68,19 +60,18 @@ impl Writer {
         value: impl Fn(f64) -> f64,
     ) -> Result<()> {
         let (ny, nx) = scan.heights_m.dim();
-        let (Ok(xres), Ok(yres), Ok(count)) = (nx.try_into(), ny.try_into(), u32::try_from(nx * ny)) else {
+        let (Ok(xres), Ok(yres), Ok(count)) = (i32::try_from(nx), i32::try_from(ny), u32::try_from(nx * ny)) else {
             return Err(not_storable(format!("a map of {nx} × {ny} points"), "less than 4 GiB of heights and mask"));
         };
-        self.name(name, b'o');
+        self.value(name, b'o', &[]);
         self.object(DATA_FIELD, |writer| {
-            writer.integer("xres", xres);
-            writer.integer("yres", yres);
-            writer.double("xreal", width_m);
-            writer.double("yreal", height_m);
+            writer.value("xres", b'i', &xres.to_le_bytes());
+            writer.value("yres", b'i', &yres.to_le_bytes());
+            writer.value("xreal", b'd', &width_m.to_le_bytes());
+            writer.value("yreal", b'd', &height_m.to_le_bytes());
             writer.unit("si_unit_xy", "m")?;
             writer.unit("si_unit_z", unit)?;
-            writer.name("data", b'D');
-            writer.0.extend(count.to_le_bytes());
+            writer.value("data", b'D', &count.to_le_bytes());
             for &z in &scan.heights_m {
                 writer.0.extend(value(z).to_le_bytes());
             }
@@ -106,13 +97,12 @@ pub fn write_gwy(scan: &Scan) -> Result<Vec<u8>, FormatError> {
     writer.0.extend(MAGIC);
     writer.object(CONTAINER, |writer| {
         writer.string("/0/data/title", scan.metadata.get("title").map_or(TITLE, String::as_str));
-        writer.name("/0/data/visible", b'b');
-        writer.0.push(1);
+        writer.value("/0/data/visible", b'b', &[1]);
         writer.field("/0/data", scan, sizes_m, "m", |z| if z.is_finite() { z } else { mean_m })?;
         if missing > 0 {
             writer.field("/0/mask", scan, sizes_m, "", |z| if z.is_finite() { 0.0 } else { 1.0 })?;
         }
-        writer.name("/0/meta", b'o');
+        writer.value("/0/meta", b'o', &[]);
         writer.object(CONTAINER, |writer| {
             for (name, value) in scan.metadata.iter().filter(|(name, _)| !matches!(name.as_str(), "" | "title")) {
                 writer.string(name, value);

@@ -7,8 +7,8 @@ use flate2::read::ZlibDecoder;
 
 use super::layout::{Chunks, Filter, Index};
 use super::{Dataset, File, Keys};
-use crate::Result;
 use crate::archive::{damage, damaged};
+use crate::{Result, refuse_if};
 
 /// Size in bytes that the chunks of every file may unpack to: a map of 2048 × 1024 as `f64`.
 const FREE_BYTES: usize = 1 << 24;
@@ -42,9 +42,7 @@ impl<'a> File<'a> {
         }
         let limit = FREE_BYTES.max(self.input.len().saturating_mul(MAX_RATIO));
         let unpacked = grid.padded_elements().saturating_mul(element_bytes.max(LEAST_ELEMENT_BYTES));
-        if unpacked > limit {
-            return Err(self.input.too_large("the number of bytes in chunks", 0, unpacked, limit));
-        }
+        refuse_if!(unpacked > limit, self.input.too_large("the number of bytes in chunks", 0, unpacked, limit));
         let count = grid.rows * grid.columns;
         let mut data = dataset.fill.map_or_else(|| vec![0; count * element_bytes], |fill| fill.repeat(count));
         let mut is_done = vec![false; grid.down * grid.across];
@@ -91,7 +89,7 @@ impl<'a> File<'a> {
         chunk_bytes: usize,
         element_bytes: usize,
     ) -> Result<Cow<'a, [u8]>> {
-        let broken = |reason: String| damaged(self.input.format(), &format!("the chunk at byte {}", stored.at), reason);
+        let broken = |reason: String| damaged(self.input.format, &format!("the chunk at byte {}", stored.at), reason);
         let mut bytes = Cow::Borrowed(stored.bytes);
         for (place, filter) in filters.iter().enumerate().rev() {
             if stored.skipped >> place.min(31) & 1 == 1 {

@@ -2,7 +2,7 @@
 
 use super::header::DATATYPE;
 use super::{File, Object, Piece};
-use crate::{ByteOrder, Result, Sample};
+use crate::{ByteOrder, Result, Sample, refuse_if};
 
 /// Maximum depth of nested types.
 const MAX_DEPTH: usize = 8;
@@ -55,9 +55,7 @@ impl File<'_> {
         let kind_at = message.at();
         let kind = message.u8("kind")?;
         // Versions 1 and 2 refer to committed datatypes only. In version 3 they have the number 2.
-        if version == 3 && kind != 2 {
-            return Err(message.wrong("kind", kind_at, kind, "2, a committed datatype"));
-        }
+        refuse_if!(version == 3 && kind != 2, message.wrong("kind", kind_at, kind, "2, a committed datatype"));
         if version == 1 {
             message.skip("reserved", 6)?;
         }
@@ -72,16 +70,12 @@ impl File<'_> {
 /// Reads one type. The bytes after it remain in `message`.
 fn read(message: &mut Piece, depth: usize) -> Result<Datatype> {
     let start = message.at();
-    if depth > MAX_DEPTH {
-        return Err(message.wrong("depth", start, depth, &format!("at most {MAX_DEPTH}")));
-    }
+    refuse_if!(depth > MAX_DEPTH, message.wrong("depth", start, depth, &format!("at most {MAX_DEPTH}")));
     let kind = message.u8("class and version")?;
     let (class, version) = (kind & 15, kind >> 4);
     let bits = message.number("bits of the class", 3)?;
     let bytes = message.size("size", 4)?;
-    if bytes == 0 {
-        return Err(message.wrong("size", start + 4, bytes, "1 or more"));
-    }
+    refuse_if!(bytes == 0, message.wrong("size", start + 4, bytes, "1 or more"));
     let class = match class {
         0 => integer(message, bits, bytes)?,
         1 => float(message, bits, bytes)?,
@@ -115,9 +109,7 @@ fn read(message: &mut Piece, depth: usize) -> Result<Datatype> {
         Class::ObjectReference => bytes == 8,
         _ => true,
     };
-    if !fits {
-        return Err(message.wrong("size", start + 4, bytes, "the size of what the type holds"));
-    }
+    refuse_if!(!fits, message.wrong("size", start + 4, bytes, "the size of what the type holds"));
     Ok(Datatype { bytes, class })
 }
 
@@ -156,9 +148,7 @@ fn enumeration(message: &mut Piece, version: u8, bits: u64, depth: usize) -> Res
 
 fn compound(message: &mut Piece, version: u8, bits: u64, bytes: usize, depth: usize) -> Result<Class> {
     let (count, mut members) = (bits & 0xffff, Vec::new());
-    if count > MAX_MEMBERS {
-        return Err(message.wrong("members", message.at(), count, &format!("at most {MAX_MEMBERS}")));
-    }
+    refuse_if!(count > MAX_MEMBERS, message.wrong("members", message.at(), count, &format!("at most {MAX_MEMBERS}")));
     for _ in 0..count {
         let name = String::from_utf8_lossy(name(message, version)?).into_owned();
         let at = message.at();
@@ -198,9 +188,7 @@ pub(super) fn dimensions(mut message: Piece) -> Result<Vec<usize>> {
     if version == 1 {
         message.skip("reserved", 5)?;
     }
-    if rank > MAX_DIMENSIONS {
-        return Err(message.wrong("dimensions", rank_at, rank, &format!("at most {MAX_DIMENSIONS}")));
-    }
+    refuse_if!(rank > MAX_DIMENSIONS, message.wrong("dimensions", rank_at, rank, &format!("at most {MAX_DIMENSIONS}")));
     // A dataspace of kind 2 is empty.
     if kind == 2 {
         return Ok(vec![0]);

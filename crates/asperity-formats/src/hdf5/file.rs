@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::Piece;
-use crate::{Format, Input, Result};
+use crate::{Format, Input, Result, refuse_if};
 
 /// First bytes of every file.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -45,9 +45,7 @@ impl<'a> File<'a> {
         for field in ["size of offsets", "size of lengths"] {
             let at = block.at();
             let size = block.u8(field)?;
-            if size != 8 {
-                return Err(file.input.unsupported(format!("the {field} (byte {at}) is {size}"), "8 bytes"));
-            }
+            refuse_if!(size != 8, file.input.unsupported(format!("the {field} (byte {at}) is {size}"), "8 bytes"));
         }
         match version {
             // A reserved byte, the ranks of the group trees, and flags.
@@ -58,9 +56,7 @@ impl<'a> File<'a> {
         }
         let at = block.at();
         let base = block.u64("base address")?;
-        if base != 0 {
-            return Err(file.input.wrong("base address", at, base, "0"));
-        }
+        refuse_if!(base != 0, file.input.wrong("base address", at, base, "0"));
         // Free space or extension, and end of file; in old versions also the driver and the name of the root.
         block.skip("addresses", if version < 2 { 4 * 8 } else { 2 * 8 })?;
         file.root = block.address("address of the root group")?;

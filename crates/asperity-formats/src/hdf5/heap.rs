@@ -2,7 +2,7 @@
 
 use super::tree::width;
 use super::{File, Piece};
-use crate::Result;
+use crate::{Result, refuse_if};
 
 /// Maximum size of a name in bytes.
 const MAX_NAME_BYTES: usize = 4096;
@@ -149,9 +149,7 @@ impl<'a> File<'a> {
             }
             let (row, bytes) = heap.row(offset);
             let column = offset.saturating_sub(heap.row_start(row)) / bytes;
-            if row >= rows {
-                return Err(id.wrong("place", id_at, offset, "a place in the heap"));
-            }
+            refuse_if!(row >= rows, id.wrong("place", id_at, offset, "a place in the heap"));
             offset -= heap.row_start(row) + column * bytes;
             // Signature, version, address of the heap, offset of the block; then one address per block.
             let head = 4 + 1 + 8 + heap.offset_bytes;

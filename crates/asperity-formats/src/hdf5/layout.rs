@@ -1,7 +1,7 @@
 //! Messages on chunked data: division into chunks, and filters.
 
 use super::Piece;
-use crate::Result;
+use crate::{Result, refuse_if};
 
 /// Maximum number of filters of a dataset: each of the three once.
 const MAX_FILTERS: u8 = 3;
@@ -40,9 +40,7 @@ pub(super) fn layout(mut message: Piece, version: u8) -> Result<Chunks> {
     let rank_at = message.at();
     // The last dimension is the size of an element.
     let rank = usize::from(message.u8("dimensions")?);
-    if !(2..=33).contains(&rank) {
-        return Err(message.wrong("dimensions", rank_at, rank, "2 to 33"));
-    }
+    refuse_if!(!(2..=33).contains(&rank), message.wrong("dimensions", rank_at, rank, "2 to 33"));
     let tree = if version == 3 { Some(Index::Tree(message.optional_address("address")?)) } else { None };
     let width = if version == 3 { 4 } else { usize::from(message.u8("width of sizes")?.min(8)) };
     let mut shape = (0..rank).map(|_| message.size("chunk size", width)).collect::<Result<Vec<_>, _>>()?;

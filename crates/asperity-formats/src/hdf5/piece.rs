@@ -1,6 +1,6 @@
 //! Sequential reading of the fields of a structure.
 
-use crate::{FormatError, Input, Result};
+use crate::{FormatError, Input, Result, refuse_if};
 
 /// Address that marks an absent object.
 const UNDEFINED: u64 = u64::MAX;
@@ -42,11 +42,6 @@ impl<'a> Piece<'a> {
         let bytes = self.input.take(field, self.at, length)?;
         self.at += length;
         Ok(bytes)
-    }
-
-    /// Returns all unread bytes.
-    pub(super) fn rest(mut self) -> Result<&'a [u8]> {
-        self.take("bytes", self.left())
     }
 
     pub(super) fn skip(&mut self, field: &str, length: usize) -> Result<()> {
@@ -105,9 +100,7 @@ impl<'a> Piece<'a> {
     pub(super) fn expect(&mut self, field: &str, wanted: &[u8]) -> Result<()> {
         let at = self.at;
         let found = self.take(field, wanted.len())?;
-        if found != wanted {
-            return Err(self.wrong(field, at, found.escape_ascii(), &wanted.escape_ascii().to_string()));
-        }
+        refuse_if!(found != wanted, self.wrong(field, at, found.escape_ascii(), &wanted.escape_ascii().to_string()));
         Ok(())
     }
 
@@ -131,7 +124,7 @@ impl<'a> Piece<'a> {
 
     /// Reads text up to a zero, which is skipped, or up to the end.
     pub(super) fn text(&mut self, field: &str) -> Result<&'a [u8]> {
-        let rest = self.rest()?;
+        let rest = Self { ..*self }.take("bytes", self.left())?;
         let length = rest.iter().position(|&byte| byte == 0).unwrap_or(rest.len());
         self.skip(field, (length + 1).min(rest.len()))?;
         Ok(&rest[..length])

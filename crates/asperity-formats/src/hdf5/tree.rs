@@ -1,7 +1,7 @@
 //! B-trees: version 1 for symbol tables and chunks, version 2 for dense links and attributes.
 
 use super::{File, Piece};
-use crate::Result;
+use crate::{Result, refuse_if};
 
 /// Maximum number of levels of a version 2 tree. Each level multiplies the records at least by ten.
 const MAX_DEPTH: u16 = 16;
@@ -99,9 +99,7 @@ impl<'a> File<'a> {
         if record_bytes == 0 || node_bytes < NODE_BYTES + record_bytes {
             return Err(head.wrong("record size", record_at, record_bytes, "1 to the size of a node"));
         }
-        if depth > MAX_DEPTH {
-            return Err(head.wrong("depth", depth_at, depth, &format!("at most {MAX_DEPTH}")));
-        }
+        refuse_if!(depth > MAX_DEPTH, head.wrong("depth", depth_at, depth, &format!("at most {MAX_DEPTH}")));
         let nodes = Nodes::new(node_bytes, record_bytes, depth);
         self.visit_record_node(root, usize::from(depth), count, &nodes, visit)
     }

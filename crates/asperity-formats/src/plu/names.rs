@@ -100,15 +100,8 @@ pub(super) fn objective(code: u32) -> String {
 
 /// Returns the name of a version of the format.
 pub(super) fn version(code: u8) -> String {
-    match code {
-        0 => "2000",
-        255 => "2006",
-        254 => "2010A",
-        253 => "2011",
-        252 => "2011B",
-        251 => "2012",
-        250 => "2013",
-        _ => return format!("code {code}"),
-    }
-    .to_owned()
+    const VERSIONS: [(u8, &str); 7] =
+        [(0, "2000"), (255, "2006"), (254, "2010A"), (253, "2011"), (252, "2011B"), (251, "2012"), (250, "2013")];
+    let version = VERSIONS.into_iter().find(|(known, _)| *known == code);
+    version.map_or_else(|| format!("code {code}"), |(_, name)| name.to_owned())
 }

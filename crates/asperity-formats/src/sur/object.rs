@@ -2,7 +2,7 @@
 
 use super::header::{COMMENT_BYTES, HEADER_BYTES, Header, OBJECT_TYPE, PRIVATE_BYTES, SIGNATURE_COMPRESSED, is_object};
 use crate::archive::{beyond_reason, damaged, may_hold, unpack};
-use crate::{Format, Input, Result, Sample};
+use crate::{Format, Input, Result, Sample, refuse_if};
 
 /// Maximum number of streams of one object. Writers use one, or one per processor.
 const MAX_STREAMS: u32 = 1 << 10;
@@ -71,7 +71,7 @@ impl<'a> Object<'a> {
         let data_start = private_start + usize::from(input.u16(PRIVATE_BYTES.0, PRIVATE_BYTES.1)?);
         let (code, streams, raw, packed, end) = (header.i16(OBJECT_TYPE)?, None, 0, 0, data_start);
         let object = Self { header, code, ny, nx, sample, private_start, data_start, streams, raw, packed, end };
-        if input.bytes().starts_with(SIGNATURE_COMPRESSED) {
+        if input.bytes.starts_with(SIGNATURE_COMPRESSED) {
             return object.with_directory();
         }
         let data = input.take("the heights", data_start, nx * ny * sample.size())?;
@@ -82,9 +82,7 @@ impl<'a> Object<'a> {
     fn with_directory(self) -> Result<Self> {
         let input = self.header.input;
         let count = input.u32("number of streams", self.data_start)?;
-        if count > MAX_STREAMS {
-            return Err(input.wrong("number of streams", self.data_start, count, "1024 or less"));
-        }
+        refuse_if!(count > MAX_STREAMS, input.wrong("number of streams", self.data_start, count, "1024 or less"));
         let streams = count as usize;
         let mut object = Self { streams: Some(streams), ..self };
         object.end = object.streams_start(streams);
@@ -159,7 +157,7 @@ pub(super) fn objects<'a>(
     let mut end = first.end;
     let mut objects = vec![first];
     // `end` grows by at least a header and stays within the file.
-    while is_object(&input.bytes()[end..]) {
+    while is_object(&input.bytes[end..]) {
         match Header::open(input.from(end)).and_then(Object::open) {
             Ok(object) => {
                 end += object.end;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::header::{Axis, Header, INVERTED, LINES, OBJECT_NAME, OBJECT_TYPE, OBJECTS};
 use super::header::{NAME_BYTES, SPECIAL_POINTS, VOID_BELOW_MINIMUM, X, Y, Z, Z_MAX, Z_MIN};
 use super::object::{Object, is_followed_by_images, kind, objects};
-use crate::{Format, Input, ReadOptions, Result, Scan, large, per_metre};
+use crate::{Format, Input, ReadOptions, Result, Scan, large, per_metre, refuse_if};
 
 /// Object types that some writers use for surfaces.
 const UNKNOWN: i16 = 0;
@@ -108,9 +108,7 @@ fn scale(header: &Header, heights: &mut [f64], warnings: &mut Vec<String>) -> Re
         return Err(header.wrong(Z.spacing, header.f32(Z.spacing)?, "a finite number other than 0"));
     }
     let offset_m = f64::from(header.f32(Z.offset)?) / per_metre;
-    if !offset_m.is_finite() {
-        return Err(header.wrong(Z.offset, header.f32(Z.offset)?, "a finite number"));
-    }
+    refuse_if!(!offset_m.is_finite(), header.wrong(Z.offset, header.f32(Z.offset)?, "a finite number"));
     // Integers of 32 bits are exact as f64.
     let (low, high) = (f64::from(header.i32(Z_MIN)?), f64::from(header.i32(Z_MAX)?));
     let void = low - f64::from(VOID_BELOW_MINIMUM);

@@ -3,7 +3,7 @@
 use crate::text::factor::{Factor, Factors};
 use crate::text::header::{Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
 use crate::text::length::Lengths;
-use crate::{Shape, shown};
+use crate::{Shape, shown, warn_if};
 
 /// Keys with one meaning, separated by bars.
 const DX: &str = "dx|delta x|x step|step x|x spacing|x pitch|x pixel size|pixel size x|pixel width|scale x";
@@ -82,9 +82,7 @@ impl Header {
                     warnings.push(format!("the header states `{key}: {unit}` and `{factor}`; the factor was used"));
                 }
                 let quoted = pair.quoted();
-                if target.is_none() {
-                    warnings.push(format!("the header states {quoted} without a unit; metre was assumed"));
-                }
+                warn_if!(warnings, target.is_none(), "the header states {quoted} without a unit; metre was assumed");
                 if value < 0.0 {
                     let effect = "this negative factor turns the surface upside down";
                     warnings.push(format!("the header states {quoted}; {effect}"));
@@ -153,9 +151,7 @@ impl Header {
         };
         let (x, width) = named(WIDTH, x_unit)?;
         let Some((y, height)) = named(HEIGHT, y_unit) else {
-            if width.has_unit {
-                warnings.push("the header states a width but no height; no pixel size was read".into());
-            }
+            warn_if!(warnings, width.has_unit, "the header states a width but no height; no pixel size was read");
             return None;
         };
         let counts = [&width.stated[..], &height.stated].concat();

@@ -1,7 +1,7 @@
 //! Lengths in the header of a text.
 
 use super::field::decimal_comma;
-use crate::per_metre;
+use crate::{per_metre, warn_if};
 
 /// One or two lengths.
 pub(super) struct Lengths {
@@ -45,9 +45,7 @@ impl Lengths {
 
     /// Returns the lengths along x and y. A single length applies to both.
     pub(super) fn pair(&self, warnings: &mut Vec<String>) -> (f64, f64) {
-        if !self.has_unit {
-            warnings.push("the header states a pixel size without a unit; metre was assumed".into());
-        }
+        warn_if!(warnings, !self.has_unit, "the header states a pixel size without a unit; metre was assumed");
         (self.metre[0], self.metre[self.metre.len() - 1])
     }
 }

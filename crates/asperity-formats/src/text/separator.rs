@@ -7,15 +7,16 @@ pub(crate) const COMMENT: &[u8] = b"#%";
 
 /// Separator of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
 pub(crate) enum Separator {
     /// One or more spaces or tabs.
-    Space,
+    Space = b' ',
     /// A comma.
-    Comma,
+    Comma = b',',
     /// A semicolon.
-    Semicolon,
+    Semicolon = b';',
     /// A tab; two in a row enclose an empty field.
-    Tab,
+    Tab = b'\t',
 }
 
 impl Separator {
@@ -39,11 +40,6 @@ impl Separator {
     }
 
     pub(crate) fn sign(self) -> u8 {
-        match self {
-            Self::Space => b' ',
-            Self::Comma => b',',
-            Self::Semicolon => b';',
-            Self::Tab => b'\t',
-        }
+        self as u8
     }
 }

@@ -10,7 +10,7 @@ use weezl::{BitOrder, LzwStatus};
 
 use super::{Directory, Tag, tag};
 use crate::archive::{beyond_reason, damage, damaged, may_unpack};
-use crate::{ByteOrder, Format, Result, Sample, Shape};
+use crate::{ByteOrder, Format, Result, Sample, Shape, refuse_if};
 
 /// Maximum number of strips or tiles of one page.
 const MAX_CHUNKS: u64 = 1 << 16;
@@ -170,9 +170,7 @@ fn chunks(directory: &Directory, (ny, nx): Shape, sample: Sample, packing: Packi
             let found = format!("{packed} bytes in strips or tiles");
             return Err(directory.wrong(sizes_at, found, &format!("at most the {present} of the file")));
         }
-        if !may_unpack(packed, points, unpacked) {
-            return Err(beyond_reason(Format::Tiff, "the page", packed, unpacked));
-        }
+        refuse_if!(!may_unpack(packed, points, unpacked), beyond_reason(Format::Tiff, "the page", packed, unpacked));
     }
     Ok(Chunks { shape: (width as usize, height.min(rows) as usize), across: across as usize, offsets, sizes })
 }

@@ -67,7 +67,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 impl<'a> File<'a> {
     pub(super) fn open(input: Input<'a>) -> Result<Self> {
         let (order, big) =
-            layout(input.bytes()).ok_or_else(|| input.wrong("signature", 0, "none of a TIFF file", "II* or MM*"))?;
+            layout(input.bytes).ok_or_else(|| input.wrong("signature", 0, "none of a TIFF file", "II* or MM*"))?;
         Ok(Self { input: input.with_order(order), big })
     }
 

@@ -5,7 +5,7 @@
 //! Layout of the header: Park Systems, *TIFF Format of XEI*; Gwyddion and SurfaceTopography read the same fields.
 
 use super::{Directory, Tag};
-use crate::{ByteOrder, ChosenMap, FormatError, Input, ReadOptions, Result, Sample, Scan, utf16_text};
+use crate::{ByteOrder, ChosenMap, FormatError, Input, ReadOptions, Result, Sample, Scan, refuse_if, utf16_text};
 
 const MAGIC: Tag = Tag(50432, "magic number of Park Systems");
 const VERSION: Tag = Tag(50433, "version");
@@ -34,13 +34,11 @@ pub(super) fn read(page: &Directory, options: &ReadOptions) -> Result<Scan> {
         Ok::<_, FormatError>(text.split('\0').next().unwrap_or_default().trim().to_owned())
     };
     let kind = header.u32("type of image", 0)?;
-    if kind != MAP {
-        return Err(header.unsupported(format!("the image is of type {kind}"), "a map (type 0)"));
-    }
+    refuse_if!(kind != MAP, header.unsupported(format!("the image is of type {kind}"), "a map (type 0)"));
     let name = text("name of the channel", 4, LONG_TEXT)?;
     let unit =
         Some(text("unit of the data", 244, SHORT_TEXT)?).filter(|unit| !unit.is_empty()).unwrap_or_else(|| "um".into());
-    let chosen = ChosenMap::new(header.format(), [(name, unit.clone())], options)?;
+    let chosen = ChosenMap::new(header.format, [(name, unit.clone())], options)?;
     let (columns, rows) = (header.u32("columns", 100)?, header.u32("rows", 104)?);
     let (ny, nx) = header.shape(("rows", 104, rows), ("columns", 100, columns))?;
     let sample = if page.integer(VERSION)?.unwrap_or(0) < SECOND_VERSION {

@@ -12,7 +12,7 @@ use ndarray::Array2;
 
 use super::conditions::{conditions, length_m, offset};
 use super::metadata::metadata;
-use crate::{Field, Format, Input, ReadOptions, Result, Sample, Scan, large};
+use crate::{Field, Format, Input, ReadOptions, Result, Sample, Scan, large, refuse_if, warn_if};
 
 /// First bytes of the two versions.
 const SIGNATURES: [&[u8]; 2] = [b"VK3_", b"VK4_"];
@@ -37,9 +37,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan> {
     let mut warnings = Vec::new();
     let file_type = input.u32("file type", FILE_TYPE)?;
-    if file_type != 0 {
-        warnings.push(format!("the file type is {file_type}, not 0; the file was still read"));
-    }
+    warn_if!(warnings, file_type != 0, "the file type is {file_type}, not 0; the file was still read");
     let conditions = conditions(input)?;
     let (mut names, mut offsets) = (Vec::new(), Vec::new());
     for (number, entry) in HEIGHT_ENTRIES.into_iter().enumerate() {
@@ -49,9 +47,7 @@ pub(super) fn read(input: Input, options: &ReadOptions) -> Result<Scan> {
             offsets.push(offset);
         }
     }
-    if names.is_empty() {
-        return Err(input.unsupported("the file holds no heights, only images", "a layer of heights"));
-    }
+    refuse_if!(names.is_empty(), input.unsupported("the file holds no heights, only images", "a layer of heights"));
     let channel = options.choose(Format::Vk, &names)?;
     let heights_m = heights(input.from(offsets[channel]), &conditions, &mut warnings)?;
     let pitch_m = Some((length_m(&conditions, X_LENGTH)?, length_m(&conditions, Y_LENGTH)?));
@@ -71,16 +67,12 @@ fn heights(image: Input, conditions: &Input, warnings: &mut Vec<String>) -> Resu
         return Err(image.wrong("byte size", 16, found, &wanted));
     }
     let scale_m = length_m(conditions, Z_LENGTH)?;
-    if scale_m == 0.0 {
-        return Err(conditions.wrong(Z_LENGTH.0, 4 * Z_LENGTH.1, 0, "a length above 0"));
-    }
+    refuse_if!(scale_m == 0.0, conditions.wrong(Z_LENGTH.0, 4 * Z_LENGTH.1, 0, "a length above 0"));
     let mut heights = image.samples("the heights", IMAGE_HEADER_BYTES, nx * ny, sample)?;
     let zeros = large::count(&mut heights, |z| {
         *z *= scale_m;
         *z == 0.0
     });
-    if zeros > 0 {
-        warnings.push(format!("{zeros} heights are 0, which may stand for missing points; they were kept"));
-    }
+    warn_if!(warnings, zeros > 0, "{zeros} heights are 0, which may stand for missing points; they were kept");
     image.matrix("width", 0, (ny, nx), heights)
 }

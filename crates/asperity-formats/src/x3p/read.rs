@@ -2,10 +2,10 @@
 
 use md5::{Digest, Md5};
 
-use super::names::{CHECKSUM, MAIN, path, sample};
+use super::names::{CHECKSUM, MAIN, sample};
 use crate::archive::hexadecimal;
 use crate::xml::Value;
-use crate::{Archive, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, large, scan, shown};
+use crate::{Archive, Document, Format, FormatError, ReadOptions, Result, Sample, Scan, large, scan, shown, warn_if};
 
 /// Largest `main.xml` in bytes: it holds a data list of two million points.
 const MAX_MAIN_BYTES: u64 = 1 << 26;
@@ -56,7 +56,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let mut archive = Archive::open(Format::X3p, bytes)?;
     archive.enter_folder_of(MAIN)?;
     let main = archive.read_whole(MAIN, MAX_MAIN_BYTES)?;
-    let document = Document::parse(Format::X3p, MAIN, &main, path::DATUM)?;
+    let document = Document::parse(Format::X3p, MAIN, &main, "Record3/DataList/Datum")?;
     let mut warnings = Vec::new();
     check_main(&mut archive, &main, &document, &mut warnings)?;
     check_kind(&document)?;
@@ -76,14 +76,12 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let Record { document, mut warnings, .. } = record;
 
     let pitch_m = document.number(&axis_path("CX", "Increment"))?.zip(document.number(&axis_path("CY", "Increment"))?);
-    if pitch_m.is_none() {
-        warnings.push("the x or y axis has no increment; no pixel size was read".into());
-    }
-    if let Some(origin) = document.text(path::ORIGIN).filter(|origin| *origin != TOP_LEFT) {
+    warn_if!(warnings, pitch_m.is_none(), "the x or y axis has no increment; no pixel size was read");
+    if let Some(origin) = document.text("Record1/Axes/Origin").filter(|origin| *origin != TOP_LEFT) {
         let origin = shown(origin);
         warnings.push(format!("the file states the origin `{origin}`; its first line was read as the top line"));
     }
-    let heights_m = scan::matrix(Format::X3p, path::POINT_DATA, document.at(0), (ny, nx), heights)?;
+    let heights_m = scan::matrix(Format::X3p, "Record3/DataLink/PointDataLink", document.at(0), (ny, nx), heights)?;
     let metadata = document.values.into_iter().map(|(path, value)| (path, value.text)).collect();
     Ok(Scan { metadata, warnings, ..Scan::new(heights_m, pitch_m) }.with_channels(channels, channel))
 }
@@ -94,16 +92,11 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
     let letter = document.required(&type_path, "I, L, F or D")?;
     let sample =
         sample(&letter.text).ok_or_else(|| document.wrong(&type_path, &letter.text, letter.offset, "I, L, F or D"))?;
-    let is_integer = matches!(sample, Sample::I16 | Sample::I32);
-    let sample = match sample {
-        Sample::I16 | Sample::I32 if document.text(path::MANUFACTURER) == Some(UNSIGNED_WRITER) => {
-            warnings.push(format!(
-                "{UNSIGNED_WRITER} writes unsigned integers, against the format; they were read as unsigned"
-            ));
-            if sample == Sample::I16 { Sample::U16 } else { Sample::U32 }
-        }
-        _ => sample,
-    };
+    let is_integer = sample.is_signed();
+    let is_unsigned = is_integer && document.text("Record2/Instrument/Manufacturer") == Some(UNSIGNED_WRITER);
+    let doubt = "writes unsigned integers, against the format; they were read as unsigned";
+    warn_if!(warnings, is_unsigned, "{UNSIGNED_WRITER} {doubt}");
+    let sample = Sample::integer(8 * sample.size() as u64, false).filter(|_| is_unsigned).unwrap_or(sample);
     let increment = match document.number(&increment_path)? {
         // The schema requires an increment only for integers. An increment of 0 for floats means that there is none.
         Some(0.0) if is_integer => return Err(document.wrong(&increment_path, "0", 0, "a number other than 0")),
@@ -124,12 +117,12 @@ fn z_axis(document: &Document, warnings: &mut Vec<String>) -> Result<(Sample, f6
 }
 
 fn axis_path(axis: &str, field: &str) -> String {
-    format!("{}/{axis}/{field}", path::AXES)
+    format!("Record1/Axes/{axis}/{field}")
 }
 
 /// Compares `main.xml` with its checksum.
 fn check_main(archive: &mut Archive, main: &[u8], document: &Document, warnings: &mut Vec<String>) -> Result<()> {
-    let link = document.text(path::CHECKSUM_FILE).filter(|link| archive.contains(link)).unwrap_or(CHECKSUM);
+    let link = document.text("Record4/ChecksumFile").filter(|link| archive.contains(link)).unwrap_or(CHECKSUM);
     if !archive.contains(link) {
         warnings.push(format!("the archive holds no {link}; {MAIN} could not be verified"));
         return Ok(());
@@ -159,8 +152,9 @@ fn compare(file: &str, stated: &str, found: &str, warnings: &mut Vec<String>) {
 
 /// Refuses records that are not surfaces on an incremental grid.
 fn check_kind(document: &Document) -> Result<()> {
-    let feature = document.required(path::FEATURE_TYPE, "SUR (a surface)")?;
-    let is_list = document.text(path::LIST_DIMENSION).is_some() && document.text(path::SIZE_X).is_none();
+    let feature = document.required("Record1/FeatureType", "SUR (a surface)")?;
+    let is_list =
+        document.text("Record3/ListDimension").is_some() && document.text("Record3/MatrixDimension/SizeX").is_none();
     let kind = match feature.text.as_str() {
         SURFACE if is_list => Some("is a list of points (ListDimension), a profile or a point cloud".into()),
         SURFACE => None,
@@ -182,17 +176,21 @@ fn check_kind(document: &Document) -> Result<()> {
 
 /// Returns the checked numbers of rows, columns and layers.
 fn dimensions(document: &Document) -> Result<(usize, usize, u64)> {
-    let (ny, nx) = document.shape(path::SIZE_Y, path::SIZE_X)?;
-    if document.text(path::SIZE_Z).is_none() {
+    let (ny, nx) = document.shape("Record3/MatrixDimension/SizeY", "Record3/MatrixDimension/SizeX")?;
+    if document.text("Record3/MatrixDimension/SizeZ").is_none() {
         return Ok((ny, nx, 1));
     }
-    let (layers, offset) = document.integer(path::SIZE_Z)?;
+    let (layers, offset) = document.integer("Record3/MatrixDimension/SizeZ")?;
     match u64::try_from(layers) {
-        Ok(found) if found > MAX_LAYERS => {
-            Err(FormatError::too_large(Format::X3p, path::SIZE_Z, document.at(offset), found, MAX_LAYERS))
-        }
+        Ok(found) if found > MAX_LAYERS => Err(FormatError::too_large(
+            Format::X3p,
+            "Record3/MatrixDimension/SizeZ",
+            document.at(offset),
+            found,
+            MAX_LAYERS,
+        )),
         Ok(layers) if layers > 0 => Ok((ny, nx, layers)),
-        _ => Err(document.wrong(path::SIZE_Z, &layers.to_string(), offset, "1 or more")),
+        _ => Err(document.wrong("Record3/MatrixDimension/SizeZ", &layers.to_string(), offset, "1 or more")),
     }
 }
 
@@ -208,11 +206,11 @@ impl Record<'_> {
     /// Reads the stored numbers of the layer.
     fn stored(&mut self, sample: Sample) -> Result<Vec<f64>> {
         let Self { archive, document, matrix, warnings } = self;
-        let Some(link) = document.text(path::POINT_DATA) else { return self.listed() };
+        let Some(link) = document.text("Record3/DataLink/PointDataLink") else { return self.listed() };
         let (numbers, unpacked) =
             archive.read_numbers(link, sample, matrix.skipped(), matrix.points(), matrix.total())?;
         let wanted = matrix.total() * sample.size() as u64;
-        match (unpacked.md5, document.text(path::POINT_DATA_MD5)) {
+        match (unpacked.md5, document.text("Record3/DataLink/MD5ChecksumPointData")) {
             (None, _) if unpacked.length > wanted => {
                 warnings.push(format!("{link} is longer than the stated dimensions"))
             }
@@ -233,10 +231,17 @@ impl Record<'_> {
     fn listed(&mut self) -> Result<Vec<f64>> {
         let Self { document, matrix, warnings, .. } = self;
         let Some(list) = &document.list else {
-            return Err(document.missing(path::POINT_DATA, "a link to the heights, or Record3/DataList"));
+            return Err(
+                document.missing("Record3/DataLink/PointDataLink", "a link to the heights, or Record3/DataList")
+            );
         };
         if let Some(Value { text, offset }) = &document.wrong_datum {
-            return Err(document.wrong(path::DATUM, text, *offset, "one number, or nothing for a missing point"));
+            return Err(document.wrong(
+                "Record3/DataList/Datum",
+                text,
+                *offset,
+                "one number, or nothing for a missing point",
+            ));
         }
         let total = matrix.total();
         let start = usize::try_from(matrix.skipped()).unwrap_or(usize::MAX);
@@ -247,7 +252,12 @@ impl Record<'_> {
                 }
                 Ok(layer.to_vec())
             }
-            None => Err(document.wrong(path::DATUM, &format!("{} values", list.len()), 0, &format!("{total} values"))),
+            None => Err(document.wrong(
+                "Record3/DataList/Datum",
+                &format!("{} values", list.len()),
+                0,
+                &format!("{total} values"),
+            )),
         }
     }
 
@@ -258,13 +268,13 @@ impl Record<'_> {
     /// times as many bits.
     fn mask(&mut self, heights: &mut [f64]) -> Result<()> {
         let Self { archive, document, matrix, warnings } = self;
-        let Some(link) = document.text(path::VALID_POINTS) else { return Ok(()) };
+        let Some(link) = document.text("Record3/DataLink/ValidPointsLink") else { return Ok(()) };
         // Layers have no padding between them, so a layer may start within a byte.
         let (start, shift) = (matrix.skipped() / 8, (matrix.skipped() % 8) as usize);
         let length = (shift + heights.len()).div_ceil(8);
         let total = matrix.total().div_ceil(8) + VALIDITY_PADDING;
         let (bits, unpacked) = archive.read_part(link, "the validity bits", (start, length), total)?;
-        match (unpacked.md5, document.text(path::VALID_POINTS_MD5)) {
+        match (unpacked.md5, document.text("Record3/DataLink/MD5ChecksumValidPoints")) {
             (Some(found), Some(stated)) => compare(link, stated, &found, warnings),
             (None, Some(_)) => warnings.push(format!("{link} is too long to be verified")),
             (_, None) => (),

@@ -1,5 +1,7 @@
 //! Grid of a list of points.
 
+use crate::refuse_if;
+
 /// Maximum distance of a point from its grid point, as a fraction of a step.
 pub(super) const TOLERANCE: f64 = 0.25;
 /// Maximum number of grid points per point of the list.
@@ -73,9 +75,7 @@ impl<'a> Points<'a> {
         let axis = |axis| Axis::fit(self.coordinates(axis).collect(), width(axis)).ok_or(NoGrid::Line { axis });
         let axes = [axis(0)?, axis(1)?];
         let [columns, rows] = axes.map(|axis| axis.lines as f64);
-        if columns * rows > MAX_SPREAD * self.len() as f64 {
-            return Err(NoGrid::Sparse { columns, rows });
-        }
+        refuse_if!(columns * rows > MAX_SPREAD * self.len() as f64, NoGrid::Sparse { columns, rows });
         self.fill(axes)
     }
 
@@ -89,15 +89,11 @@ impl<'a> Points<'a> {
                 let Axis { first, step, lines } = axes[axis];
                 let steps = (position[axis] - first) / step;
                 let line = steps.round().clamp(0.0, (lines - 1) as f64);
-                if (steps - line).abs() > TOLERANCE {
-                    return Err(NoGrid::Off { point, axis, steps: (steps - line).abs() });
-                }
+                refuse_if!((steps - line).abs() > TOLERANCE, NoGrid::Off { point, axis, steps: (steps - line).abs() });
                 place[axis] = line as usize;
             }
             let place = place[1] * columns + place[0];
-            if std::mem::replace(&mut taken[place], true) {
-                return Err(NoGrid::Twice { point });
-            }
+            refuse_if!(std::mem::replace(&mut taken[place], true), NoGrid::Twice { point });
             heights[place] = position[2];
         }
         Ok(Grid { axes, heights })

@@ -2,8 +2,9 @@
 
 use asperity_formats::{Format, FormatError};
 
+use crate::NAN;
+use crate::check::{assert_refused, assert_scan};
 use crate::fixture::{Fixture, read_bytes};
-use crate::{NAN, assert_heights};
 
 /// A file of two intensities and 3 × 2 phases: λ = 632.8 nm, S = 0.5, O = 1, R by its code.
 fn zygo(code: u8, lateral: &str, phases: &str) -> Vec<u8> {
@@ -44,10 +45,9 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 #[test]
 fn phases_of_zygo_are_heights_by_the_formula_of_its_guide() {
     for (code, counts) in [(0, 4096.0), (1, 32768.0), (2, 131_072.0)] {
-        let scan = read_bytes(&zygo(code, "1e-6", "1 2 3\n4 2147483640 -6\n")).unwrap();
-        assert_eq!((scan.format, scan.pitch_m), (Some(Format::ZygoAscii), Some((1e-6, 1e-6))));
-        let z = |phase: f64| phase * 632.8e-9 * 0.5 / counts;
-        assert_heights(&scan, &[z(1.0), z(2.0), z(3.0), z(4.0), NAN, z(-6.0)]);
+        let bytes = zygo(code, "1e-6", "1 2 3\n4 2147483640 -6\n");
+        let heights = [1.0, 2.0, 3.0, 4.0, NAN, -6.0].map(|phase: f64| phase * 632.8e-9 * 0.5 / counts);
+        let scan = assert_scan(&bytes, Format::ZygoAscii, (2, 3), (1e-6, 1e-6), &heights);
         assert_eq!(scan.metadata["comment"], "a # comment");
     }
     let scan = read_bytes(&zygo(1, "0", "1 2 3 4 5 6\n")).unwrap();
@@ -57,8 +57,7 @@ fn phases_of_zygo_are_heights_by_the_formula_of_its_guide() {
         (1, "x", "1 2 3 4 5 6", "camera_res"),
         (1, "1e-6", "1 2 3 4 5", "number of phases"),
     ] {
-        let error = read_bytes(&zygo(code, lateral, phases)).unwrap_err().to_string();
-        assert!(error.contains(reason), "{error}");
+        assert_refused([(zygo(code, lateral, phases), reason)]);
     }
 }
 
@@ -66,9 +65,8 @@ fn phases_of_zygo_are_heights_by_the_formula_of_its_guide() {
 fn lines_of_wyko_are_columns_from_the_bottom_up_in_wavelengths_or_nanometre() {
     let wanted = [3.0, 6.0, 9.0, 12.0, 2.0, NAN, 8.0, 11.0, 1.0, 4.0, 7.0, 10.0];
     for (flag, unit) in [(0, 600e-9), (1, 1e-9)] {
-        let scan = read_bytes(&wyko(flag, "", COLUMNS)).unwrap();
-        assert_eq!((scan.format, scan.pitch_m), (Some(Format::WykoAscii), Some((2e-6, 3e-6))));
-        assert_heights(&scan, &wanted.map(|z| z * unit));
+        let (bytes, heights) = (wyko(flag, "", COLUMNS), wanted.map(|z| z * unit));
+        let scan = assert_scan(&bytes, Format::WykoAscii, (3, 4), (2e-6, 3e-6), &heights);
         assert_eq!(scan.metadata["Title"], "a disc");
     }
     let scan = read_bytes(&wyko(0, "", &format!("{COLUMNS}Image\t3\t24\t\r\n1\t2\r\n"))).unwrap();
@@ -85,11 +83,8 @@ fn tables_of_keyence_have_keys_in_english_or_german() {
                   Einheit;um\r\n\r\nH\u{f6}he\r\n1,5;2,5;3\r\n4;;1\r\n";
     let german: Vec<u8> = german.chars().map(|c| c as u8).collect();
     for bytes in [keyence(), german] {
-        let scan = read_bytes(&bytes).unwrap();
-        assert_eq!((scan.format, scan.heights_m.dim()), (Some(Format::KeyenceCsv), (2, 3)));
-        assert_heights(&scan, &[1.5e-6, 2.5e-6, 3e-6, 4e-6, NAN, 1e-6]);
-        let pitch = scan.pitch_m.unwrap();
-        assert!((pitch.0 / 1.394e-6 - 1.0).abs() < 1e-12 && pitch.0 == pitch.1, "{pitch:?}");
+        let heights = [1.5e-6, 2.5e-6, 3e-6, 4e-6, NAN, 1e-6];
+        assert_scan(&bytes, Format::KeyenceCsv, (2, 3), (1.394e-6, 1.394e-6), &heights);
     }
     let changed = |from: &str, to: &str| String::from_utf8(keyence()).unwrap().replace(from, to).into_bytes();
     for (from, to, reason) in [
@@ -98,7 +93,6 @@ fn tables_of_keyence_have_keys_in_english_or_german() {
         ("data\",\"Height\"", "data\",\"Laser\"", "Output image data"),
         ("Horizontal", "Width", "Horizontal"),
     ] {
-        let error = read_bytes(&changed(from, to)).unwrap_err().to_string();
-        assert!(error.contains(reason), "{error}");
+        assert_refused([(changed(from, to), reason)]);
     }
 }

@@ -1,5 +1,6 @@
-use asperity_formats::Scan;
+use asperity_formats::{Format, Scan};
 
+use crate::check::{assert_refused, assert_scan, assert_warns, bytes};
 use crate::fixture::{Fixture, read_bytes};
 use crate::{NAN, assert_heights};
 
@@ -47,11 +48,11 @@ const INTEGERS: [&str; 14] = [
 ];
 
 fn numbers() -> Vec<u8> {
-    [1_i16, -2, 3, i16::MIN, 32767, 6].iter().flat_map(|z| z.to_le_bytes()).collect()
+    bytes![[1_i16, -2, 3, i16::MIN, 32767, 6]]
 }
 
 fn floats() -> Vec<u8> {
-    [1.5_f32, -2.0, f32::MAX, NAN as f32, 5.0, 1.8e38].iter().flat_map(|z| z.to_le_bytes()).collect()
+    bytes![[1.5_f32, -2.0, f32::MAX, NAN as f32, 5.0, 1.8e38]]
 }
 
 fn with(line: &'static str) -> Vec<&'static str> {
@@ -70,9 +71,7 @@ fn read(lines: &[&str]) -> Scan {
     read_bytes(&file(lines, Text::Ascii, 2048, &numbers())).unwrap()
 }
 
-fn refused(lines: &[&str]) -> String {
-    read_bytes(&file(lines, Text::Ascii, 2048, &numbers())).unwrap_err().to_string()
-}
+const HEIGHTS: [f64; 6] = [0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9];
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
     let unicode = with("fileformat = bcrf_unicode");
@@ -84,13 +83,18 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 
 #[test]
 fn integers_are_steps_and_the_greatest_is_missing() {
-    let scan = read(&INTEGERS);
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
-    // 30 nm are three points of 10 nm, 10 nm are two of 5 nm.
-    assert_eq!(scan.pitch_m, Some((1e-8, 5e-9)));
-    assert_eq!(scan.metadata["starttime"], "12 01 16 14:30:59:00");
-    assert!(!scan.metadata.keys().any(|key| key.contains("comment")));
+    // 30 nm are three points of 10 nm, 10 nm are two of 5 nm. Units that are not named are nanometre.
+    let without_units: Vec<&str> = INTEGERS.iter().copied().filter(|line| !line.contains("unit")).collect();
+    for lines in [&INTEGERS[..], &without_units] {
+        let bytes = file(lines, Text::Ascii, 2048, &numbers());
+        let scan = assert_scan(&bytes, Format::Bcr, (2, 3), (1e-8, 5e-9), &HEIGHTS);
+        assert_eq!(scan.metadata["starttime"], "12 01 16 14:30:59:00");
+        assert!(!scan.metadata.keys().any(|key| key.contains("comment")));
+    }
+    assert_heights(&read(&with("zunit = [um]")), &HEIGHTS.map(|z| z * 1e3));
+    let big = [1_i16, 256, 3, 4, 32767, 6].map(i16::to_be_bytes).concat();
+    let scan = read_bytes(&file(&with("intelmode = 0"), Text::Ascii, 2048, &big)).unwrap();
+    assert_heights(&scan, &[0.5e-9, 128e-9, 1.5e-9, 2e-9, NAN, 3e-9]);
 }
 
 #[test]
@@ -105,57 +109,36 @@ fn floats_are_heights_in_their_unit_and_great_ones_are_missing() {
         " yunit = um",
         " zunit = um",
     ];
-    let scan = read_bytes(&file(&lines, Text::Ascii, 2048, &floats())).unwrap();
-    assert_heights(&scan, &[1.5e-6, -2e-6, NAN, NAN, 5e-6, NAN]);
-    assert_eq!(scan.pitch_m, Some((1e-6, 2e-6)));
-    assert!(scan.warnings.iter().all(|warning| !warning.contains("bit2nm")));
     // A factor for integers does not change floats.
     let scaled = [&lines[..], &["bit2nm = 2"]].concat();
-    let scan = read_bytes(&file(&scaled, Text::Ascii, 2048, &floats())).unwrap();
-    assert_heights(&scan, &[1.5e-6, -2e-6, NAN, NAN, 5e-6, NAN]);
-    assert!(scan.warnings.iter().any(|warning| warning.contains("bit2nm is 2")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn headers_in_unicode_are_read_in_either_order() {
-    let lines = with("fileformat = bcrstm_unicode");
-    for text in [Text::Utf16, Text::Utf16Marked, Text::Utf16Big] {
-        let scan = read_bytes(&file(&lines, text, 2048, &numbers())).unwrap();
-        assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
+    for lines in [&lines[..], &scaled] {
+        let bytes = file(lines, Text::Ascii, 2048, &floats());
+        let heights = [1.5e-6, -2e-6, NAN, NAN, 5e-6, NAN];
+        let scan = assert_scan(&bytes, Format::Bcr, (2, 3), (1e-6, 2e-6), &heights);
+        assert_eq!(crate::check::warns(&scan, "bit2nm is 2"), lines.len() > 8, "{:?}", scan.warnings);
     }
 }
 
 #[test]
-fn a_longer_header_ends_at_its_stated_size() {
-    for (text, format) in [(Text::Ascii, "fileformat = bcrstm"), (Text::Utf16, "fileformat = bcrstm_unicode")] {
-        let mut lines = with("headersize = 3000");
+fn headers_may_be_unicode_in_either_order_and_longer() {
+    for (text, format, size) in [
+        (Text::Utf16, "fileformat = bcrstm_unicode", 2048),
+        (Text::Utf16Marked, "fileformat = bcrstm_unicode", 2048),
+        (Text::Utf16Big, "fileformat = bcrstm_unicode", 2048),
+        (Text::Ascii, "fileformat = bcrstm", 3000),
+        (Text::Utf16, "fileformat = bcrstm_unicode", 3000),
+    ] {
+        let mut lines = if size == 3000 { with("headersize = 3000") } else { INTEGERS.to_vec() };
         lines[0] = format;
-        let scan = read_bytes(&file(&lines, text, 3000, &numbers())).unwrap();
-        assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
+        assert_heights(&read_bytes(&file(&lines, text, size, &numbers())).unwrap(), &HEIGHTS);
     }
-}
-
-#[test]
-fn big_endian_numbers_are_marked() {
-    let data: Vec<u8> = [1_i16, 256, 3, 4, 32767, 6].iter().flat_map(|z| z.to_be_bytes()).collect();
-    let scan = read_bytes(&file(&with("intelmode = 0"), Text::Ascii, 2048, &data)).unwrap();
-    assert_heights(&scan, &[0.5e-9, 128e-9, 1.5e-9, 2e-9, NAN, 3e-9]);
-}
-
-#[test]
-fn units_that_are_not_named_are_nanometre() {
-    let lines: Vec<&str> = INTEGERS.iter().copied().filter(|line| !line.contains("unit")).collect();
-    let scan = read(&lines);
-    assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, NAN, 3e-9]);
-    assert_eq!(scan.pitch_m, Some((1e-8, 5e-9)));
-    assert_heights(&read(&with("zunit = [um]")), &[0.5e-6, -1e-6, 1.5e-6, -16384e-6, NAN, 3e-6]);
 }
 
 #[test]
 fn the_mark_is_a_height_if_the_header_declares_no_missing_points() {
     let scan = read(&with("voidpixels = 0"));
     assert_heights(&scan, &[0.5e-9, -1e-9, 1.5e-9, -16384e-9, 16383.5e-9, 3e-9]);
-    assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights equal the code")), "{:?}", scan.warnings);
+    assert_warns(&scan, "1 heights equal the code");
     // Some files state the mark itself, some nothing.
     assert_eq!(read(&with("voidpixels = 3.402823E+38")).missing_points(), 1);
     assert_eq!(read(&without("voidpixels")).missing_points(), 1);
@@ -166,19 +149,23 @@ fn a_pixel_size_needs_lengths() {
     assert_eq!(read(&without("ylength")).pitch_m, None);
     let scan = read(&with("xunit = V"));
     assert_eq!(scan.pitch_m, None);
-    assert!(scan.warnings.iter().any(|warning| warning.starts_with("xunit is `V`")), "{:?}", scan.warnings);
+    assert_warns(&scan, "xunit is `V`");
 }
 
 #[test]
 fn records_other_than_height_maps_are_refused_with_the_reason() {
-    assert_eq!(refused(&with("forcecurve = 1")), "BCR: the file holds force curves; wanted a height map");
-    assert_eq!(refused(&with("zunit = V")), "BCR: the values are in V, which is not a length; wanted heights");
-    assert!(refused(&with("fileformat = bcrz")).starts_with("BCR: fileformat (byte 0) is `bcrz`"));
-    assert!(refused(&without("xpixels")).starts_with("BCR: xpixels is missing"));
-    assert!(refused(&with("ypixels = two")).starts_with("BCR: ypixels (byte 0) is `two`; wanted a whole number"));
-    assert!(refused(&with("ypixels = 0")).starts_with("BCR: ypixels (byte 0) is `0`; wanted 1 or more"));
-    assert!(refused(&without("bit2nm")).starts_with("BCR: bit2nm is missing"));
-    assert!(refused(&with("bit2nm = 0")).starts_with("BCR: bit2nm (byte 0) is `0`"));
-    assert!(refused(&with("headersize = many")).starts_with("BCR: headersize (byte 0) is `many`"));
-    assert_eq!(refused(&with("ypixels = 3")), "BCR: the heights (byte 2048) stop after 12 bytes; wanted 18");
+    for (lines, words) in [
+        (with("forcecurve = 1"), "BCR: the file holds force curves; wanted a height map"),
+        (with("zunit = V"), "BCR: the values are in V, which is not a length; wanted heights"),
+        (with("fileformat = bcrz"), "BCR: fileformat (byte 0) is `bcrz`"),
+        (without("xpixels"), "BCR: xpixels is missing"),
+        (with("ypixels = two"), "BCR: ypixels (byte 0) is `two`; wanted a whole number"),
+        (with("ypixels = 0"), "BCR: ypixels (byte 0) is `0`; wanted 1 or more"),
+        (without("bit2nm"), "BCR: bit2nm is missing"),
+        (with("bit2nm = 0"), "BCR: bit2nm (byte 0) is `0`"),
+        (with("headersize = many"), "BCR: headersize (byte 0) is `many`"),
+        (with("ypixels = 3"), "BCR: the heights (byte 2048) stop after 12 bytes; wanted 18"),
+    ] {
+        assert_refused([(file(&lines, Text::Ascii, 2048, &numbers()), words)]);
+    }
 }

@@ -131,27 +131,6 @@ pub(crate) fn read_channel(bytes: &[u8], channel: &str) -> Result<Scan, FormatEr
     read_bytes_with(bytes, &ReadOptions { channel: Some(channel.into()), ..ReadOptions::default() })
 }
 
-/// The message with which a file is refused.
-pub(crate) fn refusal(bytes: &[u8]) -> String {
-    read_bytes(bytes).unwrap_err().to_string()
-}
-
-/// The name of the field for whose value a file is refused.
-pub(crate) fn wrong_field(bytes: &[u8]) -> String {
-    match read_bytes(bytes) {
-        Err(FormatError::Field { field, .. }) => field,
-        other => panic!("{other:?}"),
-    }
-}
-
-/// The content for which a valid file is refused.
-pub(crate) fn unsupported(bytes: &[u8]) -> String {
-    match read_bytes(bytes) {
-        Err(FormatError::Unsupported { found, .. }) => found,
-        other => panic!("{other:?}"),
-    }
-}
-
 /// Writes a seed below the folder `ASPERITY_SEEDS`: `format-NAME` for a whole file, `archive-NAME` for the files in an
 /// archive, each after a line with its name.
 fn keep(kind: &str, format: Format, bytes: &[u8]) {

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use md5::{Digest, Md5};
 
+use crate::check::{Raw, bytes};
 use crate::fixture::Content;
 
 /// CRC-32 of the zip format (polynomial 0xEDB88320), bit by bit.
@@ -239,23 +240,14 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn push<const N: usize>(&mut self, mut little: [u8; N]) {
-        if self.big_endian {
-            little.reverse();
+    fn put<T: Raw>(&mut self, numbers: &[T]) {
+        for number in numbers {
+            let mut number = bytes![number];
+            if self.big_endian {
+                number.reverse();
+            }
+            self.bytes.extend(number);
         }
-        self.bytes.extend(little);
-    }
-
-    fn i16s(&mut self, numbers: &[i16]) {
-        numbers.iter().for_each(|number| self.push(number.to_le_bytes()));
-    }
-
-    fn i32s(&mut self, numbers: &[i32]) {
-        numbers.iter().for_each(|number| self.push(number.to_le_bytes()));
-    }
-
-    fn f32s(&mut self, numbers: &[f32]) {
-        numbers.iter().for_each(|number| self.push(number.to_le_bytes()));
     }
 
     fn zeros(&mut self, count: usize) {
@@ -281,11 +273,11 @@ impl Sur {
         }
         let mut directory = Numbers { bytes: Vec::new(), big_endian: self.big_endian };
         let mut streams = Vec::new();
-        directory.i32s(&[self.cuts.len() as i32 + 1]);
+        directory.put(&[self.cuts.len() as i32 + 1]);
         let mut start = 0;
         for end in self.cuts.iter().copied().chain([self.data.len()]) {
             let stream = zlib(&self.data[start..end]);
-            directory.i32s(&[(end - start) as i32, stream.len() as i32]);
+            directory.put(&[(end - start) as i32, stream.len() as i32]);
             streams.extend(stream);
             start = end;
         }
@@ -297,18 +289,18 @@ impl Sur {
         let heights = self.heights();
         let mut file = Numbers { bytes: self.signature.to_vec(), big_endian: self.big_endian };
         // Format (PC, or the other order), number of objects, version, type.
-        file.i16s(&[if self.big_endian { 257 } else { 0 }, self.objects, 1, self.object_type]);
+        file.put(&[if self.big_endian { 257 } else { 0_i16 }, self.objects, 1, self.object_type]);
         file.padded(self.name, 30);
         file.padded(b"A. Operator", 30);
         // Channels, acquisition type (stylus), range type.
-        file.i16s(&[0, 1, 0]);
+        file.put(&[0_i16, 1, 0]);
         // Special points, absolute heights.
-        file.i16s(&[self.special_points, 1]);
+        file.put(&[self.special_points, 1]);
         // Gauge resolution, points of a spectrum.
         file.zeros(8);
-        file.i16s(&[self.bits]);
-        file.i32s(&[self.z_range.0, self.z_range.1, self.size.0, self.size.1, self.size.0.wrapping_mul(self.size.1)]);
-        file.f32s(&self.spacing);
+        file.put(&[self.bits]);
+        file.put(&[self.z_range.0, self.z_range.1, self.size.0, self.size.1, self.size.0.wrapping_mul(self.size.1)]);
+        file.put(&self.spacing);
         for name in [b"X", b"Y", b"Z"] {
             file.padded(name, 16);
         }
@@ -316,17 +308,17 @@ impl Sur {
         for unit in self.units.iter().chain(&self.units) {
             file.padded(unit, 16);
         }
-        file.f32s(&[1.0; 3]);
+        file.put(&[1_f32; 3]);
         // Imprint, inverted, levelled, 12 obsolete bytes.
         file.zeros(18);
-        file.i16s(&[59, 30, 14, 1, 12, 2016, 4]);
-        file.f32s(&[12.5]);
+        file.put(&[59_i16, 30, 14, 1, 12, 2016, 4]);
+        file.put(&[12.5_f32]);
         // Size of compressed data and 6 obsolete bytes.
-        file.i32s(&[if self.signature == b"DIGITAL SURF" { 0 } else { heights.len() as i32 }]);
+        file.put(&[if self.signature == b"DIGITAL SURF" { 0_i32 } else { heights.len() as i32 }]);
         file.zeros(6);
-        file.i16s(&[self.comment.len() as i16, self.private.len() as i16]);
+        file.put(&[self.comment.len() as i16, self.private.len() as i16]);
         file.padded(b"a program", 128);
-        file.f32s(&[0.0, 0.0, self.z_offset]);
+        file.put(&[0.0, 0.0, self.z_offset]);
         // Temperature axis: spacing, offset, unit, name.
         file.zeros(34);
         assert_eq!(file.bytes.len(), 512);

@@ -1,6 +1,7 @@
-use asperity_formats::{Format, FormatError};
+use asperity_formats::Format;
 
 use crate::assert_heights;
+use crate::check::{assert_refused, assert_scan};
 use crate::fixture::{Fixture, read_bytes};
 
 /// A field of 3 × 2 points with these fields after its dimensions.
@@ -21,10 +22,9 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 #[test]
 fn heights_follow_the_header_at_a_multiple_of_four_bytes() {
     for title in ["", "a", "ab", "abc"] {
-        let scan = read_bytes(&gsf(&format!("{FIELDS}Note = {title}\n"), &NUMBERS)).unwrap();
-        assert_eq!(scan.format, Some(Format::Gsf));
-        assert_heights(&scan, &[1e-9, 2e-9, f64::NAN, -4e-9, 5e-9, 6e-9]);
-        assert_eq!(scan.pitch_m, Some((1e-6, 2e-6)));
+        let bytes = gsf(&format!("{FIELDS}Note = {title}\n"), &NUMBERS);
+        let heights = [1e-9, 2e-9, f64::NAN, -4e-9, 5e-9, 6e-9];
+        let scan = assert_scan(&bytes, Format::Gsf, (2, 3), (1e-6, 2e-6), &heights);
         assert_eq!(scan.metadata["Title"], "a groove");
     }
     let scan = read_bytes(&gsf("", &NUMBERS)).unwrap();
@@ -35,12 +35,11 @@ fn heights_follow_the_header_at_a_multiple_of_four_bytes() {
 
 #[test]
 fn other_units_and_sizes_are_refused_or_left_out_with_a_warning() {
-    let error = read_bytes(&gsf("ZUnits = V\n", &NUMBERS)).unwrap_err().to_string();
-    assert!(error.contains("`field` (V)"), "{error}");
     let scan = read_bytes(&gsf("XReal = 3\nYReal = 4\nXYUnits = 1/m\n", &NUMBERS)).unwrap();
     assert!(scan.pitch_m.is_none() && scan.warnings[0].contains("`1/m`"), "{:?}", scan.warnings);
-    let error = read_bytes(&gsf(FIELDS, &NUMBERS[..5])).unwrap_err();
-    assert!(matches!(error, FormatError::Truncated { .. }), "{error}");
-    let error = read_bytes(b"Gwyddion Simple Field 1.0\nXRes = 3\n").unwrap_err().to_string();
-    assert!(error.contains("the end of the header"), "{error}");
+    assert_refused([
+        (gsf("ZUnits = V\n", &NUMBERS), "`field` (V)"),
+        (gsf(FIELDS, &NUMBERS[..5]), "stop after"),
+        (b"Gwyddion Simple Field 1.0\nXRes = 3\n".to_vec(), "the end of the header"),
+    ]);
 }

@@ -99,11 +99,7 @@ fn bombs(name: &str, count: usize) -> [Vec<u8>; 2] {
 fn bombs_are_refused() {
     for name in ["main.xml", "index.xml", "heights.npy"] {
         for bytes in bombs(name, 256 << 20) {
-            let start = Instant::now();
-            let (result, peak) = peak_bytes(|| read_bytes(&bytes));
-            let took = start.elapsed();
-            assert!(result.is_err() && took < TIME_LIMIT, "{name}: {took:?}");
-            assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{name}: {peak} bytes of memory");
+            assert!(!read(name, &bytes), "{name}");
         }
     }
 }
@@ -117,10 +113,7 @@ fn a_bomb_of_heights_is_refused() {
     archive.start_file("main.xml", zip::write::SimpleFileOptions::default()).unwrap();
     archive.write_all(x3p.main_xml().as_bytes()).unwrap();
     let bytes = archive.finish().unwrap().into_inner();
-    let start = Instant::now();
-    let (result, peak) = peak_bytes(|| read_bytes(&bytes));
-    assert!(result.is_err() && start.elapsed() < TIME_LIMIT, "{:?}", start.elapsed());
-    assert!(peak <= MEMORY_LIMIT + 2 * bytes.len(), "{peak} bytes of memory");
+    assert!(!read("a bomb of heights", &bytes));
 }
 
 /// A multiplicative congruential generator (MMIX): noise enough to damage files with.
@@ -160,16 +153,8 @@ const WORDS: [&[u8]; 10] =
 fn damage(bytes: &mut Vec<u8>, noise: &mut Noise) {
     let place = noise.below(bytes.len() + 1);
     match noise.below(9) {
-        0 => {
-            for byte in bytes.get_mut(place..).unwrap_or_default().iter_mut().take(1) {
-                *byte = noise.next() as u8;
-            }
-        }
-        1 => {
-            for byte in bytes.get_mut(place..).unwrap_or_default().iter_mut().take(1) {
-                *byte ^= 1 << noise.below(8);
-            }
-        }
+        0 => at(bytes, place, |_| noise.next() as u8),
+        1 => at(bytes, place, |byte| byte ^ 1 << noise.below(8)),
         // A number of 1, 2, 4 or 8 bytes, in either order.
         2 | 3 => {
             let width = 1 << noise.below(4);
@@ -177,9 +162,7 @@ fn damage(bytes: &mut Vec<u8>, noise: &mut Noise) {
             if noise.below(2) == 0 {
                 raw.reverse();
             }
-            for (byte, new) in bytes.get_mut(place..).unwrap_or_default().iter_mut().zip(raw) {
-                *byte = new;
-            }
+            bytes[place..].iter_mut().zip(raw).for_each(|(byte, new)| *byte = new);
         }
         4 => bytes.truncate(place),
         5 => {
@@ -199,11 +182,14 @@ fn damage(bytes: &mut Vec<u8>, noise: &mut Noise) {
             let length = bytes[start..].iter().take_while(|byte| is_digit(byte)).count();
             bytes.splice(start..start + length, WORDS[noise.below(WORDS.len())].iter().copied());
         }
-        _ => {
-            for byte in bytes.get_mut(place..).unwrap_or_default().iter_mut().take(1) {
-                *byte = byte.wrapping_add(1);
-            }
-        }
+        _ => at(bytes, place, |byte| byte.wrapping_add(1)),
+    }
+}
+
+/// Changes the byte at a place, if there is one.
+fn at(bytes: &mut [u8], place: usize, change: impl FnOnce(u8) -> u8) {
+    if let Some(byte) = bytes.get_mut(place) {
+        *byte = change(*byte);
     }
 }
 

@@ -1,6 +1,6 @@
-use asperity_formats::{Format, FormatError};
+use asperity_formats::Format;
 
-use crate::assert_heights;
+use crate::check::{assert_refused, assert_scan, bytes, padded};
 use crate::fixture::{Fixture, read_bytes};
 
 /// A wave of 3 × 2 points per layer, with the labels of its layers.
@@ -33,30 +33,31 @@ impl Wave {
 
     fn bytes(&self) -> Vec<u8> {
         let mut bytes = vec![0; 384];
-        let order = |mut number: Vec<u8>| {
+        let mut put = |at: usize, mut number: Vec<u8>| {
             if self.big {
                 number.reverse();
             }
-            number
+            bytes[at..at + number.len()].copy_from_slice(&number);
         };
-        let mut put = |at: usize, number: Vec<u8>| bytes[at..at + number.len()].copy_from_slice(&order(number));
         let note = "ScanRate: 1.1\rImagingMode: 0\r";
-        put(0, 5_i16.to_le_bytes().to_vec());
-        put(4, (320 + self.numbers.len() as i32).to_le_bytes().to_vec());
-        put(12, (note.len() as i32).to_le_bytes().to_vec());
-        if !self.labels.is_empty() {
-            put(44, (32 * (self.labels.len() as i32 + 1)).to_le_bytes().to_vec());
+        let layers = self.labels.len() as i32;
+        for (at, size) in [
+            (4, 320 + self.numbers.len() as i32),
+            (12, note.len() as i32),
+            (44, if layers > 0 { 32 * (layers + 1) } else { 0 }),
+            (132, 3),
+            (136, 2),
+            (140, layers),
+        ] {
+            put(at, bytes![size]);
         }
-        put(80, self.kind.to_le_bytes().to_vec());
-        for (at, size) in [(132, 3), (136, 2), (140, self.labels.len() as i32)] {
-            put(at, size.to_le_bytes().to_vec());
+        for (at, number) in [(0, bytes![5_i16]), (80, bytes![self.kind]), (148, bytes![1e-6]), (156, bytes![2e-6])] {
+            put(at, number);
         }
-        put(148, 1e-6_f64.to_le_bytes().to_vec());
-        put(156, 2e-6_f64.to_le_bytes().to_vec());
-        for (at, unit) in [(212, self.data_unit), (216, self.dimension_unit), (220, self.dimension_unit)] {
-            bytes[at..at + unit.len()].copy_from_slice(unit.as_bytes());
+        for (at, text) in [(92, "wave"), (212, self.data_unit), (216, self.dimension_unit), (220, self.dimension_unit)]
+        {
+            bytes[at..at + text.len()].copy_from_slice(text.as_bytes());
         }
-        bytes[92..96].copy_from_slice(b"wave");
         let sum = bytes.chunks(2).fold(0_i16, |sum, pair| {
             let pair = [pair[0], pair[1]];
             sum.wrapping_add(if self.big { i16::from_be_bytes(pair) } else { i16::from_le_bytes(pair) })
@@ -67,9 +68,7 @@ impl Wave {
         bytes.extend(note.as_bytes());
         if !self.labels.is_empty() {
             for label in std::iter::once(&"").chain(&self.labels) {
-                let start = bytes.len();
-                bytes.extend(label.as_bytes());
-                bytes.resize(start + 32, 0);
+                bytes.extend(padded(*label, 32));
             }
         }
         bytes
@@ -82,10 +81,8 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 
 #[test]
 fn layers_of_asylum_research_are_in_metre_by_their_labels_from_the_bottom_up() {
-    let scan = read_bytes(&Wave::asylum().bytes()).unwrap();
-    assert_eq!((scan.format, scan.heights_m.dim(), scan.pitch_m), (Some(Format::Ibw), (2, 3), Some((1e-6, 2e-6))));
-    let z = |n: f64| f64::from(n as f32 * 1e-9);
-    assert_heights(&scan, &[z(4.0), z(5.0), z(6.0), z(1.0), z(2.0), z(3.0)]);
+    let heights = [4.0_f32, 5.0, 6.0, 1.0, 2.0, 3.0].map(|n| f64::from(n * 1e-9));
+    let scan = assert_scan(&Wave::asylum().bytes(), Format::Ibw, (2, 3), (1e-6, 2e-6), &heights);
     assert_eq!(scan.channels, ["HeightTrace"]);
     assert!(scan.warnings[0].contains("`PhaseTrace`"), "{:?}", scan.warnings);
     assert_eq!(scan.metadata["ScanRate"], "1.1");
@@ -93,23 +90,21 @@ fn layers_of_asylum_research_are_in_metre_by_their_labels_from_the_bottom_up() {
 
 #[test]
 fn a_matrix_without_labels_has_the_unit_of_the_wave_in_either_byte_order() {
-    let scan = read_bytes(&Wave::plain().bytes()).unwrap();
-    assert_heights(&scan, &[4e-9, 5e-9, 6e-9, 1e-9, 2e-9, 3e-9]);
-    let pitch = scan.pitch_m.unwrap();
-    assert!((pitch.0 / 1e-12 - 1.0).abs() < 1e-12 && (pitch.1 / 2e-12 - 1.0).abs() < 1e-12, "{pitch:?}");
+    let heights = [4e-9, 5e-9, 6e-9, 1e-9, 2e-9, 3e-9];
+    assert_scan(&Wave::plain().bytes(), Format::Ibw, (2, 3), (1e-12, 2e-12), &heights);
     let scan = read_bytes(&Wave { dimension_unit: "s", ..Wave::plain() }.bytes()).unwrap();
     assert!(scan.pitch_m.is_none() && scan.warnings[0].contains("no pixel size"), "{:?}", scan.warnings);
 }
 
 #[test]
 fn other_quantities_curves_and_damage_are_refused() {
-    let refusal = |wave: Wave| read_bytes(&wave.bytes()).unwrap_err();
-    let error = refusal(Wave { labels: vec!["PhaseTrace", "UserIn0Trace"], ..Wave::asylum() }).to_string();
-    assert!(error.contains("no image of the file holds lengths"), "{error}");
-    assert!(refusal(Wave { data_unit: "V", ..Wave::plain() }).to_string().contains("`wave` (V)"));
-    // Complex numbers.
-    let error = refusal(Wave { kind: 3, ..Wave::plain() });
-    assert!(matches!(&error, FormatError::Field { field, .. } if field == "type"), "{error}");
+    let labels = vec!["PhaseTrace", "UserIn0Trace"];
+    assert_refused([
+        (Wave { labels, ..Wave::asylum() }.bytes(), "no image of the file holds lengths"),
+        (Wave { data_unit: "V", ..Wave::plain() }.bytes(), "`wave` (V)"),
+        // Complex numbers.
+        (Wave { kind: 3, ..Wave::plain() }.bytes(), "IBW: type ("),
+    ]);
     // A wrong check sum is another format.
     let mut bytes = Wave::plain().bytes();
     bytes[2] ^= 1;

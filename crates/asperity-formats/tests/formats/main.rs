@@ -5,6 +5,7 @@
 mod al3d;
 mod ascii;
 mod bcr;
+mod check;
 mod datx;
 mod files;
 mod fixture;

@@ -1,41 +1,25 @@
-use asperity_formats::{Format, FormatError};
+use asperity_formats::Format;
 
 use crate::assert_heights;
+use crate::check::{assert_refused, bytes, padded, patched};
 use crate::fixture::{Fixture, read_bytes};
 
 /// A frame of a scan of 3 × 2 points: its channel, the code of its unit, the step and the number of points of spectra.
 fn frame(channel: u8, unit: i16, step: f32, points: u16) -> Vec<u8> {
-    let mut variables = Vec::new();
-    for (offset, step, unit) in [(0.0_f32, 1.0_f32, -2_i16), (0.0, -2.0, -2), (10.0, step, unit)] {
-        variables.extend(offset.to_le_bytes());
-        variables.extend(step.to_le_bytes());
-        variables.extend(unit.to_le_bytes());
-    }
-    variables.extend([channel, 0, 3, 0, 2, 0]);
-    variables.resize(77, 0);
-    let mut body = variables;
-    for number in [0, 3, 2, points] {
-        body.extend(number.to_le_bytes());
-    }
-    body.resize(body.len() + if points > 0 { 14 + 16 * usize::from(points) } else { 0 }, 0);
-    body.extend([0_i16, 1, 2, 3, 4, -5].iter().flat_map(|n| n.to_le_bytes()));
-    of_type(0, &body)
+    // Offset, step and unit of three axes; channel, mode, points along two axes.
+    let axes = bytes![0.0_f32, 1.0_f32, -2_i16, 0.0_f32, -2.0_f32, -2_i16, 10.0_f32, step, unit];
+    let variables = padded(bytes![axes, [channel, 0, 3, 0, 2, 0]], 77);
+    let spectra = vec![0_u8; if points > 0 { 14 + 16 * usize::from(points) } else { 0 }];
+    of_type(0, &bytes![variables, [0, 3, 2, points], spectra, [0_i16, 1, 2, 3, 4, -5]])
 }
 
 fn of_type(kind: u16, body: &[u8]) -> Vec<u8> {
-    let mut frame = (22 + body.len() as u32).to_le_bytes().to_vec();
-    for number in [kind, 0x0200, 2026, 11, 24, 1, 2, 3, 77] {
-        frame.extend(number.to_le_bytes());
-    }
-    [frame.as_slice(), body].concat()
+    bytes![22 + body.len() as u32, [kind, 0x0200, 2026, 11, 24, 1, 2, 3, 77], body]
 }
 
 fn mdt(frames: &[Vec<u8>]) -> Vec<u8> {
-    let mut bytes = b"\x01\xb0\x93\xff".to_vec();
-    bytes.resize(12, 0);
-    bytes.extend((frames.len() as u16 - 1).to_le_bytes());
-    bytes.resize(33, 0);
-    [bytes, frames.concat()].concat()
+    let last = frames.len() as u16 - 1;
+    bytes![padded(bytes![padded(b"\x01\xb0\x93\xff", 12), last], 33), frames]
 }
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
@@ -63,15 +47,11 @@ fn heights_are_offset_and_steps_in_the_unit_of_z_from_the_bottom_up() {
 
 #[test]
 fn files_without_a_scan_of_heights_and_damaged_frames_are_refused() {
-    let refusal = |frames: &[Vec<u8>]| read_bytes(&mdt(frames)).unwrap_err();
-    assert!(refusal(&[of_type(106, &[0; 9])]).to_string().contains("none of the 1 frames"));
-    assert!(refusal(&[frame(4, 1, 1.0, 0)]).to_string().contains("`Current` (code 1)"));
-    let mut short = frame(0, -1, 1.0, 0);
-    short[20] = 35;
-    let error = refusal(&[short]);
-    assert!(matches!(&error, FormatError::Field { field, .. } if field == "size of the variables"), "{error}");
-    let mut endless = frame(0, -1, 1.0, 0);
-    endless[0] = 0;
-    let error = refusal(&[endless]);
-    assert!(matches!(&error, FormatError::Field { field, .. } if field == "size of a frame"), "{error}");
+    let height = frame(0, -1, 1.0, 0);
+    assert_refused([
+        (mdt(&[of_type(106, &[0; 9])]), "none of the 1 frames"),
+        (mdt(&[frame(4, 1, 1.0, 0)]), "`Current` (code 1)"),
+        (mdt(&[patched(&height, 20, 35_u8)]), "size of the variables ("),
+        (mdt(&[patched(&height, 0, 0_u8)]), "size of a frame ("),
+    ]);
 }

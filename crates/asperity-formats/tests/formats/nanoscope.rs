@@ -1,6 +1,7 @@
-use asperity_formats::{Format, FormatError, Scan};
+use asperity_formats::{Format, Scan};
 
 use crate::assert_heights;
+use crate::check::{assert_error, assert_pitch, assert_refused, assert_scan};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 
 /// Variable parts of a file of two images of 3 × 2 points: a height and a phase.
@@ -79,9 +80,7 @@ fn numbers_are_a_share_of_the_voltage_of_the_range_from_the_bottom_up() {
     // 65.536 V span 65536 numbers, and a volt is 10 nm: 1000 is 10 nm.
     let wanted = [30e-9, 327.67e-9, -327.68e-9, 0.0, 10e-9, -20e-9];
     for file in [Nanoscope::default(), Nanoscope::wide()] {
-        let scan = scan(&file);
-        assert_eq!((scan.format, scan.heights_m.dim()), (Some(Format::Nanoscope), (2, 3)));
-        assert_heights(&scan, &wanted);
+        let scan = assert_scan(&file.bytes(), Format::Nanoscope, (2, 3), (1e-6, 2e-6), &wanted);
         assert_eq!(scan.channels, ["Height (retrace)"]);
         assert_eq!(scan.metadata["Date"], "03:40:34 PM Thu Mar 09 2017");
         assert!(scan.warnings.concat().contains("`Phase (retrace)` (º)"), "{:?}", scan.warnings);
@@ -96,24 +95,19 @@ fn one_or_two_sizes_in_any_unit_of_length_are_the_field() {
     for (size, pitch_m) in
         [("3 4 um", (1e-6, 2e-6)), ("3 4 ~m", (1e-6, 2e-6)), ("300 nm", (1e-7, 1.5e-7)), ("3 \u{b5}m", (1e-6, 1.5e-6))]
     {
-        let found = scan(&Nanoscope { scan_size: size, ..Nanoscope::default() }).pitch_m.unwrap();
-        assert!(
-            (found.0 / pitch_m.0 - 1.0).abs() < 1e-12 && (found.1 / pitch_m.1 - 1.0).abs() < 1e-12,
-            "{size}: {found:?}"
-        );
+        assert_pitch(&scan(&Nanoscope { scan_size: size, ..Nanoscope::default() }), pitch_m);
     }
-    let error = read_bytes(&Nanoscope { scan_size: "3 V", ..Nanoscope::default() }.bytes()).unwrap_err();
-    assert!(matches!(&error, FormatError::Field { field, .. } if field == "Scan Size"), "{error}");
+    assert_refused([(Nanoscope { scan_size: "3 V", ..Nanoscope::default() }.bytes(), "Scan Size (")]);
 }
 
 #[test]
 fn images_that_are_no_heights_text_and_force_curves_are_refused() {
-    let refusal = |bytes: &[u8]| read_bytes(bytes).unwrap_err().to_string();
     let volts = Nanoscope { sensitivity: "V 10.0 mA/V", ..Nanoscope::default() };
-    assert!(refusal(&volts.bytes()).contains("`Height (retrace)` (mA)"));
-    assert!(refusal(&Nanoscope { start: "?*File list", ..volts }.bytes()).contains("the data are text"));
-    assert!(refusal(b"\\*Force file list\r\n").contains("force curves"));
-    assert!(refusal(b"\\*File list\r\n\\Version: 0x05\r\n\x1a").contains("no image"));
-    let error = read_channel(&Nanoscope::default().bytes(), "Phase (retrace)").unwrap_err();
-    assert!(matches!(error, FormatError::NoSuchChannel { .. }), "{error}");
+    assert_refused([
+        (volts.bytes(), "`Height (retrace)` (mA)"),
+        (Nanoscope { start: "?*File list", ..volts }.bytes(), "the data are text"),
+        (b"\\*Force file list\r\n".to_vec(), "force curves"),
+        (b"\\*File list\r\n\\Version: 0x05\r\n\x1a".to_vec(), "no image"),
+    ]);
+    assert_error(read_channel(&Nanoscope::default().bytes(), "Phase (retrace)"), "no height map");
 }

@@ -1,7 +1,8 @@
-use asperity_formats::{Format, FormatError, Scan};
+use asperity_formats::{Format, Scan};
 
+use crate::check::{assert_no_warning, assert_pitch, assert_refused, assert_warns, bytes, patched};
 use crate::datx;
-use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fields, fill_value, new_attribute};
+use crate::datx::hdf5::{self, Hdf5, Message, contiguous, dataspace, datatype, fill_value, new_attribute};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::{NAN, assert_heights, assert_metadata};
 
@@ -81,19 +82,19 @@ impl Classic {
     }
 
     fn name(&self, name: &str) -> Vec<u8> {
-        fields![self.count(name.len() as u64), padded(name.as_bytes())]
+        bytes![self.count(name.len() as u64), padded(name.as_bytes())]
     }
 
     /// A list; one without entries is absent: tag and count are zero.
     fn list(&self, tag: u32, entries: &[Vec<u8>]) -> Vec<u8> {
         let tag = if entries.is_empty() { 0 } else { tag };
-        fields![tag.to_be_bytes(), self.count(entries.len() as u64), entries.concat()]
+        bytes![tag.to_be_bytes(), self.count(entries.len() as u64), entries.concat()]
     }
 
     fn attributes(&self, attributes: &Atts) -> Vec<u8> {
         let entry = |(name, att): &(&str, Att)| {
             let (kind, count, bytes) = att.parts();
-            fields![self.name(name), kind.to_be_bytes(), self.count(count), padded(&bytes)]
+            bytes![self.name(name), kind.to_be_bytes(), self.count(count), padded(&bytes)]
         };
         self.list(0x0c, &attributes.iter().map(entry).collect::<Vec<_>>())
     }
@@ -103,7 +104,7 @@ impl Classic {
     }
 
     fn header(&self, begins: &[u64]) -> Vec<u8> {
-        let dimension = |(name, length): &(&str, u64)| fields![self.name(name), self.count(*length)];
+        let dimension = |(name, length): &(&str, u64)| bytes![self.name(name), self.count(*length)];
         let variable = |(Var(name, places, attributes, kind, bytes), begin): (&Var, &u64)| {
             let places: Vec<u8> = places.iter().flat_map(|&place| self.count(place as u64)).collect();
             let rank = self.count((places.len() / self.count(0).len()) as u64);
@@ -111,9 +112,9 @@ impl Classic {
                 if self.version == 1 { (*begin as u32).to_be_bytes().to_vec() } else { begin.to_be_bytes().to_vec() };
             // Name, dimensions, attributes, type, size, place.
             let size = self.count(bytes.len() as u64);
-            fields![self.name(name), rank, places, self.attributes(attributes), kind.to_be_bytes(), size, begin]
+            bytes![self.name(name), rank, places, self.attributes(attributes), kind.to_be_bytes(), size, begin]
         };
-        fields![
+        bytes![
             [b'C', b'D', b'F', self.version],
             // A number of records with all bits set means unknown.
             self.count(self.records.unwrap_or(u64::MAX)),
@@ -147,15 +148,11 @@ impl Classic {
                 data.extend(if in_records.len() == 1 { part.to_vec() } else { padded(part) });
             }
         }
-        fields![self.header(&begins), data]
+        bytes![self.header(&begins), data]
     }
 
     fn read(&self) -> Scan {
         read_bytes(&self.bytes()).unwrap()
-    }
-
-    fn refusal(&self) -> String {
-        read_bytes(&self.bytes()).unwrap_err().to_string()
     }
 }
 
@@ -277,62 +274,47 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     ]
 }
 
+/// Heights in nm.
+fn assert_nm<const N: usize>(scan: &Scan, wanted: [f64; N]) {
+    assert_heights(scan, &wanted.map(|z| z * 1e-9));
+}
+
 #[test]
 fn a_file_of_surfacetopography_is_turned_to_rows_of_y() {
     for version in [1, 2, 5] {
         let scan = Classic { version, ..Classic::default() }.read();
         assert_eq!(scan.heights_m.dim(), (3, 2));
         // heights[x][y] = 1 2 3, 4 5 6 nm; the first y is at the top.
-        assert_heights(&scan, &[1e-9, 4e-9, 2e-9, 5e-9, 3e-9, 6e-9]);
-        assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
-        assert_eq!((scan.channels, scan.warnings), (vec!["heights".to_owned()], Vec::<String>::new()));
+        assert_nm(&scan, [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
+        assert_pitch(&scan, (1.5e-6, 2e-6));
+        assert_eq!(scan.channels, ["heights"]);
+        assert_no_warning(&scan);
+        assert_metadata(&scan, &[("json", "{\"instrument\": {}}"), ("heights:unit", "nm"), ("x:unit", "um")]);
+        assert_metadata(&scan, &[("x:length", "3"), ("y:periodic", "1")]);
     }
-}
-
-#[test]
-fn rows_of_x_are_not_turned() {
+    // Rows of x are not turned.
     let mut file = Classic { dimensions: vec![("y", 2), ("x", 3)], ..Classic::default() };
     file.variables[0].0 = "y";
     file.variables[2].0 = "x";
     let scan = file.read();
-    assert_heights(&scan, &[1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9]);
-    assert_eq!((scan.heights_m.dim(), scan.pitch_m), ((2, 3), Some((2e-6, 1.5e-6))));
+    assert_nm(&scan, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(scan.heights_m.dim(), (2, 3));
+    assert_pitch(&scan, (2e-6, 1.5e-6));
 }
 
 #[test]
-fn attributes_are_kept_by_their_names() {
-    let scan = Classic::default().read();
-    let wanted = [
-        ("json", "{\"instrument\": {}}"),
-        ("heights:unit", "nm"),
-        ("x:unit", "um"),
-        ("x:length", "3"),
-        ("y:periodic", "1"),
-    ];
-    assert_metadata(&scan, &wanted);
-}
-
-#[test]
-fn points_under_the_mask_are_missing() {
+fn marks_fill_values_and_the_mask_are_missing() {
     let mut file = Classic::default();
     file.variables.push(Var("mask", vec![0, 1], vec![], 1, vec![0, 0, 1, 0, 0, 0]));
     let scan = file.read();
-    assert_heights(&scan, &[1e-9, 4e-9, 2e-9, 5e-9, NAN, 6e-9]);
+    assert_nm(&scan, [1.0, 4.0, 2.0, 5.0, NAN, 6.0]);
     assert_eq!(scan.channels.len(), 1);
-}
-
-#[test]
-fn packed_numbers_are_scaled_shifted_and_two_marks_are_missing() {
+    // n · 0.5 + 10, in µm, with two marks.
     let scan = packed().read();
-    // n · 0.5 + 10, in µm.
     assert_heights(&scan, &[10e-6, 10.5e-6, NAN, 11.5e-6, NAN, 12.5e-6]);
-    assert_eq!(scan.pitch_m, None);
-}
-
-#[test]
-fn the_fill_value_of_a_type_is_missing_unless_another_is_stated() {
+    assert_pitch(&scan, None);
+    // −32767 fills variables of short integers unless another value is stated.
     let mut file = packed();
-    // −32767 fills variables of short integers.
     file.variables[0].4 = shorts(&[0, -32767, 1, 1, 1, 1]);
     assert_eq!(file.read().missing_points(), 0);
     file.variables[0].2.retain(|(name, _)| *name != "_FillValue");
@@ -341,10 +323,7 @@ fn the_fill_value_of_a_type_is_missing_unless_another_is_stated() {
     let mut file = Classic::default();
     file.variables[1].4 = doubles(&[1.0, 9.969209968386869e36, 3.0, 4.0, 5.0, 6.0]);
     assert!(file.read().heights_m[[1, 0]].is_nan());
-}
-
-#[test]
-fn a_mark_of_double_precision_marks_numbers_of_single_precision() {
+    // A mark of double precision marks numbers of single precision.
     let values: Vec<u8> = [1.0_f32, 1e20, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|z| z.to_be_bytes()).collect();
     let attributes = vec![("units", Att::Text("nm")), ("missing_value", Att::Double(1e20))];
     let file = Classic { variables: vec![Var("z", vec![0, 1], attributes, 5, values)], ..Classic::default() };
@@ -353,57 +332,49 @@ fn a_mark_of_double_precision_marks_numbers_of_single_precision() {
 
 #[test]
 fn integers_of_every_type_are_read() {
+    let last = |attributes: Atts, kind, bytes: &[u8]| {
+        let variables = vec![Var("z", vec![0, 1], attributes, kind, bytes.repeat(6))];
+        Classic { version: 5, variables, ..Classic::default() }.read().heights_m[[2, 1]]
+    };
     // Type, number, bytes of one element.
     for (kind, value, bytes) in [
-        (1, -2.0, vec![0xfe]),
-        (3, -2.0, vec![0xff, 0xfe]),
-        (4, -2.0, vec![0xff, 0xff, 0xff, 0xfe]),
-        (7, 254.0, vec![0xfe]),
-        (8, 65534.0, vec![0xff, 0xfe]),
-        (9, 4294967294.0, vec![0xff, 0xff, 0xff, 0xfe]),
-        (10, -2.0, vec![0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xfe]),
-        (11, 4294967296.0, vec![0, 0, 0, 1, 0, 0, 0, 0]),
+        (1, -2.0, &[0xfe][..]),
+        (3, -2.0, &[0xff, 0xfe]),
+        (4, -2.0, &[0xff, 0xff, 0xff, 0xfe]),
+        (7, 254.0, &[0xfe]),
+        (8, 65534.0, &[0xff, 0xfe]),
+        (9, 4294967294.0, &[0xff, 0xff, 0xff, 0xfe]),
+        (10, -2.0, &[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xfe]),
+        (11, 4294967296.0, &[0, 0, 0, 1, 0, 0, 0, 0]),
     ] {
-        let variables = vec![Var("z", vec![0, 1], unit("m"), kind, bytes.repeat(6))];
-        let scan = Classic { version: 5, variables, ..Classic::default() }.read();
-        assert_eq!(scan.heights_m[[2, 1]], value, "type {kind}");
+        assert_eq!(last(unit("m"), kind, bytes), value, "type {kind}");
     }
-    let attributes = vec![("unit", Att::Text("m")), ("_Unsigned", Att::Text("true"))];
-    let variables = vec![Var("z", vec![0, 1], attributes, 1, vec![0xfe; 6])];
-    assert_eq!(Classic { variables, ..Classic::default() }.read().heights_m[[0, 0]], 254.0);
+    assert_eq!(last(vec![("unit", Att::Text("m")), ("_Unsigned", Att::Text("true"))], 1, &[0xfe]), 254.0);
 }
 
 #[test]
 fn records_are_put_together() {
+    let wanted = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3];
     for version in [1, 2, 5] {
         // With a second variable each record is padded to four bytes; an unknown number of records is counted.
         for records in [Some(3), None] {
             let scan = in_records(version, records).read();
             assert_eq!(scan.heights_m.dim(), (3, 2));
-            assert_heights(&scan, &[1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]);
+            assert_heights(&scan, &wanted);
         }
         // A single variable is not padded: three integers of two bytes follow each other.
         let mut file = in_records(version, Some(2));
         file.dimensions[1].1 = 3;
         file.variables.remove(0);
-        assert_heights(&file.read(), &[1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]);
+        assert_heights(&file.read(), &wanted);
     }
-}
-
-#[test]
-fn a_map_without_records_is_refused() {
-    assert_eq!(in_records(2, Some(0)).refusal(), "NetCDF: rows (byte 0) is `0`; wanted 1 or more");
-}
-
-#[test]
-fn a_map_of_one_record_is_a_map() {
     let file = Classic {
         records: Some(1),
         dimensions: vec![("time", 0), ("y", 2), ("x", 3)],
-        variables: vec![Var("z", vec![0, 1, 2], unit("um"), 3, shorts(&[1, 2, 3, 4, 5, 6]))],
+        variables: vec![Var("z", vec![0, 1, 2], unit("mm"), 3, shorts(&[1, 2, 3, 4, 5, 6]))],
         ..Classic::default()
     };
-    assert_heights(&file.read(), &[1e-6, 2e-6, 3e-6, 4e-6, 5e-6, 6e-6]);
+    assert_heights(&file.read(), &wanted);
 }
 
 #[test]
@@ -418,80 +389,48 @@ fn maps_in_a_unit_of_length_are_channels_and_heights_is_the_first() {
 }
 
 #[test]
-fn files_without_a_map_of_heights_are_refused_with_their_content() {
-    let mut file = Classic::default();
-    file.variables[1] = Var("current", vec![0, 1], unit("A/m"), 6, doubles(&[8.0; 6]));
-    assert!(file.refusal().starts_with("NetCDF: the file holds `current` (A/m); wanted"), "{}", file.refusal());
-    file.variables[1] = Var("heights", vec![1], unit("nm"), 6, doubles(&[8.0; 3]));
-    assert!(file.refusal().starts_with("NetCDF: the file holds a line scan"), "{}", file.refusal());
-    file.variables.clear();
-    assert!(file.refusal().starts_with("NetCDF: the file holds no map"), "{}", file.refusal());
-}
-
-#[test]
-fn heights_without_a_unit_are_in_that_of_the_positions_or_in_metre() {
-    let mut file = Classic::default();
-    file.variables[1].2.clear();
-    let scan = file.read();
-    assert_eq!((scan.heights_m[[0, 0]], scan.warnings), (1e-6, Vec::<String>::new()));
-    for variable in &mut file.variables {
-        variable.2.retain(|(name, _)| *name != "unit");
-    }
-    let scan = file.read();
+fn units_of_heights_and_positions_replace_or_contradict_each_other() {
+    let changed = |change: &dyn Fn(&mut Vec<Var>)| {
+        let mut file = Classic::default();
+        change(&mut file.variables);
+        file.read()
+    };
+    // Heights without a unit are in that of the positions, or in metre.
+    let scan = changed(&|variables| variables[1].2.clear());
+    assert_eq!((scan.heights_m[[0, 0]], scan.warnings.len()), (1e-6, 0));
+    let without = |variable: &mut Var| variable.2.retain(|(name, _)| *name != "unit");
+    let scan = changed(&|variables| variables.iter_mut().for_each(without));
     assert_eq!((scan.heights_m[[0, 0]], scan.pitch_m), (1.0, Some((1.5, 2.0))));
-    assert!(scan.warnings[0].contains("no unit"), "{:?}", scan.warnings);
-}
-
-#[test]
-fn positions_without_a_length_unit_give_no_pitch() {
-    let mut file = Classic::default();
-    file.variables[0].2 = unit("s");
-    let scan = file.read();
-    assert_eq!(scan.pitch_m, None);
-    assert!(scan.warnings[0].starts_with("the unit of x is `s`"), "{:?}", scan.warnings);
-}
-
-#[test]
-fn positions_take_precedence_over_the_stated_length_of_a_side() {
-    let mut file = Classic::default();
+    assert_warns(&scan, "no unit");
+    let scan = changed(&|variables| variables[0].2 = unit("s"));
+    assert_pitch(&scan, None);
+    assert_warns(&scan, "the unit of x is `s`");
     // A side of 1.5 µm is the distance between the first and the last of two points.
-    file.variables[0].2[1].1 = Att::Double(1.5);
-    let scan = file.read();
-    assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
-    assert!(scan.warnings[0].starts_with("the length of x gives pixels of 0.75 um"), "{:?}", scan.warnings);
-    // Positions that were never written leave the length of three points.
-    file.variables[2].4 = doubles(&[9.969209968386869e36; 3]);
-    assert_eq!(file.read().pitch_m, Some((1.5e-6, 2e-6)));
-}
-
-#[test]
-fn uneven_positions_give_a_warning_and_falling_ones_do_not() {
-    let mut file = Classic::default();
-    file.variables[2].4 = doubles(&[4.0, 2.0, 0.0]);
-    let scan = file.read();
-    assert_eq!((scan.pitch_m, scan.warnings), (Some((1.5e-6, 2e-6)), Vec::<String>::new()));
-    file.variables[2].4 = doubles(&[0.0, 1.0, 4.0]);
-    let scan = file.read();
-    assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
-    assert!(scan.warnings[0].contains("not evenly spaced"), "{:?}", scan.warnings);
+    let scan = changed(&|variables| variables[0].2[1].1 = Att::Double(1.5));
+    assert_pitch(&scan, (1.5e-6, 2e-6));
+    assert_warns(&scan, "the length of x gives pixels of 0.75 um");
+    // Positions that were never written leave the length of three points; falling and uneven ones are read.
+    let at = |positions: [f64; 3]| changed(&|variables| variables[2].4 = doubles(&positions));
+    assert_pitch(&at([9.969209968386869e36; 3]), (1.5e-6, 2e-6));
+    assert_no_warning(&at([4.0, 2.0, 0.0]));
+    assert_warns(&at([0.0, 1.0, 4.0]), "not evenly spaced");
+    for positions in [[4.0, 2.0, 0.0], [0.0, 1.0, 4.0]] {
+        assert_pitch(&at(positions), (1.5e-6, 2e-6));
+    }
 }
 
 #[test]
 fn netcdf_4_is_read_like_the_classic_formats() {
     let scan = read_bytes(&enhanced()).unwrap();
-    assert_heights(&scan, &[1e-9, 4e-9, 2e-9, 5e-9, 3e-9, 6e-9]);
-    assert_eq!(scan.pitch_m, Some((1.5e-6, 2e-6)));
+    assert_nm(&scan, [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
+    assert_pitch(&scan, (1.5e-6, 2e-6));
     let metadata: Vec<(&str, &str)> = scan.metadata.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
     assert_eq!(metadata, [("heights:unit", "nm"), ("title", "a face"), ("x:unit", "um"), ("y:unit", "um")]);
-}
-
-#[test]
-fn chunks_of_netcdf_4_are_put_together() {
     let scan = read_bytes(&in_chunks()).unwrap();
-    assert_eq!((scan.heights_m.dim(), scan.pitch_m), ((4, 3), Some((1.5e-6, 2e-6))));
+    assert_eq!(scan.heights_m.dim(), (4, 3));
+    assert_pitch(&scan, (1.5e-6, 2e-6));
     // The last chunk was never written and holds the fill value.
-    let nm = [1.0, 5.0, 9.0, 2.0, 6.0, -2.0, 3.0, 7.0, 11.0, 4.0, 8.0, 77.0];
-    assert_heights(&scan, &nm.map(|z: f64| z * 1e-9));
+    assert_nm(&scan, [1.0, 5.0, 9.0, 2.0, 6.0, -2.0, 3.0, 7.0, 11.0, 4.0, 8.0, 77.0]);
 }
 
 #[test]
@@ -517,32 +456,30 @@ fn numbers_of_hdf5_are_read_as_in_datx() {
 }
 
 #[test]
-fn only_known_versions_are_claimed() {
-    for (start, format) in [
-        (b"CDF\x01", Some(Format::NetCdf)),
-        (b"CDF\x02", Some(Format::NetCdf)),
-        (b"CDF\x05", Some(Format::NetCdf)),
-        (b"CDF\x03", None),
-    ] {
-        assert_eq!(Format::detect(&[start.as_slice(), &[0; 40]].concat()), format);
+fn other_versions_and_files_without_a_map_are_refused_with_their_content() {
+    for (version, format) in
+        [(1, Some(Format::NetCdf)), (2, Some(Format::NetCdf)), (5, Some(Format::NetCdf)), (3, None)]
+    {
+        assert_eq!(Format::detect(&bytes!["CDF", [version; 1], [0_u8; 40]]), format);
     }
-}
-
-#[test]
-fn headers_that_exceed_the_file_are_errors() {
-    let huge = Classic { dimensions: vec![("x", 1 << 30), ("y", 1 << 30)], ..Classic::default() };
-    assert!(matches!(read_bytes(&huge.bytes()), Err(FormatError::TooLarge { .. })));
-    let long = Classic { dimensions: vec![("x", 1 << 14), ("y", 1 << 14)], ..Classic::default() };
-    assert!(matches!(read_bytes(&long.bytes()), Err(FormatError::Truncated { wanted: 0x8000_0000, .. })));
-    // One record more than there is.
-    let mut bytes = in_records(2, Some(3)).bytes();
-    bytes[4..8].copy_from_slice(&4_u32.to_be_bytes());
-    assert!(matches!(read_bytes(&bytes), Err(FormatError::Truncated { .. })));
-    // The tag of the list of dimensions, and the number of its entries.
-    let mut bytes = Classic::default().bytes();
-    bytes[11] = 0x0c;
-    assert_eq!(read_bytes(&bytes).unwrap_err().to_string(), "NetCDF: dimensions (byte 8) is `tag 12`; wanted tag 10");
-    bytes[11] = 0x0a;
-    bytes[12..16].copy_from_slice(&1_000_000_u32.to_be_bytes());
-    assert!(matches!(read_bytes(&bytes), Err(FormatError::TooLarge { found: 1_000_000, .. })));
+    let with = |variable: Option<Var>| {
+        let mut file = Classic::default();
+        file.variables.splice(1..2, variable);
+        file.bytes()
+    };
+    let sized = |side| Classic { dimensions: vec![("x", side), ("y", side)], ..Classic::default() }.bytes();
+    let usual = Classic::default().bytes();
+    assert_refused([
+        (with(Some(Var("current", vec![0, 1], unit("A/m"), 6, doubles(&[8.0; 6])))), "holds `current` (A/m); wanted"),
+        (with(Some(Var("heights", vec![1], unit("nm"), 6, doubles(&[8.0; 3])))), "NetCDF: the file holds a line scan"),
+        (with(None), "NetCDF: the file holds no map"),
+        (in_records(2, Some(0)).bytes(), "NetCDF: rows (byte 0) is `0`; wanted 1 or more"),
+        (sized(1 << 30), "the limit is"),
+        (sized(1 << 14), "wanted 2147483648"),
+        // One record more than there is.
+        (patched(&in_records(2, Some(3)).bytes(), 4, 4_u32.to_be_bytes()), "stop after"),
+        // The tag of the list of dimensions, and the number of its entries.
+        (patched(&usual, 11, [0x0c_u8]), "NetCDF: dimensions (byte 8) is `tag 12`; wanted tag 10"),
+        (patched(&usual, 12, 1_000_000_u32.to_be_bytes()), "is 1000000; the limit is"),
+    ]);
 }

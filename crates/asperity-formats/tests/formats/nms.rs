@@ -1,85 +1,28 @@
-use asperity_formats::{Format, FormatError};
+use asperity_formats::{Format, Scan};
 
-use crate::fixture::{Fixture, read_bytes, unsupported, wrong_field};
+use crate::check::{assert_no_warning, assert_refused, assert_scan, assert_warns, bytes, padded, patched};
+use crate::fixture::{Fixture, read_bytes};
 use crate::{NAN, assert_heights, assert_metadata};
 
-/// Variable parts of an NMS file. The rest is as written by µsoft.
-struct Nms {
-    data_type: i32,
-    dimension_type: i32,
-    n_range: (i32, i32),
-    f_range_um: (f64, f64),
-    version: &'static [u8],
-    header_size: i32,
-    /// Columns and rows.
-    size: (i32, i32),
-    steps_nm: (f64, f64),
-    heights: Vec<u16>,
-    intensities: Vec<u8>,
+/// A file of µsoft with 3 × 2 numbers, and intensities if there are any.
+fn nms(intensities: &[u8]) -> Vec<u8> {
+    // Data type, dimension type, range of numbers; range of heights in µm.
+    let ranges = bytes![[2_i32, 1, 0, 65535], [2.5_f64, 6.0]];
+    let texts = bytes![padded("OM_MS_2.0", 20), padded("Confocal Height Image", 1024), padded("2022-02-09T13:25", 20)];
+    let start = padded(bytes![ranges, texts, padded(b"R\xf6ntgen", 256)], 1352);
+    // Size of the header, three numbers of unknown meaning, columns, rows; steps in nm, and perhaps a position.
+    let numbers = bytes![[3468_i32, 2, 0, 0, 3, 2], [3125.0_f64, 6250.0, 24965.75, 4394.5, 29679.75]];
+    let header = padded(bytes![start, numbers, i32::from(!intensities.is_empty())], 3468);
+    bytes![header, [0_u16, 65535, 13107, 26214, 1, 65534], intensities]
 }
 
-impl Default for Nms {
-    fn default() -> Self {
-        Self {
-            data_type: 2,
-            dimension_type: 1,
-            n_range: (0, 65535),
-            f_range_um: (2.5, 6.0),
-            version: b"OM_MS_2.0",
-            header_size: 3468,
-            size: (3, 2),
-            steps_nm: (3125.0, 6250.0),
-            heights: vec![0, 65535, 13107, 26214, 1, 65534],
-            intensities: vec![],
-        }
-    }
-}
-
-impl Nms {
-    /// A file whose last point but one was not seen.
-    fn with_intensities() -> Self {
-        Self { intensities: vec![169, 12, 255, 1, 0, 187], ..Self::default() }
-    }
-
-    fn bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        for number in [self.data_type, self.dimension_type, self.n_range.0, self.n_range.1] {
-            bytes.extend(number.to_le_bytes());
-        }
-        for height_um in [self.f_range_um.0, self.f_range_um.1] {
-            bytes.extend(height_um.to_le_bytes());
-        }
-        // Texts: version (20 bytes), title (1024), date (20), note (256).
-        bytes.extend(self.version);
-        bytes.resize(52, 0);
-        bytes.extend(b"Confocal Height Image");
-        bytes.resize(1076, 0);
-        bytes.extend(b"2022-02-09T13:25");
-        bytes.resize(1096, 0);
-        bytes.extend(b"R\xf6ntgen");
-        bytes.resize(1352, 0);
-        // Size of the header, three numbers of unknown meaning, columns, rows.
-        for number in [self.header_size, 2, 0, 0, self.size.0, self.size.1] {
-            bytes.extend(number.to_le_bytes());
-        }
-        // Steps along x and y, and three numbers that may be a position.
-        for number in [self.steps_nm.0, self.steps_nm.1, 24965.75, 4394.5, 29679.75] {
-            bytes.extend(number.to_le_bytes());
-        }
-        // Whether there are intensities.
-        bytes.extend(i32::from(!self.intensities.is_empty()).to_le_bytes());
-        bytes.resize(3468, 0);
-        bytes.extend(self.heights.iter().flat_map(|n| n.to_le_bytes()));
-        bytes.extend(&self.intensities);
-        bytes
-    }
+/// A file whose last point but one was not seen.
+fn with_intensities() -> Vec<u8> {
+    nms(&[169, 12, 255, 1, 0, 187])
 }
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    vec![
-        Fixture::whole("NMS", Nms::default().bytes()),
-        Fixture::whole("NMS with intensities", Nms::with_intensities().bytes()),
-    ]
+    vec![Fixture::whole("NMS", nms(&[])), Fixture::whole("NMS with intensities", with_intensities())]
 }
 
 /// 65535 is 5 · 13107: the numbers are 0, 5, 1 and 2 fifths of the range, and a step from its ends.
@@ -89,87 +32,50 @@ fn wanted_m() -> [f64; 6] {
 }
 
 #[test]
-fn the_stated_numbers_are_the_stated_heights_in_micrometres() {
-    let scan = read_bytes(&Nms::default().bytes()).unwrap();
-    assert_eq!(Format::detect(&Nms::default().bytes()), Some(Format::Nms));
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    assert_heights(&scan, &wanted_m());
-    assert_eq!(scan.warnings, [] as [String; 0]);
+fn the_stated_numbers_are_the_stated_heights_in_micrometres_and_steps_are_nanometres() {
+    let scan = assert_scan(&nms(&[]), Format::Nms, (2, 3), (3.125e-6, 6.25e-6), &wanted_m());
+    assert_no_warning(&scan);
+    assert_metadata(&scan, &[("version", "OM_MS_2.0"), ("title", "Confocal Height Image")]);
+    assert_metadata(&scan, &[("date", "2022-02-09T13:25"), ("note", "Röntgen")]);
 }
 
 #[test]
-fn another_range_of_numbers_has_other_steps_and_no_heights_outside() {
-    let file = Nms { n_range: (1, 65534), f_range_um: (-1.0, 2.0), ..Nms::default() };
-    let scan = read_bytes(&file.bytes()).unwrap();
+fn numbers_outside_of_the_range_and_points_without_intensity_are_missing() {
+    let other_range = patched(&patched(&nms(&[]), 8, [1_i32, 65534]), 16, [-1.0_f64, 2.0]);
+    let scan = read_bytes(&other_range).unwrap();
     let height_m = |n: f64| (-1.0 + (n - 1.0) * 3.0 / 65533.0) * 1e-6;
     assert_heights(&scan, &[NAN, NAN, height_m(13107.0), height_m(26214.0), -1e-6, 2e-6]);
-    assert!(scan.warnings.iter().any(|warning| warning.starts_with("2 numbers are outside")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn steps_are_nanometres_along_x_and_y() {
-    assert_eq!(read_bytes(&Nms::default().bytes()).unwrap().pitch_m, Some((3.125e-6, 6.25e-6)));
-}
-
-#[test]
-fn a_point_without_intensity_is_missing() {
-    let scan = read_bytes(&Nms::with_intensities().bytes()).unwrap();
+    assert_warns(&scan, "2 numbers are outside");
     let mut wanted = wanted_m();
     wanted[4] = NAN;
-    assert_heights(&scan, &wanted);
-}
-
-#[test]
-fn the_texts_of_the_header_are_kept() {
-    let scan = read_bytes(&Nms::default().bytes()).unwrap();
-    let wanted = [
-        ("version", "OM_MS_2.0"),
-        ("title", "Confocal Height Image"),
-        ("date", "2022-02-09T13:25"),
-        ("note", "Röntgen"),
-    ];
-    assert_metadata(&scan, &wanted);
+    assert_heights(&read_bytes(&with_intensities()).unwrap(), &wanted);
 }
 
 #[test]
 fn unknown_versions_and_sizes_of_the_header_give_a_warning() {
-    let scan = read_bytes(&Nms { version: b"OM_MS_3.0", ..Nms::default() }.bytes()).unwrap();
-    assert!(scan.warnings.iter().any(|warning| warning.contains("OM_MS_3.0")), "{:?}", scan.warnings);
-    let scan = read_bytes(&Nms { header_size: 4096, ..Nms::default() }.bytes()).unwrap();
-    assert!(scan.warnings.iter().any(|warning| warning.contains("4096 bytes")), "{:?}", scan.warnings);
-    assert_eq!(Format::detect(&Nms { version: b"OMMS_2.0", ..Nms::default() }.bytes()), None);
+    let read = |at, number: i32| -> Scan { read_bytes(&patched(&nms(&[]), at, number)).unwrap() };
+    assert_warns(&read_bytes(&patched(&nms(&[]), 32, "OM_MS_3.0")).unwrap(), "OM_MS_3.0");
+    assert_warns(&read(1352, 4096), "4096 bytes");
+    assert_eq!(Format::detect(&patched(&nms(&[]), 32, "OMMS_2.0")), None);
 }
 
 #[test]
-fn profiles_and_other_numbers_are_refused_with_a_reason() {
-    for (file, reason) in [
-        (Nms { dimension_type: 0, ..Nms::default() }, "a profile"),
-        (Nms { data_type: 5, ..Nms::default() }, "data type 5"),
-    ] {
-        let found = unsupported(&file.bytes());
-        assert!(found.contains(reason), "{found}");
-    }
-}
-
-#[test]
-fn headers_that_exceed_the_file_are_errors() {
-    for (file, field) in [
-        (Nms { dimension_type: 2, ..Nms::default() }, "dimension type"),
-        (Nms { n_range: (5, 5), ..Nms::default() }, "n_high"),
-        (Nms { f_range_um: (f64::NAN, 1.0), ..Nms::default() }, "f_low"),
-        (Nms { f_range_um: (1.0, f64::INFINITY), ..Nms::default() }, "f_high"),
-        (Nms { size: (0, 2), ..Nms::default() }, "nx"),
-        (Nms { size: (2, -1), ..Nms::default() }, "ny"),
-    ] {
-        assert_eq!(wrong_field(&file.bytes()), field);
-    }
-    let error = read_bytes(&Nms { size: (i32::MAX, i32::MAX), ..Nms::default() }.bytes()).unwrap_err();
-    assert!(matches!(error, FormatError::TooLarge { .. }), "{error}");
-    let error = read_bytes(&Nms { size: (100, 100), ..Nms::default() }.bytes()).unwrap_err().to_string();
-    assert_eq!(error, "NMS: the heights (byte 3468) stop after 12 bytes; wanted 20000");
-    let bytes = Nms::with_intensities().bytes();
-    let error = read_bytes(&bytes[..bytes.len() - 1]).unwrap_err().to_string();
-    assert_eq!(error, "NMS: the intensities (byte 3480) stop after 5 bytes; wanted 6");
-    let error = read_bytes(&bytes[..3000]).unwrap_err().to_string();
-    assert_eq!(error, "NMS: the bytes of the header (byte 0) stop after 3000 bytes; wanted 3468");
+fn other_data_and_headers_that_exceed_the_file_are_refused() {
+    let with = |at, number: i32| patched(&nms(&[]), at, number);
+    let with_height = |at, height_um: f64| patched(&nms(&[]), at, height_um);
+    let whole = with_intensities();
+    assert_refused([
+        (with(4, 0), "a profile"),
+        (with(0, 5), "data type 5"),
+        (with(4, 2), "dimension type ("),
+        (with(12, 0), "n_high ("),
+        (with_height(16, NAN), "f_low ("),
+        (with_height(24, f64::INFINITY), "f_high ("),
+        (with(1368, 0), "nx ("),
+        (with(1372, -1), "ny ("),
+        (patched(&nms(&[]), 1368, [i32::MAX; 2]), "the limit is"),
+        (patched(&nms(&[]), 1368, [100_i32; 2]), "NMS: the heights (byte 3468) stop after 12 bytes; wanted 20000"),
+        (whole[..whole.len() - 1].to_vec(), "NMS: the intensities (byte 3480) stop after 5 bytes; wanted 6"),
+        (whole[..3000].to_vec(), "NMS: the bytes of the header (byte 0) stop after 3000 bytes; wanted 3468"),
+    ]);
 }

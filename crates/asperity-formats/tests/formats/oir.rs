@@ -1,35 +1,34 @@
 //! OIR files after the chunks and the XML that SurfaceTopography describes.
 
-use asperity_formats::{Format, FormatError, Scan};
+use asperity_formats::{Format, Scan};
 
 use crate::assert_heights;
+use crate::check::{assert_refused, assert_scan, bytes};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::zip;
 
 fn chunk(kind: i32, content: &[u8]) -> Vec<u8> {
-    [(content.len() as i32).to_le_bytes().as_slice(), &kind.to_le_bytes(), content].concat()
+    bytes![content.len() as i32, kind, content]
 }
 
 /// A text after its length.
 fn text(text: &str) -> Vec<u8> {
-    [(text.len() as u32).to_le_bytes().as_slice(), text.as_bytes()].concat()
+    bytes![text.len() as u32, text]
 }
 
 /// A description: its kind, eight numbers, and its content.
 fn description(kind: u32, content: &[u8]) -> Vec<u8> {
-    let numbers: Vec<u8> = [1_u32, 1, 0, 0, 1, 1, 1, 1].iter().flat_map(|n| n.to_le_bytes()).collect();
-    [kind.to_le_bytes().as_slice(), &numbers, content].concat()
+    bytes![kind, [1_u32, 1, 0, 0, 1, 1, 1, 1], content]
 }
 
 /// A list of one text and a number.
 fn list(entry: &str) -> Vec<u8> {
-    [1_u32.to_le_bytes().as_slice(), &text(entry), &[0; 4]].concat()
+    bytes![1_u32, text(entry), [0_u8; 4]]
 }
 
 fn block(name: &str, data: &[u8]) -> Vec<u8> {
-    let size = (data.len() as u32).to_le_bytes();
-    let head = [[0; 4].as_slice(), &size, &text(name)].concat();
-    [chunk(3, &head).as_slice(), &size, &4_u32.to_le_bytes(), data].concat()
+    let size = data.len() as u32;
+    bytes![chunk(3, &bytes![[0_u8; 4], size, text(name)]), size, 4_u32, data]
 }
 
 fn channel(id: &str, kind: &str, more: &str) -> String {
@@ -59,22 +58,24 @@ fn xml(channels: &[String], unit: &str) -> String {
 }
 
 fn oir(xml: &str, blocks: &[Vec<u8>]) -> Vec<u8> {
-    let number = |n: u32| n.to_le_bytes();
-    let mut header = b"OLYMPUSRAWFORMAT".to_vec();
-    for n in [12, 0, 1, 2, 0, 0, 0, 0, 17, 0, 1, 0, 0, 0] {
-        header.extend(number(n));
-    }
-    header.extend(b"UNKNOWN\0");
-    header.extend([1_u32, 1, u32::MAX, u32::MAX].iter().flat_map(|n| n.to_le_bytes()));
-    let descriptions = [
+    let header = [12_u32, 0, 1, 2, 0, 0, 0, 0, 17, 0, 1, 0, 0, 0];
+    let descriptions = bytes![
         description(1, &text("<version/>")),
         description(2, &text(xml)),
         description(6, &list("t001_0_1")),
         description(8, &list("id-of-heights")),
+    ];
+    bytes![
+        "OLYMPUSRAWFORMAT",
+        header,
+        "UNKNOWN\0",
+        [1, 1, u32::MAX, u32::MAX],
+        chunk(5, b""),
+        chunk(0, &descriptions),
+        blocks,
+        -1_i32,
+        [0_u8; 12],
     ]
-    .concat();
-    let end = [&(-1_i32).to_le_bytes(), [0; 12].as_slice()].concat();
-    [header, chunk(5, b""), chunk(0, &descriptions), blocks.concat(), end].concat()
 }
 
 const NUMBERS: [u16; 6] = [1, 2, 3, 4, 5, 60000];
@@ -125,16 +126,13 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     ]
 }
 
-fn assert_usual(scan: &Scan) {
-    assert_eq!((scan.format, scan.heights_m.dim()), (Some(Format::Oir), (2, 3)));
-    let (dx, dy) = scan.pitch_m.unwrap();
-    assert!((dx - 1e-6).abs() < 1e-18 && (dy - 0.25e-6).abs() < 1e-18);
-    assert_heights(scan, &NUMBERS.map(|n| f64::from(n) * 1e-9));
+fn assert_usual(bytes: &[u8]) -> Scan {
+    assert_scan(bytes, Format::Oir, (2, 3), (1e-6, 0.25e-6), &NUMBERS.map(|n| f64::from(n) * 1e-9))
 }
 
 #[test]
 fn heights_are_calibrated_and_found_by_the_identifier_of_their_channel() {
-    assert_usual(&read_bytes(&usual()).unwrap());
+    assert_usual(&usual());
     let with = |depth: &str, data: &[u8]| {
         oir(&xml(&[channel("a", "HEIGHT", depth)], "um"), &[block("p_a_1", &[0; 12]), block("p_a_0", data)])
     };
@@ -146,33 +144,32 @@ fn heights_are_calibrated_and_found_by_the_identifier_of_their_channel() {
 
 #[test]
 fn packed_files_are_channels_by_their_names() {
-    let scan = read_bytes(&poir()).unwrap();
-    assert_usual(&scan);
-    assert_eq!(scan.channels, ["Sample/Image0001.oir"]);
+    assert_eq!(assert_usual(&poir()).channels, ["Sample/Image0001.oir"]);
     let other = oir(
         &xml(&[channel("b", "HEIGHT", DEPTH), channel("c", "HEIGHT", DEPTH)], "um"),
         &[block("p_b_0", &[0; 12]), block("p_c_0", &numbers(2))],
     );
     let bytes = zip(&[("a.oir", &usual()), ("b.oir", &other)]);
     assert_eq!(read_bytes(&bytes).unwrap().channels, ["a.oir", "b.oir", "b.oir 2"]);
-    assert_usual(&read_channel(&bytes, "3").unwrap());
+    assert_heights(&read_channel(&bytes, "3").unwrap(), &NUMBERS.map(|n| f64::from(n) * 1e-9));
 }
 
 #[test]
 fn files_without_heights_and_blocks_that_do_not_fit_are_refused() {
-    let refusal = |xml: &str, block: &[u8]| read_bytes(&oir(xml, &[block.to_vec()])).unwrap_err();
     let heights = xml(&[channel("a", "HEIGHT", DEPTH)], "um");
-    let good = block("p_a_0", &numbers(2));
-    let none = refusal(&xml(&[channel("a", "INTENSITY", DEPTH)], "um"), &good);
-    assert!(none.to_string().contains("no heights"), "{none}");
-    let camera = read_bytes(&zip(&[("a.oir", &oir("<camera/>", &[]))])).unwrap_err();
-    assert!(camera.to_string().contains("no heights"), "{camera}");
-    assert!(matches!(refusal(&heights, &block("p_b_0", &numbers(2))), FormatError::MissingField { .. }));
-    assert!(matches!(refusal(&heights, &block("p_a_0", &numbers(1))), FormatError::Truncated { .. }));
+    let intensities = xml(&[channel("a", "INTENSITY", DEPTH)], "um");
     let of_floats = xml(&[channel("a", "HEIGHT", "<commonphase:depth>4</commonphase:depth>")], "um");
-    assert!(refusal(&of_floats, &good).to_string().contains("wanted 1 or 2"));
     let of_volt = heights.replace("<commonphase:z>nm", "<commonphase:z>V");
-    assert!(refusal(&of_volt, &good).to_string().contains("pixelUnit/z"));
+    let good = block("p_a_0", &numbers(2));
+    let with = |xml: &str, block: &[u8]| oir(xml, &[block.to_vec()]);
+    assert_refused([
+        (with(&intensities, &good), "no heights"),
+        (zip(&[("a.oir", &oir("<camera/>", &[]))]), "no heights"),
+        (with(&heights, &block("p_b_0", &numbers(2))), "is missing"),
+        (with(&heights, &block("p_a_0", &numbers(1))), "stop after"),
+        (with(&of_floats, &good), "wanted 1 or 2"),
+        (with(&of_volt, &good), "pixelUnit/z"),
+    ]);
     let scan = read_bytes(&oir(&xml(&[channel("a", "HEIGHT", DEPTH)], "s"), &[good])).unwrap();
     assert!(scan.pitch_m.is_none() && scan.warnings[0].contains("no pixel size"), "{:?}", scan.warnings);
 }

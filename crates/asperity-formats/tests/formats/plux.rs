@@ -1,6 +1,7 @@
-use asperity_formats::{Channel, Format, FormatError, ReadOptions};
+use asperity_formats::{Format, FormatError};
 
-use crate::fixture::{Content, Fixture, read_bytes, read_bytes_with, read_channel};
+use crate::check::{assert_error, assert_no_warning, assert_pitch, assert_refused, assert_scan, assert_warns, bytes};
+use crate::fixture::{Content, Fixture, read_bytes, read_channel};
 use crate::{NAN, assert_heights, assert_metadata};
 
 /// Variable parts of a PLUX file. The rest is as written by the program SensoSCAN.
@@ -27,10 +28,6 @@ const OF_TWO_LAYERS: &str = "<LAYER_10><FILENAME_Z>LAYER_10.raw</FILENAME_Z></LA
                              <LAYER_1><FILENAME_STACK>LAYER_1.stack.raw</FILENAME_STACK></LAYER_1>\
                              <LAYER_2><FILENAME_Z>LAYER_2.raw</FILENAME_Z></LAYER_2>";
 
-fn raw(heights_um: &[f32]) -> Vec<u8> {
-    heights_um.iter().flat_map(|z| z.to_le_bytes()).collect()
-}
-
 impl Plux {
     fn index(&self) -> String {
         format!(
@@ -56,13 +53,13 @@ impl Plux {
     }
 
     fn content(&self) -> Content {
-        let heights = raw(&[1.5, f32::NAN, -3.0, 1_000_001.0, f32::INFINITY, 0.0]);
+        let heights = bytes![[1.5_f32, f32::NAN, -3.0, 1_000_001.0, f32::INFINITY, 0.0]];
         let file = |name: &str, bytes: Vec<u8>| (format!("{}{name}", self.folder), bytes);
         Content::Zip(vec![
             file("LAYER_0.raw", heights.clone()),
             file("LAYER_0.stack.raw", vec![9; 18]),
-            file("LAYER_2.raw", raw(&[2.0; 6])),
-            file("LAYER_10.raw", raw(&[10.0; 6])),
+            file("LAYER_2.raw", bytes![[2.0_f32; 6]]),
+            file("LAYER_10.raw", bytes![[10.0_f32; 6]]),
             file("index.xml", self.index().into_bytes()),
             file("./recipe.txt", b"<xml/>".to_vec()),
         ])
@@ -86,56 +83,9 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 
 #[test]
 fn heights_are_micrometres_in_rows_of_x() {
-    let scan = read_bytes(&Plux::default().bytes()).unwrap();
-    assert_eq!(Format::detect(&Plux::default().bytes()), Some(Format::Plux));
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    assert_heights(&scan, &[1.5e-6, NAN, -3e-6, NAN, NAN, 0.0]);
-    assert_eq!(scan.warnings, [] as [String; 0]);
-}
-
-#[test]
-fn the_field_of_view_by_name_is_the_side_of_a_pixel_in_micrometres() {
-    let scan = read_bytes(&Plux::default().bytes()).unwrap();
-    assert_eq!(scan.pitch_m, Some((5e-6, 2.5e-6)));
-    let pitch = "<FOV_X>0.138</FOV_X><FOV_Y>0.138</FOV_Y>";
-    let (dx_m, dy_m) = read_bytes(&Plux { pitch, ..Plux::default() }.bytes()).unwrap().pitch_m.unwrap();
-    assert_eq!(dx_m, dy_m);
-    assert!((dx_m / 0.138e-6 - 1.0).abs() < 1e-15);
-}
-
-#[test]
-fn sides_like_the_numbers_of_points_give_a_warning() {
-    let pitch = "<FOV_X>300</FOV_X><FOV_Y>200</FOV_Y>";
-    let scan = read_bytes(&Plux { pitch, ..Plux::default() }.bytes()).unwrap();
-    assert_eq!(scan.pitch_m, Some((3e-4, 2e-4)));
-    assert!(scan.warnings.iter().any(|warning| warning.contains("sides of the field")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn a_pixel_size_that_is_not_there_is_left_out_with_a_warning() {
-    let scan = read_bytes(&Plux { pitch: "<FOV_X>0.5</FOV_X>", ..Plux::default() }.bytes()).unwrap();
-    assert_eq!(scan.pitch_m, None);
-    assert!(scan.warnings.iter().any(|warning| warning.contains("no pixel size")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
-    let bytes = Plux { layers: OF_TWO_LAYERS, ..Plux::default() }.bytes();
-    let scan = read_bytes(&bytes).unwrap();
-    assert_eq!(scan.channels, ["LAYER_2", "LAYER_10"]);
-    assert_heights(&scan, &[2e-6; 6]);
-    for channel in [Channel::Number(2), Channel::Name("layer_10".into())] {
-        let scan = read_bytes_with(&bytes, &ReadOptions { channel: Some(channel), ..ReadOptions::default() }).unwrap();
-        assert_heights(&scan, &[10e-6; 6]);
-        assert_eq!(scan.channel, 1);
-    }
-    let error = read_channel(&bytes, "LAYER_1").unwrap_err();
-    assert!(matches!(error, FormatError::NoSuchChannel { format: Format::Plux, .. }), "{error}");
-}
-
-#[test]
-fn items_are_kept_by_their_names_and_the_rest_by_their_paths() {
-    let scan = read_bytes(&Plux::default().bytes()).unwrap();
+    let heights = [1.5e-6, NAN, -3e-6, NAN, NAN, 0.0];
+    let scan = assert_scan(&Plux::default().bytes(), Format::Plux, (2, 3), (5e-6, 2.5e-6), &heights);
+    assert_no_warning(&scan);
     let wanted = [
         ("Device", "S neox"),
         ("Technique", "Confocal"),
@@ -148,23 +98,46 @@ fn items_are_kept_by_their_names_and_the_rest_by_their_paths() {
 }
 
 #[test]
-fn layers_without_heights_are_refused_with_a_reason() {
-    let layers = "<LAYER_0><FILENAME_STACK>LAYER_0.stack.raw</FILENAME_STACK></LAYER_0>";
-    let error = read_bytes(&Plux { layers, ..Plux::default() }.bytes()).unwrap_err();
-    assert!(matches!(error, FormatError::Unsupported { format: Format::Plux, .. }), "{error}");
-    assert!(error.to_string().contains("FILENAME_Z"), "{error}");
+fn the_field_of_view_by_name_is_the_side_of_a_pixel_in_micrometres() {
+    for (pitch, pitch_m, words) in [
+        ("<FOV_X>0.138</FOV_X><FOV_Y>0.138</FOV_Y>", Some((0.138e-6, 0.138e-6)), ""),
+        // Like the numbers of points.
+        ("<FOV_X>300</FOV_X><FOV_Y>200</FOV_Y>", Some((3e-4, 2e-4)), "sides of the field"),
+        ("<FOV_X>0.5</FOV_X>", None, "no pixel size"),
+    ] {
+        let scan = read_bytes(&Plux { pitch, ..Plux::default() }.bytes()).unwrap();
+        assert_pitch(&scan, pitch_m);
+        if !words.is_empty() {
+            assert_warns(&scan, words);
+        }
+    }
 }
 
 #[test]
-fn dimensions_that_exceed_the_file_are_errors() {
-    let of_size = |size| read_bytes(&Plux { size, ..Plux::default() }.bytes());
-    let error = of_size((3, 3)).unwrap_err().to_string();
-    assert_eq!(error, "PLUX: the numbers (LAYER_0.raw, byte 0) stop after 24 bytes; wanted 36");
-    assert!(matches!(of_size((0, 2)), Err(FormatError::Field { field, .. }) if field == "GENERAL/IMAGE_SIZE_X"));
-    assert!(matches!(of_size((u32::MAX, 2)), Err(FormatError::TooLarge { .. })));
-    let layers = "<LAYER_0><FILENAME_Z>gone.raw</FILENAME_Z></LAYER_0>";
-    let error = read_bytes(&Plux { layers, ..Plux::default() }.bytes()).unwrap_err().to_string();
-    assert!(error.contains("gone.raw: no such file"), "{error}");
+fn layers_with_heights_are_channels_in_the_order_of_their_numbers() {
+    let bytes = Plux { layers: OF_TWO_LAYERS, ..Plux::default() }.bytes();
+    let scan = read_bytes(&bytes).unwrap();
+    assert_eq!(scan.channels, ["LAYER_2", "LAYER_10"]);
+    assert_heights(&scan, &[2e-6; 6]);
+    for channel in ["2", "layer_10"] {
+        let scan = read_channel(&bytes, channel).unwrap();
+        assert_heights(&scan, &[10e-6; 6]);
+        assert_eq!(scan.channel, 1);
+    }
+    assert_error(read_channel(&bytes, "LAYER_1"), "PLUX: no height map");
+}
+
+#[test]
+fn dimensions_and_layers_that_are_not_there_are_refused() {
+    let of_size = |size| Plux { size, ..Plux::default() }.bytes();
+    let of_layers = |layers| Plux { layers, ..Plux::default() }.bytes();
+    assert_refused([
+        (of_size((3, 3)), "PLUX: the numbers (LAYER_0.raw, byte 0) stop after 24 bytes; wanted 36"),
+        (of_size((0, 2)), "PLUX: GENERAL/IMAGE_SIZE_X ("),
+        (of_size((u32::MAX, 2)), "the limit is"),
+        (of_layers("<LAYER_0><FILENAME_Z>gone.raw</FILENAME_Z></LAYER_0>"), "gone.raw: no such file"),
+        (of_layers("<LAYER_0><FILENAME_STACK>LAYER_0.stack.raw</FILENAME_STACK></LAYER_0>"), "FILENAME_Z"),
+    ]);
 }
 
 #[test]
@@ -172,8 +145,7 @@ fn an_index_without_a_layer_is_refused_as_plux_and_other_indexes_are_not_plux() 
     let archive = |index: String| Content::Zip(vec![("index.xml".into(), index.into_bytes())]).bytes();
     let plux = archive(Plux { layers: "", ..Plux::default() }.index());
     assert_eq!(Format::detect(&plux), Some(Format::Plux));
-    let message = read_bytes(&plux).unwrap_err().to_string();
-    assert!(message.starts_with("PLUX: no layer of index.xml has heights (LAYER_n/FILENAME_Z)"), "{message}");
+    assert_refused([(plux, "PLUX: no layer of index.xml has heights (LAYER_n/FILENAME_Z)")]);
     assert_ne!(Format::detect(&archive("<xml><GENERAL/></xml>".into())), Some(Format::Plux));
 }
 

@@ -1,12 +1,13 @@
 use std::io::Write;
 
-use asperity_formats::{FormatError, Scan, write_sur};
+use asperity_formats::{Format, Scan, write_sur};
 use ndarray::array;
 
-use crate::fixture::{Fixture, read_bytes, read_channel, unsupported, wrong_field};
+use crate::check::{assert_error, assert_pitch, assert_refused, assert_scan, assert_warns, bytes, patched, warns};
+use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::{Sur, deflated};
 use crate::memory::peak_bytes;
-use crate::{NAN, assert_heights, assert_metadata};
+use crate::{NAN, assert_heights, assert_metadata, bits};
 
 /// Four heights of 32 bits in the order that is asked for, the last but one missing.
 fn int32(big_endian: bool) -> Sur {
@@ -41,37 +42,47 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     ]
 }
 
-#[test]
-fn int16_heights_are_scaled_shifted_and_voids_are_two_below_the_minimum() {
-    let scan = read_bytes(&Sur::default().bytes()).unwrap();
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    // n · 2 nm + 1000 nm.
-    assert_heights(&scan, &[1200e-9, 1400e-9, NAN, 400e-9, 1800e-9, 2000e-9]);
-    let (dx_m, dy_m) = scan.pitch_m.unwrap();
-    assert!((dx_m / 0.5e-6 - 1.0).abs() < 1e-15 && (dy_m / 0.25e-3 - 1.0).abs() < 1e-15);
+const WANTED_M: [f64; 6] = [1200e-9, 1400e-9, NAN, 400e-9, 1800e-9, 2000e-9];
+
+fn read(file: Sur) -> Scan {
+    read_bytes(&file.bytes()).unwrap()
 }
 
 #[test]
-fn a_height_outside_of_the_stated_range_gives_a_warning() {
-    let scan = read_bytes(&Sur::default().bytes()).unwrap();
-    assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights are outside")), "{:?}", scan.warnings);
+fn int16_heights_are_scaled_shifted_and_voids_are_two_below_the_minimum() {
+    // n · 2 nm + 1000 nm.
+    let scan = assert_scan(&Sur::default().bytes(), Format::Sur, (2, 3), (0.5e-6, 0.25e-3), &WANTED_M);
+    assert_warns(&scan, "1 heights are outside");
+    assert_eq!(scan.channels, ["gear 7"]);
+    assert_metadata(&scan, &[("comment", "hob ground, µ = 0.1"), ("object name", "gear 7"), ("acquisition type", "1")]);
+    assert_metadata(&scan, &[("operator name", "A. Operator"), ("date", "2016-12-01T14:30:59"), ("z offset", "1000")]);
+    assert_metadata(&scan, &[("measurement duration", "12.5"), ("z step unit", "nm"), ("client zone", "a program")]);
+    // Comment and private zone are skipped by their sizes.
+    let long: &'static [u8] = &[b'x'; 30_000];
+    assert_heights(&read(Sur { comment: long, private: long, ..Sur::default() }), &WANTED_M);
+    // Without special points the code is a height; the minimum of all integers leaves no code.
+    let scan = read(Sur { special_points: 0, ..Sur::default() });
+    assert_heights(&scan, &[1200e-9, 1400e-9, 1196e-9, 400e-9, 1800e-9, 2000e-9]);
+    assert_warns(&scan, "1 heights equal the code");
+    assert_eq!(read(Sur { z_range: (i32::MIN, i32::MAX), ..Sur::default() }).missing_points(), 0);
 }
 
 #[test]
 fn a_spacing_of_0_is_read_as_a_flat_map() {
-    let flat = |numbers: [i16; 6]| {
-        let data = numbers.iter().flat_map(|z| z.to_le_bytes()).collect();
-        Sur { spacing: [1.0, 1.0, 0.0], special_points: 0, z_range: (0, 7), data, ..Sur::default() }.bytes()
+    let flat = |last: i16| Sur {
+        spacing: [1.0, 1.0, 0.0],
+        special_points: 0,
+        z_range: (0, 7),
+        data: bytes![[7_i16; 5], last],
+        ..Sur::default()
     };
     // The offset of 1000 nm is the height of every point.
-    assert_heights(&read_bytes(&flat([7; 6])).unwrap(), &[1e-6; 6]);
-    let error = read_bytes(&flat([7, 7, 7, 7, 7, 8])).unwrap_err().to_string();
-    assert!(error.starts_with("SUR: z spacing (byte 128) is `0`"), "{error}");
+    assert_heights(&read(flat(7)), &[1e-6; 6]);
+    assert_error(read_bytes(&flat(8).bytes()), "SUR: z spacing (byte 128) is `0`");
 }
 
 #[test]
 fn int32_heights_read_up_to_the_ends_of_their_range() {
-    let heights = [i32::MIN, i32::MIN + 2, 0, i32::MAX];
     let file = Sur {
         bits: 32,
         size: (2, 2),
@@ -79,29 +90,15 @@ fn int32_heights_read_up_to_the_ends_of_their_range() {
         spacing: [1.0, 1.0, 0.5],
         units: [b"m", b"um", b"cm"],
         z_offset: 0.0,
-        data: heights.iter().flat_map(|z| z.to_le_bytes()).collect(),
+        data: bytes![[i32::MIN, i32::MIN + 2, 0, i32::MAX]],
         ..Sur::default()
     };
-    let scan = read_bytes(&file.bytes()).unwrap();
-    assert_heights(&scan, &[NAN, -2147483646.0 * 0.005, 0.0, 2147483647.0 * 0.005]);
-    assert_eq!(scan.pitch_m, Some((1.0, 1e-6)));
+    let wanted = [NAN, -2147483646.0 * 0.005, 0.0, 2147483647.0 * 0.005];
+    assert_scan(&file.bytes(), Format::Sur, (2, 2), (1.0, 1e-6), &wanted);
 }
 
 #[test]
-fn without_special_points_the_code_is_a_height() {
-    let scan = read_bytes(&Sur { special_points: 0, ..Sur::default() }.bytes()).unwrap();
-    assert_heights(&scan, &[1200e-9, 1400e-9, 1196e-9, 400e-9, 1800e-9, 2000e-9]);
-    assert!(scan.warnings.iter().any(|warning| warning.starts_with("1 heights equal the code")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn the_minimum_of_all_integers_leaves_no_code() {
-    let file = Sur { z_range: (i32::MIN, i32::MAX), ..Sur::default() };
-    assert_eq!(read_bytes(&file.bytes()).unwrap().missing_points(), 0);
-}
-
-#[test]
-fn units_are_lengths_in_several_spellings() {
+fn units_are_lengths_in_several_spellings_or_doubted() {
     let spellings: [(&[u8], f64); 9] = [
         (b"m", 1.0),
         (b"cm", 1e-2),
@@ -114,93 +111,50 @@ fn units_are_lengths_in_several_spellings() {
         (b"(mm)", 1e-3),
     ];
     for (unit, metres) in spellings {
-        let file = Sur { units: [unit, unit, unit], spacing: [1.0, 1.0, 1.0], z_offset: 0.0, ..Sur::default() };
-        let scan = read_bytes(&file.bytes()).unwrap();
-        assert_eq!(scan.pitch_m, Some((metres, metres)));
-        assert_eq!(scan.heights_m[[0, 0]], 100.0 * metres);
+        let scan = read(Sur { units: [unit; 3], spacing: [1.0; 3], z_offset: 0.0, ..Sur::default() });
+        assert_eq!((scan.pitch_m, scan.heights_m[[0, 0]]), (Some((metres, metres)), 100.0 * metres));
     }
-}
-
-#[test]
-fn heights_without_a_length_unit_are_an_error_and_positions_a_warning() {
-    let error = read_bytes(&Sur { units: [b"mm", b"mm", b"V"], ..Sur::default() }.bytes()).unwrap_err();
-    assert!(error.to_string().starts_with("SUR: z step unit (byte 212) is `V`; wanted a unit of length"), "{error}");
-    let scan = read_bytes(&Sur { units: [b"s", b"mm", b"mm"], ..Sur::default() }.bytes()).unwrap();
-    assert_eq!(scan.pitch_m, None);
-    assert!(scan.warnings.iter().any(|warning| warning.contains("the x step unit is `s`")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn a_unit_ratio_that_contradicts_the_units_gives_a_warning() {
-    let mut bytes = Sur::default().bytes();
-    let gives_warning = |bytes: &[u8]| read_bytes(bytes).unwrap().warnings.iter().any(|w| w.contains("x unit ratio"));
-    assert!(!gives_warning(&bytes));
+    let error = read_bytes(&Sur { units: [b"mm", b"mm", b"V"], ..Sur::default() }.bytes());
+    assert_error(error, "SUR: z step unit (byte 212) is `V`; wanted a unit of length");
+    let scan = read(Sur { units: [b"s", b"mm", b"mm"], ..Sur::default() });
+    assert_pitch(&scan, None);
+    assert_warns(&scan, "the x step unit is `s`");
     // Steps in µm, lengths in mm: the ratio is 1000 or its inverse.
-    bytes[228..244].copy_from_slice(b"mm              ");
-    assert!(gives_warning(&bytes));
-    for ratio in [1000_f32, 0.001] {
-        bytes[276..280].copy_from_slice(&ratio.to_le_bytes());
-        assert!(!gives_warning(&bytes));
-    }
-}
-
-#[test]
-fn the_comment_and_the_header_are_kept() {
-    let scan = read_bytes(&Sur::default().bytes()).unwrap();
-    let wanted = [
-        ("comment", "hob ground, µ = 0.1"),
-        ("object name", "gear 7"),
-        ("operator name", "A. Operator"),
-        ("acquisition type", "1"),
-        ("date", "2016-12-01T14:30:59"),
-        ("measurement duration", "12.5"),
-        ("z step unit", "nm"),
-        ("z offset", "1000"),
-        ("client zone", "a program"),
-    ];
-    assert_metadata(&scan, &wanted);
-}
-
-#[test]
-fn comment_and_private_zone_are_skipped_by_their_sizes() {
-    let plain = read_bytes(&Sur { comment: b"", private: b"", ..Sur::default() }.bytes()).unwrap();
-    let long: &'static [u8] = &[b'x'; 30_000];
-    let skipped = read_bytes(&Sur { comment: long, private: long, ..Sur::default() }.bytes()).unwrap();
-    assert_eq!(crate::bits(&plain), crate::bits(&skipped));
+    let other = patched(&Sur::default().bytes(), 228, "mm              ");
+    let gives_warning = |bytes: &[u8]| warns(&read_bytes(bytes).unwrap(), "x unit ratio");
+    assert!(!gives_warning(&Sur::default().bytes()) && gives_warning(&other));
+    assert!([1000_f32, 0.001].iter().all(|&ratio| !gives_warning(&patched(&other, 276, ratio))));
 }
 
 #[test]
 fn compressed_heights_are_the_joined_streams() {
-    let plain = read_bytes(&int32(false).bytes()).unwrap();
+    let plain = read(int32(false));
     assert_heights(&plain, &[1020e-9, 141e-6, NAN, 400e-9]);
     // Whole numbers, a number across two streams, a stream without bytes.
     let cuts: [&[usize]; 5] = [&[], &[4], &[4, 12], &[6, 7], &[0, 5, 5, 16]];
     for cuts in cuts {
-        let scan = read_bytes(&int32(false).compressed(cuts).bytes()).unwrap();
-        assert_eq!(crate::bits(&scan), crate::bits(&plain), "{cuts:?}");
-        assert_eq!(scan.pitch_m, plain.pitch_m);
-        assert_eq!(scan.metadata, plain.metadata);
-        assert_eq!(scan.warnings, plain.warnings);
+        let scan = read(int32(false).compressed(cuts));
+        assert_eq!(bits(&scan), bits(&plain), "{cuts:?}");
+        assert_eq!((scan.pitch_m, &scan.metadata, &scan.warnings), (plain.pitch_m, &plain.metadata, &plain.warnings));
     }
-}
-
-#[test]
-fn deflated_streams_are_read() {
     let heights: Vec<u8> = (0..100_000).flat_map(|n: i32| (n % 997 + 100).to_le_bytes()).collect();
     let file = Sur { bits: 32, size: (400, 250), z_range: (100, 1096), ..Sur::default() };
     let plain = Sur { data: heights.clone(), ..file.clone() }.bytes();
-    let mut packed = file.compressed(&[]).bytes();
-    // Header, comment and private zone stay; the directory and the streams are another program's.
-    packed.truncate(512 + Sur::default().comment.len() + Sur::default().private.len());
-    let streams: Vec<Vec<u8>> = heights.chunks(150_001).map(deflated).collect();
-    packed.extend((streams.len() as u32).to_le_bytes());
-    for (stream, chunk) in streams.iter().zip(heights.chunks(150_001)) {
-        packed.extend((chunk.len() as u32).to_le_bytes());
-        packed.extend((stream.len() as u32).to_le_bytes());
-    }
-    packed.extend(streams.concat());
+    let streams: Vec<(u32, Vec<u8>)> =
+        heights.chunks(150_001).map(|chunk| (chunk.len() as u32, deflated(chunk))).collect();
+    let packed = of_streams(&file, &streams);
     assert!(packed.len() < plain.len() / 10);
-    assert_eq!(crate::bits(&read_bytes(&packed).unwrap()), crate::bits(&read_bytes(&plain).unwrap()));
+    assert_eq!(bits(&read_bytes(&packed).unwrap()), bits(&read_bytes(&plain).unwrap()));
+}
+
+/// An object whose directory and streams, each with its stated size, are another program's.
+fn of_streams(file: &Sur, streams: &[(u32, Vec<u8>)]) -> Vec<u8> {
+    let mut bytes = file.clone().compressed(&[]).bytes();
+    // Header, comment and private zone stay.
+    bytes.truncate(512 + file.comment.len() + file.private.len());
+    let sizes: Vec<u8> = streams.iter().flat_map(|(raw, stream)| bytes![*raw, stream.len() as u32]).collect();
+    let streams_of = streams.iter().flat_map(|(_, stream)| stream.clone()).collect::<Vec<u8>>();
+    bytes![bytes, streams.len() as u32, sizes, streams_of]
 }
 
 #[test]
@@ -208,88 +162,70 @@ fn damaged_streams_and_directories_are_errors() {
     let file = int32(false).compressed(&[]);
     let bytes = file.bytes();
     let directory = 512 + file.comment.len() + file.private.len();
-    let damaged = |place: usize, byte: u8| {
-        let mut bytes = bytes.clone();
-        bytes[place] = byte;
-        read_bytes(&bytes).unwrap_err().to_string()
-    };
-    assert!(damaged(directory, 0).contains("size of all streams"), "{}", damaged(directory, 0));
-    assert!(damaged(directory + 2, 1).contains("number of streams"));
-    assert!(damaged(directory, 2).contains("the bytes of a stream"));
-    for raw in [15, 17] {
-        assert!(damaged(directory + 4, raw).contains("wanted 16 bytes for 4 points"));
-    }
-    assert!(damaged(directory + 8, 255).contains("the bytes of a stream"));
-    // In the zlib header, the heights, and the checksum.
-    for place in [directory + 12, directory + 20, bytes.len() - 1] {
-        let error = damaged(place, bytes[place] ^ 0x10);
-        assert!(error.starts_with("SUR: stream 1: "), "{error}");
-    }
+    let damaged = |place: usize, byte: u8| patched(&bytes, place, byte);
+    let shifted = int32(false).compressed(&[8]).bytes();
     // Two streams that hold one byte more and less than they should.
-    let mut shifted = int32(false).compressed(&[8]).bytes();
-    shifted[directory + 4] = 7;
-    shifted[directory + 12] = 9;
-    let error = read_bytes(&shifted).unwrap_err().to_string();
-    assert_eq!(error, "SUR: stream 1: it unpacks to more than the stated 7 bytes");
-    shifted[directory + 4] = 9;
-    shifted[directory + 12] = 7;
-    let error = read_bytes(&shifted).unwrap_err().to_string();
-    assert_eq!(error, "SUR: stream 1: it unpacks to 8 bytes, not to the stated 9");
+    let moved = |first: u8, second: u8| patched(&patched(&shifted, directory + 4, first), directory + 12, second);
+    assert_refused([
+        (damaged(directory, 0), "size of all streams"),
+        (damaged(directory + 2, 1), "number of streams"),
+        (damaged(directory, 2), "the bytes of a stream"),
+        (damaged(directory + 4, 15), "wanted 16 bytes for 4 points"),
+        (damaged(directory + 4, 17), "wanted 16 bytes for 4 points"),
+        (damaged(directory + 8, 255), "the bytes of a stream"),
+        // In the zlib header, the heights, and the checksum.
+        (damaged(directory + 12, bytes[directory + 12] ^ 0x10), "SUR: stream 1: "),
+        (damaged(directory + 20, bytes[directory + 20] ^ 0x10), "SUR: stream 1: "),
+        (damaged(bytes.len() - 1, bytes[bytes.len() - 1] ^ 0x10), "SUR: stream 1: "),
+        (moved(7, 9), "SUR: stream 1: it unpacks to more than the stated 7 bytes"),
+        (moved(9, 7), "SUR: stream 1: it unpacks to 8 bytes, not to the stated 9"),
+    ]);
 }
 
 #[test]
 fn a_bomb_of_heights_is_refused_before_it_is_unpacked() {
     // 2³⁰ bytes of zeros deflate to 2²⁰.
-    let (nx, ny) = (1 << 14, 1 << 14);
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
     for _ in 0..1 << 7 {
         encoder.write_all(&[0; 1 << 16]).unwrap();
     }
-    let stream = encoder.finish().unwrap();
-    let mut bytes = Sur { bits: 32, size: (nx, ny), ..Sur::default() }.compressed(&[]).bytes();
-    bytes.truncate(512 + Sur::default().comment.len() + Sur::default().private.len());
-    for number in [1, 1 << 30, stream.len() as u32] {
-        bytes.extend(number.to_le_bytes());
-    }
-    bytes.extend(&stream);
-    let (error, peak) = peak_bytes(|| read_bytes(&bytes).unwrap_err());
-    assert!(error.to_string().contains("more than 256 times as many"), "{error}");
+    let file = Sur { bits: 32, size: (1 << 14, 1 << 14), ..Sur::default() };
+    let bytes = of_streams(&file, &[(1 << 30, encoder.finish().unwrap())]);
+    let (result, peak) = peak_bytes(|| read_bytes(&bytes));
+    assert_error(result, "more than 256 times as many");
     assert!(peak < 1 << 20, "{peak}");
 }
 
 #[test]
 fn big_endian_numbers_are_read_where_the_header_makes_sense_so() {
-    let (little, big) = (read_bytes(&int32(false).bytes()).unwrap(), read_bytes(&int32(true).bytes()).unwrap());
-    assert_eq!(crate::bits(&big), crate::bits(&little));
+    let (little, big) = (read(int32(false)), read(int32(true)));
     assert_eq!((big.pitch_m, &big.metadata, &big.warnings), (little.pitch_m, &little.metadata, &little.warnings));
-    let compressed = read_bytes(&int32(true).compressed(&[3]).bytes()).unwrap();
-    assert_eq!(crate::bits(&compressed), crate::bits(&little));
     // A writer that claims the other order and does not use it.
-    let mut claimed = int32(false).bytes();
-    claimed[12..14].copy_from_slice(&[1, 1]);
-    assert_eq!(crate::bits(&read_bytes(&claimed).unwrap()), crate::bits(&little));
+    let claimed = read_bytes(&patched(&int32(false).bytes(), 12, [1_u8, 1])).unwrap();
+    for scan in [big, read(int32(true).compressed(&[3])), claimed] {
+        assert_eq!(bits(&scan), bits(&little));
+    }
 }
 
 #[test]
 fn surfaces_of_a_series_are_channels_by_their_names() {
     let bytes = series();
-    let read = |text: &str| read_channel(&bytes, text).unwrap();
     let moved = |offset: f64| [200.0, 400.0, NAN, -600.0, 800.0, 1000.0].map(|z| (z + offset) * 1e-9);
-    assert_eq!(read("1").channels, ["surface 1", "worn", "surface 3"]);
-    assert_heights(&read("1"), &moved(1000.0));
-    assert_heights(&read("worn"), &moved(3000.0));
-    assert_heights(&read("surface 3"), &moved(2000.0));
-    assert_eq!(read("Worn").channel, 1);
-    assert_eq!(read("worn").metadata["object name"], "worn");
-    // Only the first object of a series has a comment.
-    assert_eq!(read("worn").metadata["comment"], "hob ground, µ = 0.1");
-    assert!(read_channel(&bytes, "4").is_err());
+    for (channel, place, offset) in
+        [("1", 0, 1000.0), ("worn", 1, 3000.0), ("Worn", 1, 3000.0), ("surface 3", 2, 2000.0)]
+    {
+        let scan = read_channel(&bytes, channel).unwrap();
+        assert_eq!((scan.channels.join(", ").as_str(), scan.channel), ("surface 1, worn, surface 3", place));
+        assert_heights(&scan, &moved(offset));
+        // Only the first object of a series has a comment.
+        assert_metadata(&scan, &[("comment", "hob ground, µ = 0.1")]);
+    }
+    assert_eq!(read_channel(&bytes, "worn").unwrap().metadata["object name"], "worn");
+    assert_error(read_channel(&bytes, "4"), "no height map");
     let default = read_bytes(&bytes).unwrap();
     assert_eq!(default.channel, 0);
-    assert!(default.warnings.iter().any(|warning| warning.contains("3 height maps")), "{:?}", default.warnings);
-    let single = read_bytes(&Sur::default().bytes()).unwrap();
-    assert_eq!(single.channels, ["gear 7"]);
-    let twins = [Sur::default().bytes(), Sur::default().bytes()].concat();
+    assert_warns(&default, "3 height maps");
+    let twins = Sur::default().bytes().repeat(2);
     assert_eq!(read_bytes(&twins).unwrap().channels, ["gear 7", "gear 7 (2)"]);
 }
 
@@ -299,77 +235,48 @@ fn objects_other_than_heights_are_not_channels() {
     let layers = [layer(b"phase", b"deg"), layer(b"height", b"nm"), layer(b"potential", b"V")];
     let scan = read_bytes(&layers.map(|layer| layer.bytes()).concat()).unwrap();
     assert_eq!((scan.channels.as_slice(), scan.channel), (["height".to_owned()].as_slice(), 0));
-    assert_heights(&scan, &[1200e-9, 1400e-9, NAN, 400e-9, 1800e-9, 2000e-9]);
-    let coloured = Sur { object_type: 16, ..Sur::default() }.bytes();
+    assert_heights(&scan, &WANTED_M);
     // Some writers call the images that follow surfaces.
     let image = Sur { name: b"red", z_offset: 0.0, ..Sur::default() }.bytes();
-    for (images, code) in [(4, 16), (1, 11)] {
-        let mut bytes = coloured.clone();
-        bytes[18] = code;
-        bytes.extend(image.repeat(images));
+    let of_type = |object_type| Sur { object_type, ..Sur::default() }.bytes();
+    let spectrum = [of_type(2), of_type(20)].concat();
+    for bytes in [bytes![of_type(16), image.repeat(4)], bytes![of_type(11), image], spectrum] {
         assert_eq!(read_bytes(&bytes).unwrap().channels, ["gear 7"]);
     }
-    let spectrum = [Sur::default().bytes(), Sur { object_type: 20, ..Sur::default() }.bytes()].concat();
-    assert_eq!(read_bytes(&spectrum).unwrap().channels, ["gear 7"]);
 }
 
 #[test]
-fn surplus_bytes_and_missing_objects_give_a_warning() {
-    let warnings_of = |bytes: &[u8]| {
-        let scan = read_bytes(bytes).unwrap();
-        assert_eq!(scan.channels.len(), 1);
-        scan.warnings.join("; ")
-    };
-    let mut trailing = Sur::default().bytes();
-    trailing.extend([0; 7]);
-    assert!(warnings_of(&trailing).contains("7 bytes after the last object were left out"));
-    assert!(
-        warnings_of(&Sur { objects: 3, ..Sur::default() }.bytes()).contains("declares 3 objects; the file holds 1")
-    );
-    let cut = [Sur::default().bytes(), Sur::default().bytes()].concat();
-    let heights = cut.len() - 12;
-    let wanted = format!("the heights (byte {heights}) stop after 11 bytes; wanted 12");
-    assert!(warnings_of(&cut[..cut.len() - 1]).contains(&wanted));
-}
-
-#[test]
-fn other_objects_are_refused_with_a_reason() {
-    let cases = [
-        (Sur { object_type: 1, size: (6, 1), ..Sur::default() }.bytes(), "profile"),
-        (Sur { object_type: 12, ..Sur::default() }.bytes(), "colour image"),
-        (Sur { object_type: 99, ..Sur::default() }.bytes(), "not published"),
-    ];
-    for (bytes, reason) in cases {
-        let found = unsupported(&bytes);
-        assert!(found.contains(reason), "{found}");
-    }
-}
-
-#[test]
-fn a_profile_of_many_lines_is_a_surface_with_a_warning() {
-    let scan = read_bytes(&Sur { object_type: 1, ..Sur::default() }.bytes()).unwrap();
-    assert!(scan.warnings.iter().any(|warning| warning.contains("the type of the file is a profile")));
-}
-
-#[test]
-fn headers_that_exceed_the_file_are_errors() {
-    let huge = Sur { size: (i32::MAX, i32::MAX), ..Sur::default() }.bytes();
-    assert!(matches!(read_bytes(&huge), Err(FormatError::TooLarge { .. })));
-    let long = Sur { size: (16384, 16384), ..Sur::default() }.bytes();
-    assert!(matches!(read_bytes(&long), Err(FormatError::Truncated { found: 12, wanted: 536_870_912, .. })));
-    for (file, field) in [
-        (Sur { size: (0, 2), ..Sur::default() }, "points per line"),
-        (Sur { size: (3, -2), ..Sur::default() }, "number of lines"),
-        (Sur { bits: 8, ..Sur::default() }, "bits per point"),
-        (Sur { spacing: [1.0, 1.0, f32::NAN], ..Sur::default() }, "z spacing"),
-        (Sur { spacing: [1.0, 1.0, 0.0], ..Sur::default() }, "z spacing"),
-        (Sur { z_offset: f32::INFINITY, ..Sur::default() }, "z offset"),
+fn surplus_bytes_missing_objects_and_profiles_of_many_lines_give_a_warning() {
+    let cut = Sur::default().bytes().repeat(2);
+    let lost = format!("the heights (byte {}) stop after 11 bytes; wanted 12", cut.len() - 12);
+    for (bytes, words) in [
+        (bytes![Sur::default().bytes(), [0_u8; 7]], "7 bytes after the last object were left out"),
+        (Sur { objects: 3, ..Sur::default() }.bytes(), "declares 3 objects; the file holds 1"),
+        (cut[..cut.len() - 1].to_vec(), &lost),
+        (Sur { object_type: 1, ..Sur::default() }.bytes(), "the type of the file is a profile"),
     ] {
-        assert_eq!(wrong_field(&file.bytes()), field);
+        let scan = read_bytes(&bytes).unwrap();
+        assert_eq!(scan.channels.len(), 1);
+        assert_warns(&scan, words);
     }
-    let mut miscounted = Sur::default().bytes();
-    miscounted[116] = 7;
-    assert!(matches!(read_bytes(&miscounted), Err(FormatError::Field { wanted, .. }) if wanted == "3 × 2 = 6"));
-    let short = &Sur::default().bytes()[..400];
-    assert!(matches!(read_bytes(short), Err(FormatError::Truncated { found: 400, wanted: 512, .. })));
+}
+
+#[test]
+fn other_objects_and_headers_that_exceed_the_file_are_refused() {
+    let usual = Sur::default;
+    let files = [
+        (Sur { object_type: 1, size: (6, 1), ..usual() }, "profile"),
+        (Sur { object_type: 12, ..usual() }, "colour image"),
+        (Sur { object_type: 99, ..usual() }, "not published"),
+        (Sur { size: (i32::MAX, i32::MAX), ..usual() }, "the limit is"),
+        (Sur { size: (16384, 16384), ..usual() }, "stop after 12 bytes; wanted 536870912"),
+        (Sur { size: (0, 2), ..usual() }, "points per line ("),
+        (Sur { size: (3, -2), ..usual() }, "number of lines ("),
+        (Sur { bits: 8, ..usual() }, "bits per point ("),
+        (Sur { spacing: [1.0, 1.0, f32::NAN], ..usual() }, "z spacing ("),
+        (Sur { z_offset: f32::INFINITY, ..usual() }, "z offset ("),
+    ];
+    assert_refused(files.map(|(file, words)| (file.bytes(), words)));
+    let short = usual().bytes()[..400].to_vec();
+    assert_refused([(patched(&usual().bytes(), 116, 7_u8), "3 × 2 = 6"), (short, "stop after 400 bytes; wanted 512")]);
 }

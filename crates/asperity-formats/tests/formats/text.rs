@@ -1,8 +1,11 @@
-use asperity_formats::{Format, FormatError};
+use asperity_formats::{Format, FormatError, Scan};
 
+use crate::check::{
+    assert_error, assert_no_warning, assert_one_warning, assert_pitch, assert_refused, assert_scan, assert_warns,
+};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::TEXT;
-use crate::{NAN, assert_heights};
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// As Gwyddion exports data fields with a header.
 const GWYDDION: &str = "# Channel: Topography\n# Width: 3.0 µm\n# Height: 1.00 µm\n# Value units: m\n\
@@ -34,6 +37,18 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
     ]
 }
 
+fn read(text: &str) -> Scan {
+    read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"))
+}
+
+const MATRIX: &str = "1 2 3\n4 5 6\n";
+const NUMBERS: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+
+/// The usual numbers below a header.
+fn headed(header: &str) -> Scan {
+    read(&format!("{header}\n{MATRIX}"))
+}
+
 #[test]
 fn separators_are_found_out() {
     for text in [
@@ -48,41 +63,46 @@ fn separators_are_found_out() {
         "1 2 3 # first\n% between\n4 5 6\n#",
         "1e0 +2 3.\n.4e1 5.0 0006\n",
     ] {
-        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
-        assert_eq!(scan.heights_m.dim(), (2, 3), "{text:?}");
-        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        assert_eq!(scan.pitch_m, None);
+        assert_scan(text.as_bytes(), Format::Text, (2, 3), None, &NUMBERS);
     }
+    assert_heights(&read("-2.5e-6"), &[-2.5e-6]);
+    // A separator at the end of every row opens no column.
+    let scan = assert_scan(b"1,2,\n3,,\n", Format::Text, (2, 2), None, &[1.0, 2.0, 3.0, NAN]);
+    assert_eq!(scan.warnings.len(), 1);
+    assert_scan(b"1,2,\n3,,4\n", Format::Text, (2, 3), None, &[1.0, 2.0, NAN, 3.0, NAN, 4.0]);
 }
 
 #[test]
-fn empty_fields_nan_and_inf_are_missing() {
-    for text in ["1,,nan\n,2,-inf", "1;;NaN\n;2;Infinity", "1\t\tNAN\n\t2\tinf", "1 nan nan\ninf 2 -INF"] {
-        assert_heights(&read_bytes(text.as_bytes()).unwrap(), &[1.0, NAN, NAN, NAN, 2.0, NAN]);
+fn marks_of_missing_heights_are_understood() {
+    for (text, heights) in [
+        ("1,,nan\n,2,-inf", [1.0, NAN, NAN, NAN, 2.0, NAN]),
+        ("1;;NaN\n;2;Infinity", [1.0, NAN, NAN, NAN, 2.0, NAN]),
+        ("1\t\tNAN\n\t2\tinf", [1.0, NAN, NAN, NAN, 2.0, NAN]),
+        ("1 nan nan\ninf 2 -INF", [1.0, NAN, NAN, NAN, 2.0, NAN]),
+        // Of other programs.
+        ("1 BAD bad\nNo Data 2 no data\n", [1.0, NAN, NAN, NAN, 2.0, NAN]),
+        ("1,BAD,\nNo Data,2,3\n", [1.0, NAN, NAN, NAN, 2.0, 3.0]),
+        ("# NODATA_value: -1\n-1 2 3\n4 5 6\n", [NAN, 2.0, 3.0, 4.0, 5.0, 6.0]),
+        // Errors of spreadsheets, which are no comments.
+        ("1,#N/A,3\n#DIV/0!,5,6 # both\n", [1.0, NAN, 3.0, NAN, 5.0, 6.0]),
+        ("1\t#NV\t3\r\n#VALUE!\t5\t6\r\n", [1.0, NAN, 3.0, NAN, 5.0, 6.0]),
+        ("1 #NUM! 3\n#REF! 5 6", [1.0, NAN, 3.0, NAN, 5.0, 6.0]),
+    ] {
+        assert_heights(&read(text), &heights);
     }
-}
-
-#[test]
-fn errors_of_spreadsheets_are_missing_and_no_comments() {
-    for text in ["1,#N/A,3\n#DIV/0!,5,6 # both\n", "1\t#NV\t3\r\n#VALUE!\t5\t6\r\n", "1 #NUM! 3\n#REF! 5 6"] {
-        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
-        assert_heights(&scan, &[1.0, NAN, 3.0, NAN, 5.0, 6.0]);
-    }
-    let scan = read_bytes(b"#N/A,1\n2,3\n").unwrap();
+    let scan = read("#N/A,1\n2,3\n");
     assert_heights(&scan, &[NAN, 1.0, 2.0, 3.0]);
     assert!(scan.metadata.is_empty());
-    assert_eq!(read_bytes(b"#N/Applicable\n2,3\n").unwrap().metadata["comment"], "N/Applicable");
+    assert_metadata(&read("#N/Applicable\n2,3\n"), &[("comment", "N/Applicable")]);
 }
 
 #[test]
 fn text_in_utf16_is_read_as_spreadsheets_write_it() {
-    let text = "# unit: µm\r\n1,5\t2,5\r\n3,5\t4,5\r\n";
-    let little = text.encode_utf16().flat_map(u16::to_le_bytes);
-    let big = text.encode_utf16().flat_map(u16::to_be_bytes);
-    for bytes in [[0xff, 0xfe].into_iter().chain(little).collect(), [0xfe, 0xff].into_iter().chain(big).collect()] {
-        let bytes: Vec<u8> = bytes;
-        assert_eq!(Format::detect(&bytes), Some(Format::Text));
-        assert_heights(&read_bytes(&bytes).unwrap(), &[1.5e-6, 2.5e-6, 3.5e-6, 4.5e-6]);
+    let text = "\u{feff}# unit: µm\r\n1,5\t2,5\r\n3,5\t4,5\r\n";
+    let [little, big] =
+        [u16::to_le_bytes, u16::to_be_bytes].map(|order| text.encode_utf16().flat_map(order).collect::<Vec<u8>>());
+    for bytes in [little, big] {
+        assert_scan(&bytes, Format::Text, (2, 2), None, &[1.5e-6, 2.5e-6, 3.5e-6, 4.5e-6]);
     }
     // Bytes that only start like it.
     assert_eq!(Format::detect(b"\xff\xfe\x00\x00\x01\x00"), None);
@@ -90,148 +110,109 @@ fn text_in_utf16_is_read_as_spreadsheets_write_it() {
 
 #[test]
 fn labels_of_rows_and_columns_are_left_out() {
-    let heights = [1e-6, 2e-6, 3e-6, 4e-6];
-    for text in [
-        // As pandas writes a frame, and a spreadsheet with coordinates.
-        ",0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n",
-        ";1;2\n1;1e-6;2e-6\n2;3e-6;4e-6\n",
-    ] {
-        let scan = read_bytes(text.as_bytes()).unwrap();
-        assert_eq!(scan.heights_m.dim(), (2, 2), "{text:?}");
-        assert_heights(&scan, &heights);
-        assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("labels")), "{:?}", scan.warnings);
+    // As pandas writes a frame, and a spreadsheet with coordinates.
+    for text in [",0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n", ";1;2\n1;1e-6;2e-6\n2;3e-6;4e-6\n"] {
+        let scan = assert_scan(text.as_bytes(), Format::Text, (2, 2), None, &[1e-6, 2e-6, 3e-6, 4e-6]);
+        assert_one_warning(&scan, "labels");
     }
-    let scan = read_bytes(b"\t0.0\t0.33\t0.67\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n").unwrap();
+    let scan = read("\t0.0\t0.33\t0.67\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n");
     assert_eq!(scan.heights_m.dim(), (4, 4), "0.33 is not half of 0.67");
-    let scan = read_bytes(b"\t0.0\t0.333\t0.666\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n").unwrap();
+    let scan = read("\t0.0\t0.333\t0.666\n5\t1\t2\t3\n5.5\t4\t5\t6\n6\t7\t8\t9\n");
     assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
     // A plane without its first point, as numbers; two columns; a corner that is there.
     for (text, shape) in
         [("nan,1,2\n1,2,3\n2,3,4\n", (3, 3)), (",1\n1,2\n2,3\n", (3, 2)), ("0,0,1\n0,5,6\n1,7,8\n", (3, 3))]
     {
-        let scan = read_bytes(text.as_bytes()).unwrap();
+        let scan = read(text);
         assert_eq!((scan.heights_m.dim(), scan.warnings.len()), (shape, 0), "{text:?}");
     }
 }
 
 #[test]
-fn channels_of_the_same_name_are_numbered() {
-    let text = "# Channel: Z\n1 2\n# Channel: Z\n3 4\n";
-    let scan = read_bytes(text.as_bytes()).unwrap();
-    assert_eq!(scan.channels, ["Z", "Z 2"]);
-    assert_heights(&read_channel(text.as_bytes(), "z 2").unwrap(), &[3.0, 4.0]);
-}
-
-#[test]
 fn comments_become_metadata() {
-    let scan = read_bytes("# instrument: stylus\n## a note\n% Ra = 0.4 µm\n1 2\n# another\n".as_bytes()).unwrap();
-    assert_eq!(scan.metadata["instrument"], "stylus");
-    assert_eq!(scan.metadata["Ra"], "0.4 µm");
-    assert_eq!(scan.metadata["comment"], "a note\nanother");
-    assert_eq!(read_bytes(b"# \xb5m\n1 2\n").unwrap().metadata["comment"], "µm");
-    assert_eq!(read_bytes(TEXT).unwrap().metadata["comment"], "two missing");
+    let scan = read("# instrument: stylus\n## a note\n% Ra = 0.4 µm\n1 2\n# another\n");
+    assert_metadata(&scan, &[("instrument", "stylus"), ("Ra", "0.4 µm"), ("comment", "a note\nanother")]);
+    assert_metadata(&read_bytes(b"# \xb5m\n1 2\n").unwrap(), &[("comment", "µm")]);
+    assert_metadata(&read_bytes(TEXT).unwrap(), &[("comment", "two missing")]);
+    // Without comment signs a header must be keys with values.
+    let scan = read("Instrument: stylus\nDate = 2016-12-01\n\n1 2\n");
+    assert_metadata(&scan, &[("Instrument", "stylus"), ("Date", "2016-12-01")]);
+    assert_heights(&scan, &[1.0, 2.0]);
 }
 
 #[test]
-fn ragged_rows_name_their_line() {
+fn lines_that_are_not_rows_of_numbers_are_named() {
     let error = read_bytes(b"# heights\n1 2 3\n\n4 5\n").unwrap_err();
     assert!(matches!(error, FormatError::Ragged { line: 4, found: 2, wanted: 3 }), "{error}");
-    assert_eq!(error.to_string(), "text: line 4 has 2 values; the first row has 3");
-}
-
-#[test]
-fn fields_that_are_not_numbers_name_line_and_column() {
-    let error = read_bytes(b"1 2\n3 x4\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 2 (line 2) is `x4`; wanted a number"), "{error}");
-    let error = read_bytes(b"1;2\n3;4,5,6\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 2 (line 2) is `4,5,6`; wanted a number"), "{error}");
-    // In one column a comma could be a separator.
-    let error = read_bytes(b"1\n2,5\n").unwrap_err();
-    assert!(error.to_string().ends_with("is `2,5`; wanted a number with a decimal point"), "{error}");
-    let error = read_bytes(b"a,b,c\n1,2,3\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 1 (line 1) is `a`"), "{error}");
-    // Beyond f64 is not the same as infinite.
-    assert!(read_bytes(b"1 1e999\n").unwrap_err().to_string().contains("`1e999`"));
-}
-
-#[test]
-fn a_separator_at_the_end_of_every_row_opens_no_column() {
-    let scan = read_bytes(b"1,2,\n3,,\n").unwrap();
-    assert_heights(&scan, &[1.0, 2.0, 3.0, NAN]);
-    assert_eq!(scan.heights_m.dim(), (2, 2));
-    assert_eq!(scan.warnings.len(), 1);
-    let scan = read_bytes(b"1,2,\n3,,4\n").unwrap();
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    assert_heights(&scan, &[1.0, 2.0, NAN, 3.0, NAN, 4.0]);
-}
-
-#[test]
-fn text_without_numbers_is_an_error() {
-    for text in ["\n\n", "# only a comment\n", " "] {
-        assert!(matches!(read_bytes(text.as_bytes()), Err(FormatError::MissingField { .. })), "{text:?}");
-    }
+    assert_refused([
+        ("# heights\n1 2 3\n\n4 5\n", "text: line 4 has 2 values; the first row has 3"),
+        ("1 2\n3 x4\n", "text: value 2 (line 2) is `x4`; wanted a number"),
+        ("1;2\n3;4,5,6\n", "text: value 2 (line 2) is `4,5,6`; wanted a number"),
+        // In one column a comma could be a separator.
+        ("1\n2,5\n", "is `2,5`; wanted a number with a decimal point"),
+        ("a,b,c\n1,2,3\n", "text: value 1 (line 1) is `a`"),
+        // Beyond f64 is not the same as infinite.
+        ("1 1e999\n", "`1e999`"),
+        ("12:30 1 2\n", "text: value 1 (line 1) is `12:30`"),
+        ("a: b\nsome words\n1 2\n", "text: value 1 (line 2) is `some`"),
+        ("1 2\na: b\n3 4\n", "text: value 1 (line 2) is `a:`"),
+        ("\n\n", "is missing"),
+        ("# only a comment\n", "is missing"),
+        (" ", "is missing"),
+        // One decimal sign.
+        ("1,5;2\n1.5;2\n", "a decimal sign (line 2) is `.`; wanted a comma"),
+        ("1.5;2 # 1,5\n3;2,5\n", "a decimal sign (line 1) is `.`; wanted a comma"),
+        ("1.234,5;2\n", ""),
+    ]);
 }
 
 #[test]
 fn a_list_of_points_gives_a_warning() {
     let list: String = (0..20).map(|i| format!("{i} {i} 0.5\n")).collect();
-    let scan = read_bytes(list.as_bytes()).unwrap();
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("points x y z")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn a_single_number_is_a_map() {
-    assert_heights(&read_bytes(b"-2.5e-6").unwrap(), &[-2.5e-6]);
+    assert_one_warning(&read(&list), "points x y z");
 }
 
 const HEIGHTS_M: [f64; 6] = [1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9];
-const MATRIX: &str = "1 2 3\n4 5 6\n";
 
 #[test]
 fn gwyddion_states_the_size_of_all_points() {
-    let scan = read_bytes(GWYDDION.as_bytes()).unwrap();
-    assert_heights(&scan, &HEIGHTS_M);
-    // 3 µm are three points of 1 µm, 1 µm is two of 0.5 µm.
-    assert_eq!(scan.pitch_m, Some((1e-6, 0.5e-6)));
-    assert_eq!(scan.warnings, [] as [String; 0]);
-    assert_eq!(scan.metadata["Channel"], "Topography");
     let german = GWYDDION.replace("Channel", "Kanal").replace("Width", "Breite").replace("Height", "Höhe");
-    assert_eq!(read_bytes(german.as_bytes()).unwrap().pitch_m, Some((1e-6, 0.5e-6)));
     let commas = GWYDDION.replace("3.0", "3,0").replace("1.00", "1,00");
-    assert_eq!(read_bytes(commas.as_bytes()).unwrap().pitch_m, Some((1e-6, 0.5e-6)));
+    for text in [GWYDDION, &german, &commas] {
+        // 3 µm are three points of 1 µm, 1 µm is two of 0.5 µm.
+        let scan = assert_scan(text.as_bytes(), Format::Text, (2, 3), (1e-6, 0.5e-6), &HEIGHTS_M);
+        assert_no_warning(&scan);
+    }
+    assert_metadata(&read(GWYDDION), &[("Channel", "Topography")]);
 }
 
 #[test]
 fn channels_of_one_file_are_distinguished() {
     let text = two_channels();
-    let scan = read_bytes(text.as_bytes()).unwrap();
+    let scan = read(&text);
     assert_heights(&scan, &HEIGHTS_M);
     assert_eq!(scan.channels, ["Topography", "Zoom"]);
-    assert!(scan.warnings.iter().any(|warning| warning.contains("2 height maps")), "{:?}", scan.warnings);
+    assert_warns(&scan, "2 height maps");
     let scan = read_channel(text.as_bytes(), "zoom").unwrap();
-    assert_eq!((scan.heights_m.dim(), scan.channel), ((1, 2), 1));
+    assert_eq!((scan.heights_m.dim(), scan.channel, scan.pitch_m), ((1, 2), 1, Some((2e-9, 2e-9))));
     assert_heights(&scan, &[1e-9, 2e-9]);
-    assert_eq!(scan.pitch_m, Some((2e-9, 2e-9)));
-    let error = read_channel(text.as_bytes(), "Phase").unwrap_err().to_string();
-    assert_eq!(error, "text: no height map `Phase`; the file holds `Topography`, `Zoom`");
+    let phase = read_channel(text.as_bytes(), "Phase");
+    assert_error(phase, "text: no height map `Phase`; the file holds `Topography`, `Zoom`");
     let broken = text.replace("\n1 2\n", "\n1 x\n");
-    let error = read_channel(broken.as_bytes(), "2").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 2 (line 19) is `x`"), "{error}");
+    assert_error(read_channel(broken.as_bytes(), "2"), "text: value 2 (line 19) is `x`");
     let phases = text.replace("units: m", "units: V").replace("units: nm", "units: V");
-    let error = read_bytes(phases.as_bytes()).unwrap_err().to_string();
-    assert!(error.starts_with("text: the unit of no channel is a length"), "{error}");
+    assert_refused([(phases, "text: the unit of no channel is a length")]);
+    let same = "# Channel: Z\n1 2\n# Channel: Z\n3 4\n";
+    assert_eq!(read(same).channels, ["Z", "Z 2"]);
+    assert_heights(&read_channel(same.as_bytes(), "z 2").unwrap(), &[3.0, 4.0]);
 }
 
 #[test]
 fn spip_uses_nanometre_and_marks_voids_after_the_heights() {
-    let scan = read_bytes(SPIP.as_bytes()).unwrap();
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    assert_heights(&scan, &[0.5e-9, 1e-9, 1.5e-9, 2e-9, NAN, 3e-9]);
-    let (dx_m, dy_m) = scan.pitch_m.unwrap();
-    assert!((dx_m * 1e8 - 1.0).abs() < 1e-14 && (dy_m / 5e-9 - 1.0).abs() < 1e-14, "{dx_m} {dy_m}");
-    assert_eq!(scan.warnings, [] as [String; 0]);
+    let heights = [0.5e-9, 1e-9, 1.5e-9, 2e-9, NAN, 3e-9];
+    assert_no_warning(&assert_scan(SPIP.as_bytes(), Format::Text, (2, 3), (1e-8, 5e-9), &heights));
     let micrometre = SPIP.replace("Bit2nm = 0.5", "z-unit = um");
-    assert_heights(&read_bytes(micrometre.as_bytes()).unwrap(), &[1e-6, 2e-6, 3e-6, 4e-6, NAN, 6e-6]);
+    assert_heights(&read(&micrometre), &[1e-6, 2e-6, 3e-6, 4e-6, NAN, 6e-6]);
 }
 
 #[test]
@@ -243,27 +224,22 @@ fn an_esri_grid_is_read_with_any_line_breaks() {
         ESRI.replace("NODATA_value -9999\n", ""),
         ESRI.to_uppercase(),
     ] {
-        let scan = read_bytes(text.as_bytes()).unwrap();
-        assert_eq!(scan.heights_m.dim(), (2, 3));
-        assert_heights(&scan, &wanted);
-        assert_eq!(scan.pitch_m, Some((0.5e-6, 0.5e-6)));
+        assert_scan(text.as_bytes(), Format::Text, (2, 3), (0.5e-6, 0.5e-6), &wanted);
     }
-    let error = read_bytes(ESRI.replace("nrows 2", "nrows 3").as_bytes()).unwrap_err().to_string();
-    assert!(error.contains("ncols × nrows (line 1) is `3 × 3`; wanted 6"), "{error}");
+    assert_refused([(ESRI.replace("nrows 2", "nrows 3"), "ncols × nrows (line 1) is `3 × 3`; wanted 6")]);
 }
 
 #[test]
 fn headers_of_other_programs_are_understood() {
     let attocube = "# Daisy frame view snapshot\n# x-pixels: 3\n# y-pixels: 2\n# x-length: 30\n# y-length: 10\n\
-        # x-unit: um\n# y-unit: um\n# z-unit: nm\n# Start of Data:\n";
-    let nova = "File Format = ASCII\nCreated by Nova\nNX = 3\nNY = 2\nScale X = 10\nScale Y = 5\nUnit X = um\n\
-        Unit Data = nm\nStart of Data :\n";
-    for header in [attocube, &nova.replace("Created by Nova\n", "Created by = Nova\n").replace("Start of Data :\n", "")]
-    {
-        let scan = read_bytes(format!("{header}{MATRIX}").as_bytes()).unwrap();
+        # x-unit: um\n# y-unit: um\n# z-unit: nm\n# Start of Data:";
+    let nova = "File Format = ASCII\nCreated by = Nova\nNX = 3\nNY = 2\nScale X = 10\nScale Y = 5\nUnit X = um\n\
+        Unit Data = nm";
+    for header in [attocube, nova] {
+        let scan = headed(header);
         assert_heights(&scan, &HEIGHTS_M);
         assert_eq!(scan.pitch_m, Some((1e-5, 5e-6)), "{header}");
-        assert_eq!(scan.warnings, [] as [String; 0], "{header}");
+        assert_no_warning(&scan);
     }
 }
 
@@ -287,31 +263,33 @@ fn a_pixel_size_is_stated_in_many_ways() {
         ("# physical sizes: (3, 1) um", (1e-6, 0.5e-6)),
         ("# x length: 3 um\n# y length: 1 um", (1e-6, 0.5e-6)),
         ("# Width: 3\n# Height: 1\n# unit: um", (1e-6, 0.5e-6)),
+        // A size with a unit is always a length.
+        ("# Width: 3.0 µm\n# Height: 2.0 µm", (1e-6, 1e-6)),
+        ("# Width [um]: 3\n# Height [um]: 2", (1e-6, 1e-6)),
+        ("# Width: 3\n# Height: 2\n# xy unit: um", (1e-6, 1e-6)),
+        ("# size: 3 um x 2 um", (1e-6, 1e-6)),
+        ("# size: 3 x 2 um", (1e-6, 1e-6)),
     ] {
-        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
-        let (dx_m, dy_m) = scan.pitch_m.unwrap_or_else(|| panic!("{header}"));
-        assert!(
-            (dx_m / pitch_m.0 - 1.0).abs() < 1e-14 && (dy_m / pitch_m.1 - 1.0).abs() < 1e-14,
-            "{header}: {dx_m} {dy_m}"
-        );
+        assert_pitch(&headed(header), pitch_m);
     }
-    for header in
-        ["# size: 3 x 2", "# unit: um\n# size: 3 x 2", "# Width: 3\n# Height: 2", "# size: 3 MB", "# pixel size: small"]
-    {
-        assert_eq!(read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap().pitch_m, None, "{header}");
+    // The unit of the heights does not turn numbers of points into lengths.
+    for header in [
+        "# size: 3 x 2",
+        "# unit: um\n# size: 3 x 2",
+        "# Width: 3\n# Height: 2",
+        "# size: 3 MB",
+        "# pixel size: small",
+        "# Width: 3\n# Height: 2\n# unit: um",
+    ] {
+        assert_eq!(headed(header).pitch_m, None, "{header}");
     }
+    assert_one_warning(&headed("# Width: 10 um"), "a width but no height");
+    assert_warns(&headed("# dx = 0.5"), "without a unit");
+    assert_one_warning(&headed("# nx = 4\n# ny = 2"), "the header states 4 × 2 points; there are 3 × 2");
 }
 
-#[test]
-fn doubts_about_the_pixel_size_are_reported() {
-    let warnings = |header: &str| read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap().warnings;
-    let found = warnings("# Width: 10 um");
-    assert!(matches!(found.as_slice(), [one] if one.contains("a width but no height")), "{found:?}");
-    let found = warnings("# dx = 0.5");
-    assert!(found.iter().any(|warning| warning.contains("without a unit")), "{found:?}");
-    let found = warnings("# nx = 4\n# ny = 2");
-    assert!(matches!(found.as_slice(), [one] if one == "the header states 4 × 2 points; there are 3 × 2"), "{found:?}");
-}
+/// The header that Koala (Lyncée Tec) writes above phases.
+const KOALA: &str = "h=2 w=3\npixel size=2.84871e-07 m\ndata unit=rad\nheight conversion factor (-> m)=6.3e-8";
 
 #[test]
 fn heights_in_another_unit_are_converted() {
@@ -321,41 +299,9 @@ fn heights_in_another_unit_are_converted() {
         ("# z-unit = [nm]", 1e-9),
         ("# unit: um\n# height unit: nm", 1e-9),
         ("unit: µm", 1e-6),
+        // Conversion factors.
+        (KOALA, 6.3e-8),
         ("# height conversion factor (-> um) = 2", 2e-6),
-    ] {
-        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
-        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
-        assert!(scan.metadata["converted"].starts_with("heights from"), "{header}");
-        assert_eq!(scan.warnings, [] as [String; 0], "{header}");
-    }
-    let scan = read_bytes(format!("# unit: m\n{MATRIX}").as_bytes()).unwrap();
-    assert!(!scan.metadata.contains_key("converted"));
-}
-
-/// The header that Koala (Lyncée Tec) writes above phases.
-const KOALA: &str = "h=2 w=3\npixel size=2.84871e-07 m\ndata unit=rad\nheight conversion factor (-> m)=6.3e-8\n";
-
-#[test]
-fn a_conversion_factor_comes_before_the_unit() {
-    let scan = read_bytes(format!("{KOALA}{MATRIX}").as_bytes()).unwrap();
-    assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
-    assert_eq!(scan.pitch_m, Some((2.84871e-7, 2.84871e-7)));
-    assert_eq!(scan.warnings, [] as [String; 0]);
-    assert_eq!(scan.height_unit.as_deref(), Some("m"));
-    // A factor of its own beside another unit.
-    let contradiction = KOALA.replace("data unit=rad", "data unit=nm");
-    let scan = read_bytes(format!("{contradiction}{MATRIX}").as_bytes()).unwrap();
-    assert!((scan.heights_m[[0, 0]] / 6.3e-8 - 1.0).abs() < 1e-15);
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("the factor was used")), "{:?}", scan.warnings);
-    // Koala states the factor of phases also above heights.
-    let heights = KOALA.replace("data unit=rad", "data unit=m");
-    let scan = read_bytes(format!("{heights}{MATRIX}").as_bytes()).unwrap();
-    assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-}
-
-#[test]
-fn a_conversion_factor_is_written_in_many_ways() {
-    for (header, factor) in [
         ("data unit=rad\nheight conversion factor (-> m)=6,3e-8", 6.3e-8),
         ("data unit=rad\nheight conversion factor (-> m): 6.3E-8 m/rad", 6.3e-8),
         ("# data unit: rad\n# height conversion factor: 63 nm/rad", 63e-9),
@@ -366,109 +312,61 @@ fn a_conversion_factor_is_written_in_many_ways() {
         ("# height conversion factor (-> um) = 1,234e-1", 0.1234e-6),
         ("# height conversion factor (-> um) = 0,125", 0.125e-6),
     ] {
-        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
-        for (z, number) in scan.heights_m.iter().zip(1..) {
-            assert!((z / (f64::from(number) * factor) - 1.0).abs() < 1e-14, "{header}: {z:e}");
+        let scan = headed(header);
+        for (z_m, number) in scan.heights_m.iter().zip(NUMBERS) {
+            assert!((z_m / (number * z) - 1.0).abs() < 1e-14, "{header}: {z_m:e}");
         }
-        assert_eq!(scan.warnings, [] as [String; 0], "{header}");
+        assert_no_warning(&scan);
+        if !header.contains("factor") {
+            assert!(scan.metadata["converted"].starts_with("heights from"), "{header}");
+        }
     }
+    assert!(!headed("# unit: m").metadata.contains_key("converted"));
     // In a file of decimal commas a comma separates no thousands.
-    let scan = read_bytes(b"# height conversion factor (-> um) = 1,250\n0,5 2\n").unwrap();
-    assert_heights(&scan, &[0.625e-6, 2.5e-6]);
+    assert_heights(&read("# height conversion factor (-> um) = 1,250\n0,5 2\n"), &[0.625e-6, 2.5e-6]);
+    let koala = headed(KOALA);
+    assert_eq!((koala.pitch_m, koala.height_unit.as_deref()), (Some((2.84871e-7, 2.84871e-7)), Some("m")));
 }
 
 #[test]
-fn a_conversion_factor_without_a_unit_leads_to_metre_with_a_warning() {
-    let scan = read_bytes(format!("# unit: rad\n# conversion factor = 6.3e-8\n{MATRIX}").as_bytes()).unwrap();
-    assert_heights(&scan, &[6.3e-8, 12.6e-8, 18.9e-8, 25.2e-8, 31.5e-8, 37.8e-8]);
-    let expected = "the header states `conversion factor: 6.3e-8` without a unit; metre was assumed";
-    assert_eq!(scan.warnings, [expected]);
-}
-
-#[test]
-fn a_negative_conversion_factor_is_applied_with_a_warning() {
-    let text = format!("data unit=rad\nheight conversion factor (-> m)=-1e-8\n{MATRIX}");
-    let scan = read_bytes(text.as_bytes()).unwrap();
-    assert_heights(&scan, &[-1e-8, -2e-8, -3e-8, -4e-8, -5e-8, -6e-8]);
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("upside down")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn a_conversion_factor_that_is_not_applied_is_quoted() {
-    for (header, quoted, z) in [
-        ("# unit: nm\n# conversion factor (V -> um) = 25", "`conversion factor (V -> um): 25`", 1e-9),
-        ("# unit: nm\n# conversion factor = 2", "`conversion factor: 2`", 1e-9),
-        ("# unit: nm\n# height conversion factor (-> m) = abc", "`height conversion factor (-> m): abc`", 1e-9),
-        ("# height conversion factor (-> V) = 63", "`height conversion factor (-> V): 63`", 1.0),
-        ("# height conversion factor (-> m) = 2 nm/rad", "`height conversion factor (-> m): 2 nm/rad`", 1.0),
-        ("# lateral conversion factor = 2", "`lateral conversion factor: 2`", 1.0),
-        ("# the conversion factor is 6.3e-8 m", "`the conversion factor is 6.3e-8 m`", 1.0),
-        ("# height conversion factor = 2\n# z conversion factor = 3", "`z conversion factor: 3`", 1.0),
+fn doubtful_units_and_conversion_factors_give_a_warning() {
+    let without_unit = "the header states `conversion factor: 6.3e-8` without a unit; metre was assumed";
+    for (header, z, words) in [
+        // A factor of its own beside another unit.
+        (&*KOALA.replace("data unit=rad", "data unit=nm"), 6.3e-8, "the factor was used"),
+        ("# unit: rad\n# conversion factor = 6.3e-8", 6.3e-8, without_unit),
+        ("data unit=rad\nheight conversion factor (-> m)=-1e-8", -1e-8, "upside down"),
+        ("# Value units: V", 1.0, "`Value units: V`"),
+        // A current, and no Ångström.
+        ("# Value units: A", 1.0, "`Value units: A`"),
+        ("# signal unit: deg", 1.0, "`signal unit: deg`"),
     ] {
-        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
-        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|number| number * z));
-        let expected = format!("the header states {quoted}, which was not used");
-        assert!(scan.warnings.contains(&expected), "{header}: {:?}", scan.warnings);
+        let scan = headed(header);
+        assert_heights(&scan, &NUMBERS.map(|number| number * z));
+        assert_one_warning(&scan, words);
+    }
+    for (header, quoted, z) in [
+        ("# unit: nm\n# conversion factor (V -> um) = 25", "conversion factor (V -> um): 25", 1e-9),
+        ("# unit: nm\n# conversion factor = 2", "conversion factor: 2", 1e-9),
+        ("# unit: nm\n# height conversion factor (-> m) = abc", "height conversion factor (-> m): abc", 1e-9),
+        ("# height conversion factor (-> V) = 63", "height conversion factor (-> V): 63", 1.0),
+        ("# height conversion factor (-> m) = 2 nm/rad", "height conversion factor (-> m): 2 nm/rad", 1.0),
+        ("# lateral conversion factor = 2", "lateral conversion factor: 2", 1.0),
+        ("# the conversion factor is 6.3e-8 m", "the conversion factor is 6.3e-8 m", 1.0),
+        ("# height conversion factor = 2\n# z conversion factor = 3", "z conversion factor: 3", 1.0),
+    ] {
+        let scan = headed(header);
+        assert_heights(&scan, &NUMBERS.map(|number| number * z));
+        assert_warns(&scan, &format!("the header states `{quoted}`, which was not used"));
     }
     // Koala states the factor of phases also above heights.
-    let scan = read_bytes(format!("data unit=m\nheight conversion factor (-> m)=0\n{MATRIX}").as_bytes()).unwrap();
-    assert_eq!(scan.warnings, [] as [String; 0]);
-}
-
-#[test]
-fn an_invalid_conversion_factor_is_refused_with_its_line() {
+    assert_heights(&headed(&KOALA.replace("data unit=rad", "data unit=m")), &NUMBERS);
+    assert_no_warning(&headed("data unit=m\nheight conversion factor (-> m)=0"));
     for value in ["abc", "0", "nan", "inf", "-0.0", "1,250", "1,2,3"] {
         let text = format!("# data unit: rad\n\n# height conversion factor (-> m) = {value}\n{MATRIX}");
-        let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
-        let wanted =
-            format!("text: height conversion factor (-> m) (line 3) is `{value}`; wanted a number other than 0");
-        assert!(error.starts_with(&wanted), "{error}");
+        let wanted = format!("height conversion factor (-> m) (line 3) is `{value}`; wanted a number other than 0");
+        assert_refused([(text, wanted)]);
     }
-}
-
-#[test]
-fn a_size_with_a_unit_is_always_a_length() {
-    for header in [
-        "# Width: 3.0 µm\n# Height: 2.0 µm",
-        "# Width [um]: 3\n# Height [um]: 2",
-        "# Width: 3\n# Height: 2\n# xy unit: um",
-        "# size: 3 um x 2 um",
-        "# size: 3 x 2 um",
-    ] {
-        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
-        let (dx_m, dy_m) = scan.pitch_m.unwrap_or_else(|| panic!("{header}"));
-        assert!((dx_m / 1e-6 - 1.0).abs() < 1e-14 && (dy_m / 1e-6 - 1.0).abs() < 1e-14, "{header}: {dx_m} {dy_m}");
-    }
-    // The unit of the heights does not turn numbers of points into lengths.
-    let scan = read_bytes(format!("# Width: 3\n# Height: 2\n# unit: um\n{MATRIX}").as_bytes()).unwrap();
-    assert_eq!(scan.pitch_m, None);
-}
-
-#[test]
-fn a_unit_other_than_a_length_gives_a_warning() {
-    for (header, shown) in [
-        ("# Value units: V", "`Value units: V`"),
-        // A current, and no Ångström.
-        ("# Value units: A", "`Value units: A`"),
-        ("# signal unit: deg", "`signal unit: deg`"),
-    ] {
-        let scan = read_bytes(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
-        assert_heights(&scan, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        assert!(matches!(scan.warnings.as_slice(), [one] if one.contains(shown)), "{:?}", scan.warnings);
-    }
-}
-
-#[test]
-fn a_header_without_comment_signs_must_be_keys_with_values() {
-    let scan = read_bytes(b"Instrument: stylus\nDate = 2016-12-01\n\n1 2\n").unwrap();
-    assert_eq!((scan.metadata["Instrument"].as_str(), scan.metadata["Date"].as_str()), ("stylus", "2016-12-01"));
-    assert_heights(&scan, &[1.0, 2.0]);
-    let error = read_bytes(b"12:30 1 2\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 1 (line 1) is `12:30`"), "{error}");
-    let error = read_bytes(b"a: b\nsome words\n1 2\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 1 (line 2) is `some`"), "{error}");
-    let error = read_bytes(b"1 2\na: b\n3 4\n").unwrap_err();
-    assert!(error.to_string().starts_with("text: value 1 (line 2) is `a:`"), "{error}");
 }
 
 #[test]
@@ -479,42 +377,28 @@ fn decimal_commas_are_read_if_commas_are_no_separators() {
         "1,5 2,25 -3\n0 1e-3 7,0E1",
         "-0,5 1 2\n1,5 2,5 3",
     ] {
-        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let scan = read(text);
         assert_eq!(scan.heights_m.dim(), (2, 3), "{text}");
-        assert_eq!(scan.metadata["decimal sign"], "comma");
+        assert_metadata(&scan, &[("decimal sign", "comma")]);
     }
-    let scan = read_bytes(DECIMAL_COMMAS.as_bytes()).unwrap();
-    assert_heights(&scan, &[1.5e-9, -2.5e-9, 3e-9, 4.25e-9, NAN, 6e-9]);
+    assert_heights(&read(DECIMAL_COMMAS), &[1.5e-9, -2.5e-9, 3e-9, 4.25e-9, NAN, 6e-9]);
     // Commas followed by spaces are separators.
-    assert_heights(&read_bytes(b"1, 2, 3").unwrap(), &[1.0, 2.0, 3.0]);
-    assert_heights(&read_bytes(b"1,5").unwrap(), &[1.0, 5.0]);
-    for (text, line) in [("1,5;2\n1.5;2\n", 2), ("1.5;2 # 1,5\n3;2,5\n", 1)] {
-        let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
-        assert!(error.contains(&format!("a decimal sign (line {line}) is `.`; wanted a comma")), "{error}");
-    }
-    assert!(read_bytes(b"1.234,5;2\n").is_err());
-}
-
-#[test]
-fn marks_of_other_programs_are_missing_too() {
-    assert_heights(&read_bytes(b"1 BAD bad\nNo Data 2 no data\n").unwrap(), &[1.0, NAN, NAN, NAN, 2.0, NAN]);
-    assert_heights(&read_bytes(b"1,BAD,\nNo Data,2,3\n").unwrap(), &[1.0, NAN, NAN, NAN, 2.0, 3.0]);
-    assert_heights(&read_bytes(b"# NODATA_value: -1\n-1 2\n").unwrap(), &[NAN, 2.0]);
+    assert_heights(&read("1, 2, 3"), &[1.0, 2.0, 3.0]);
+    assert_heights(&read("1,5"), &[1.0, 5.0]);
 }
 
 #[test]
 fn special_numbers_of_c_libraries_are_missing_heights() {
     for text in ["1.#QNAN 2 -1.#IND\n4 1.#INF00 -nan(ind)\n", "1.#SNAN;2;1.#qnan0\n4;-1.#INF;nan(snan) # 1.#IND\n"] {
-        let scan = read_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
-        assert_heights(&scan, &[NAN, 2.0, NAN, 4.0, NAN, NAN]);
+        assert_heights(&read(text), &[NAN, 2.0, NAN, 4.0, NAN, NAN]);
     }
     // With a decimal comma.
-    assert_heights(&read_bytes(b"0,5;1,#QNAN\n-1,#IND;2,5\n").unwrap(), &[0.5, NAN, NAN, 2.5]);
+    assert_heights(&read("0,5;1,#QNAN\n-1,#IND;2,5\n"), &[0.5, NAN, NAN, 2.5]);
     // At the end of a line.
-    assert_heights(&read_bytes(b"2 1.#IND").unwrap(), &[2.0, NAN]);
+    assert_heights(&read("2 1.#IND"), &[2.0, NAN]);
     // Comments that touch a number stay comments.
-    assert_heights(&read_bytes(b"2 1.#a comment\n3 1.#INFO\n4 1#IND\n").unwrap(), &[2.0, 1.0, 3.0, 1.0, 4.0, 1.0]);
-    assert_heights(&read_bytes(b"2,1,#IND\n").unwrap(), &[2.0, 1.0]);
+    assert_heights(&read("2 1.#a comment\n3 1.#INFO\n4 1#IND\n"), &[2.0, 1.0, 3.0, 1.0, 4.0, 1.0]);
+    assert_heights(&read("2,1,#IND\n"), &[2.0, 1.0]);
 }
 
 #[test]
@@ -534,7 +418,7 @@ fn a_long_text_is_the_same_in_pieces() {
         text += if row % 100 == 7 { " # a comment\n\n" } else { "\n" };
     }
     assert!(text.len() > 6 << 20);
-    let scan = read_bytes(text.as_bytes()).unwrap();
+    let scan = read(&text);
     assert_eq!(scan.heights_m.dim(), (rows, columns));
     for ((row, column), z) in scan.heights_m.indexed_iter() {
         assert!(
@@ -546,6 +430,5 @@ fn a_long_text_is_the_same_in_pieces() {
     // Row 2900 follows the unit, 2900 rows, and a blank line for each of 29 comments.
     let start = text.lines().take(2930).map(|line| line.len() + 1).sum::<usize>();
     text.replace_range(start..start + 1, "x");
-    let error = read_bytes(text.as_bytes()).unwrap_err().to_string();
-    assert!(error.starts_with("text: value 1 (line 2931)"), "{error}");
+    assert_error(read_bytes(text.as_bytes()), "text: value 1 (line 2931)");
 }

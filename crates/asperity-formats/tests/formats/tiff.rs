@@ -3,10 +3,13 @@
 use asperity_formats::{Format, FormatError, Scan};
 use weezl::BitOrder;
 
+use crate::check::{
+    assert_no_warning, assert_pitch, assert_refused, assert_scan, assert_warns, bytes, padded, patched, warns,
+};
 use crate::fixture::{Fixture, read_bytes, read_channel};
 use crate::fixtures::deflated as zlib;
 use crate::memory::peak_bytes;
-use crate::{NAN, assert_heights};
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// A file in one of the two orders of bytes, classic or big.
 #[derive(Clone, Copy)]
@@ -175,7 +178,6 @@ const OME: &str = "<?xml version=\"1.0\"?><!-- a --><OME><Image ID=\"Image:0\"><
                    PhysicalSizeX=\"0.5\" PhysicalSizeY=\"250\" PhysicalSizeYUnit=\"nm\"/></Image></OME>";
 
 pub(crate) fn fixtures() -> Vec<Fixture> {
-    let resolved = floats().with(282, Value::Rational(2, 1)).with(283, Value::Rational(4, 1));
     let mut strips = floats().with(278, Value::Short(1)).with(259, Value::Short(32773));
     strips.chunks = HEIGHTS.chunks(3).map(|row| pack_bits(&CLASSIC.f32s(row))).collect();
     let second = Page::new(16, 1, vec![1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]);
@@ -189,7 +191,7 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
         Fixture::open_ended("Park Systems", park(0x0100_0001, 0, vec![1; 12], "um")),
         Fixture::whole(
             "TIFF of ImageJ",
-            tiff(CLASSIC, &[resolved.clone().with(270, Value::Text(IMAGE_J)).with(296, Value::Short(1))]),
+            tiff(CLASSIC, &[resolved(2, 4).with(270, Value::Text(IMAGE_J)).with(296, Value::Short(1))]),
         ),
         // The twelve bytes of the second page are at the end, and the first page is read.
         Fixture { needed: two_pages.len() - 12, ..Fixture::whole("TIFF with OME-XML", two_pages) },
@@ -204,25 +206,30 @@ fn read(page: &Page) -> Scan {
     read_bytes(&tiff(CLASSIC, std::slice::from_ref(page))).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn message(page: &Page) -> String {
-    read_bytes(&tiff(CLASSIC, std::slice::from_ref(page))).unwrap_err().to_string()
+/// Asserts the words with which files of one page are refused.
+#[track_caller]
+fn assert_pages_refused<const N: usize>(pages: [(Page, &str); N]) {
+    assert_refused(pages.map(|(page, words)| (tiff(CLASSIC, &[page]), words)));
+}
+
+/// The usual numbers with a resolution along x and y in points per unit.
+fn resolved(x: u64, y: u64) -> Page {
+    floats().with(282, Value::Rational(x, 1)).with(283, Value::Rational(y, 1))
 }
 
 #[test]
 fn floats_are_heights_in_metre_in_every_layout() {
     for kind in KINDS {
         let bytes = tiff(kind, &[Page::new(32, 3, kind.f32s(&HEIGHTS))]);
-        assert_eq!(Format::detect(&bytes), Some(Format::Tiff));
-        let scan = read_bytes(&bytes).unwrap();
-        assert_heights(&scan, &HEIGHTS);
-        assert_eq!(scan.heights_m.dim(), (2, 3));
-        assert_eq!(scan.pitch_m, None);
-        assert_eq!(scan.warnings, [] as [String; 0]);
+        let scan = assert_scan(&bytes, Format::Tiff, (2, 3), None, &HEIGHTS);
+        assert_no_warning(&scan);
         assert_eq!(scan.channels, ["page 1"]);
         let doubles = HEIGHTS.iter().flat_map(|z| kind.number((z / 3.0).to_bits(), 8)).collect();
         assert_heights(&read_bytes(&tiff(kind, &[Page::new(64, 3, doubles)])).unwrap(), &HEIGHTS.map(|z| z / 3.0));
         assert_heights(&read_bytes(&tiff(kind, &[tiles(kind)])).unwrap(), &HEIGHTS);
     }
+    // Numbers stand whichever colour is zero.
+    assert_heights(&read(&floats().with(262, Value::Short(0))), &HEIGHTS);
 }
 
 #[test]
@@ -234,7 +241,7 @@ fn integers_give_a_warning() {
             let bits = 8 * width as u64;
             let signed = read_bytes(&tiff(kind, &[Page::new(bits, 2, raw.clone())])).unwrap();
             assert_heights(&signed, &values.map(|z| z as f64));
-            assert!(signed.warnings.iter().any(|warning| warning.contains("counts without a unit")));
+            assert_warns(&signed, "counts without a unit");
             let unsigned = read_bytes(&tiff(kind, &[Page::new(bits, 1, raw)])).unwrap();
             let range = 2_f64.powi(8 * width as i32);
             assert_heights(&unsigned, &values.map(|z| if z < 0 { z as f64 + range } else { z as f64 }));
@@ -259,9 +266,9 @@ fn every_packing_reads() {
         }
     }
     for (method, name) in [(4, "fax"), (7, "JPEG"), (50000, "Zstandard"), (12345, "number 12345")] {
-        assert!(message(&floats().with(259, Value::Short(method))).contains(name));
+        assert_pages_refused([(floats().with(259, Value::Short(method)), name)]);
     }
-    assert!(message(&floats().with(266, Value::Short(2))).contains("FillOrder"));
+    assert_pages_refused([(floats().with(266, Value::Short(2)), "FillOrder")]);
 }
 
 #[test]
@@ -295,18 +302,11 @@ fn differences_of_sorted_bytes_are_summed() {
         assert_heights(&read_bytes(&tiff(kind, &[page])).unwrap(), &HEIGHTS);
     }
     let integers = Page::new(16, 1, zlib(&[0; 12])).with(259, Value::Short(8));
-    assert!(message(&integers.with(317, Value::Short(3))).contains("Predictor"));
-}
-
-#[test]
-fn numbers_stand_whichever_colour_is_zero() {
-    assert_heights(&read(&floats().with(262, Value::Short(0))), &HEIGHTS);
+    assert_pages_refused([(integers.with(317, Value::Short(3)), "Predictor")]);
 }
 
 #[test]
 fn the_orientation_tag_turns_the_map_upright() {
-    let resolved =
-        floats().with(282, Value::Rational(1, 1)).with(283, Value::Rational(2, 1)).with(296, Value::Short(3));
     let [a, b, c, d, e, f] = HEIGHTS;
     // Where row 0 and column 0 are: top left, top right, bottom right, bottom left, then with rows upright.
     for (orientation, wanted) in [
@@ -319,81 +319,64 @@ fn the_orientation_tag_turns_the_map_upright() {
         (7, [f, c, e, b, d, a]),
         (8, [c, f, b, e, a, d]),
     ] {
-        let scan = read(&resolved.clone().with(274, Value::Short(orientation)));
-        assert_heights(&scan, &wanted);
+        let page = resolved(1, 2).with(296, Value::Short(3)).with(274, Value::Short(orientation));
         let (shape, pitch_m) = if orientation > 4 { ((3, 2), (0.005, 0.01)) } else { ((2, 3), (0.01, 0.005)) };
-        assert_eq!((scan.heights_m.dim(), scan.pitch_m), (shape, Some(pitch_m)), "{orientation}");
+        assert_scan(&tiff(CLASSIC, &[page]), Format::Tiff, shape, pitch_m, &wanted);
     }
-    assert!(message(&floats().with(274, Value::Short(9))).contains("Orientation"));
+    assert_pages_refused([(floats().with(274, Value::Short(9)), "Orientation")]);
 }
 
 #[test]
 fn resolutions_per_inch_and_centimetre_give_the_pitch() {
-    let page = |unit| {
-        let page = floats().with(282, Value::Rational(5080, 2)).with(283, Value::Double(1270.0));
-        page.with(296, Value::Short(unit))
-    };
-    assert_eq!(read(&page(2)).pitch_m, Some((0.0254 / 2540.0, 0.0254 / 1270.0)));
-    assert_eq!(read(&page(3)).pitch_m, Some((0.01 / 2540.0, 0.01 / 1270.0)));
-    // No absolute unit.
-    assert_eq!(read(&page(1)).pitch_m, None);
+    let page = floats().with(282, Value::Rational(5080, 2)).with(283, Value::Double(1270.0));
+    // Without an absolute unit there is no pitch.
+    for (unit, pitch_m) in
+        [(2, Some((0.0254 / 2540.0, 0.0254 / 1270.0))), (3, Some((0.01 / 2540.0, 0.01 / 1270.0))), (1, None)]
+    {
+        assert_eq!(read(&page.clone().with(296, Value::Short(unit))).pitch_m, pitch_m);
+    }
     for (per_inch, gives_warning) in [(1, true), (72, true), (300, true), (25400, false)] {
-        let page = floats().with(282, Value::Rational(per_inch, 1)).with(283, Value::Rational(per_inch, 1));
-        let scan = read(&page);
+        let scan = read(&resolved(per_inch, per_inch));
         assert_eq!(scan.pitch_m, Some((0.0254 / per_inch as f64, 0.0254 / per_inch as f64)));
-        let is_reported = scan.warnings.iter().any(|warning| warning.contains("screen's or printer's"));
-        assert_eq!(is_reported, gives_warning, "{per_inch}: {:?}", scan.warnings);
+        assert_eq!(warns(&scan, "screen's or printer's"), gives_warning, "{per_inch}: {:?}", scan.warnings);
     }
     let none = floats().with(282, Value::Rational(1, 0)).with(283, Value::Rational(1, 0));
     assert_eq!(read(&none).pitch_m, None);
 }
 
 #[test]
-fn the_description_of_imagej_states_units_and_calibration() {
-    let page = |text| {
-        let page =
-            floats().with(282, Value::Rational(2, 1)).with(283, Value::Rational(4, 1)).with(296, Value::Short(1));
-        page.with(270, Value::Text(text))
-    };
-    let scan = read(&page(IMAGE_J));
+fn descriptions_state_units_and_calibration() {
+    let of_imagej = |text| read(&resolved(2, 4).with(296, Value::Short(1)).with(270, Value::Text(text)));
+    let scan = of_imagej(IMAGE_J);
     // Two and four points per micrometre; heights 1 nm + 2 nm · n.
     assert_eq!(scan.pitch_m, Some((1.0 / 2e6, 1.0 / 4e6)));
     assert_heights(&scan, &HEIGHTS.map(|z| 1e-9 + 2e-9 * z));
-    assert_eq!(scan.metadata["unit"], "µm");
-    assert_eq!(scan.metadata["ImageJ"], "1.54f");
-
-    let scan = read(&page("ImageJ=1.54f\nunit=micron\nyunit=mm\n"));
-    assert_eq!(scan.pitch_m, Some((1.0 / 2e6, 1.0 / 4e3)));
-    assert_heights(&scan, &HEIGHTS);
-    assert_eq!(read(&page("ImageJ=1.54f\nunit=pixel\n")).pitch_m, None);
-    let scan = read(&page("ImageJ=1.54f\ncf=20\nvunit=OD\n"));
-    assert_heights(&scan, &HEIGHTS);
-    assert!(scan.warnings.iter().any(|warning| warning.contains("calibration")), "{:?}", scan.warnings);
-}
-
-#[test]
-fn ome_xml_states_the_pitch_before_resolution_tags() {
-    let page = floats().with(282, Value::Rational(72, 1)).with(283, Value::Rational(72, 1));
-    let scan = read(&page.clone().with(270, Value::Text(OME)));
+    assert_metadata(&scan, &[("unit", "µm"), ("ImageJ", "1.54f")]);
+    for (text, pitch_m) in [
+        ("ImageJ=1.54f\nunit=micron\nyunit=mm\n", Some((1.0 / 2e6, 1.0 / 4e3))),
+        ("ImageJ=1.54f\nunit=pixel\n", None),
+        ("ImageJ=1.54f\ncf=20\nvunit=OD\n", None),
+    ] {
+        let scan = of_imagej(text);
+        assert_heights(&scan, &HEIGHTS);
+        assert_eq!((scan.pitch_m, warns(&scan, "calibration")), (pitch_m, text.contains("cf=20")));
+    }
+    // OME-XML goes before the tags of resolution.
+    let of_ome = |text| read(&resolved(72, 72).with(270, Value::Text(text)));
+    let scan = of_ome(OME);
     assert_eq!(scan.pitch_m, Some((0.5 / 1e6, 250.0 / 1e9)));
-    assert_eq!(scan.metadata["ImageDescription"], OME);
-    assert_eq!(
-        read(&page.with(270, Value::Text("<OME><Pixels PhysicalSizeX=\"a\""))).pitch_m,
-        Some((0.0254 / 72.0, 0.0254 / 72.0))
-    );
+    assert_metadata(&scan, &[("ImageDescription", OME)]);
+    assert_eq!(of_ome("<OME><Pixels PhysicalSizeX=\"a\"").pitch_m, Some((0.0254 / 72.0, 0.0254 / 72.0)));
 }
 
 #[test]
 fn the_value_for_no_data_is_missing() {
-    let scan = read(
-        &Page::new(32, 3, CLASSIC.f32s(&[1.0, NAN, f64::INFINITY, -9999.0, 0.1, 2.0]))
-            .with(42113, Value::Text("-9999")),
-    );
+    let read = |numbers: [f64; 6], mark| read(&Page::new(32, 3, CLASSIC.f32s(&numbers)).with(42113, Value::Text(mark)));
+    let scan = read([1.0, NAN, f64::INFINITY, -9999.0, 0.1, 2.0], "-9999");
     assert_heights(&scan, &[1.0, NAN, NAN, NAN, f64::from(0.1_f32), 2.0]);
     // The digits of a double where the numbers are single.
-    let scan = read(&Page::new(32, 3, CLASSIC.f32s(&[0.1, 1.0, 2.0, 3.0, 4.0, 5.0])).with(42113, Value::Text("0.1")));
-    assert_eq!(scan.missing_points(), 1);
-    assert!(message(&floats().with(42113, Value::Text("none"))).contains("GDAL_NODATA"));
+    assert_eq!(read([0.1, 1.0, 2.0, 3.0, 4.0, 5.0], "0.1").missing_points(), 1);
+    assert_pages_refused([(floats().with(42113, Value::Text("none")), "GDAL_NODATA")]);
 }
 
 #[test]
@@ -405,49 +388,42 @@ fn pages_are_channels_and_those_of_other_kinds_are_left_out() {
     let scan = read_bytes(&bytes).unwrap();
     assert_eq!((scan.channels.as_slice(), scan.channel), (&["page 3".into(), "Height".into()][..], 0));
     assert_heights(&scan, &HEIGHTS);
-    assert_eq!(scan.metadata["Software"], "a program");
-    assert!(scan.warnings.iter().any(|warning| {
-        warning.ends_with("left out: page 1 is in colours (RGB), page 2 is a smaller copy of another")
-    }));
+    assert_metadata(&scan, &[("Software", "a program")]);
+    assert_warns(&scan, "left out: page 1 is in colours (RGB), page 2 is a smaller copy of another");
     let scan = read_channel(&bytes, "height").unwrap();
     assert_heights(&scan, &[9.0; 6]);
-    assert_eq!(scan.metadata["PageName"], "Height");
+    assert_metadata(&scan, &[("PageName", "Height")]);
 }
 
 #[test]
 fn pages_that_cannot_be_heights_are_refused_with_a_reason() {
-    for (page, reason) in [
-        (floats().with(262, Value::Short(2)), "page 1 is in colours (RGB)"),
-        (floats().with(262, Value::Short(3)), "colours of a palette"),
-        (floats().with(277, Value::Short(2)), "2 numbers per point"),
-        (floats().with(258, Value::Short(16)), "numbers of 16 bits and SampleFormat 3"),
-        (floats().with(258, Value::Short(1)), "numbers of 1 bits"),
-        (floats().with(339, Value::Short(6)), "SampleFormat 6"),
-    ] {
-        let found = message(&page);
-        assert!(found.contains(reason), "{found}");
-    }
+    let short = |tag, value| floats().with(tag, Value::Short(value));
+    assert_pages_refused([
+        (short(262, 2), "page 1 is in colours (RGB)"),
+        (short(262, 3), "colours of a palette"),
+        (short(277, 2), "2 numbers per point"),
+        (short(258, 16), "numbers of 16 bits and SampleFormat 3"),
+        (short(258, 1), "numbers of 1 bits"),
+        (short(339, 6), "SampleFormat 6"),
+    ]);
 }
 
 #[test]
 fn declared_sizes_are_not_believed() {
-    let huge = floats().with(256, Value::Long(1 << 15)).with(257, Value::Long(1 << 15));
-    assert!(matches!(read_bytes(&tiff(CLASSIC, &[huge])), Err(FormatError::TooLarge { .. })));
-    let large = floats().with(256, Value::Long(1 << 14)).with(257, Value::Long(1 << 14));
-    assert!(message(&large).contains("places for 1073741824 bytes"));
-    let packed = large.with(259, Value::Short(8));
-    assert!(message(&packed).contains("more than 256 times"), "{}", message(&packed));
-    assert!(message(&floats().with(256, Value::Short(0))).contains("ImageWidth"));
-    assert!(message(&floats().with(278, Value::Long(0))).contains("RowsPerStrip"));
-    assert!(message(&floats().with(278, Value::Long(1))).contains("wanted 2 numbers"));
+    let sized = |size| floats().with(256, Value::Long(size)).with(257, Value::Long(size));
     // One strip after the other over the same bytes.
     let mut overlapping = floats().with(259, Value::Short(32773)).with(278, Value::Short(1));
     overlapping.chunks = vec![Vec::new(); 2];
-    let mut bytes = tiff(CLASSIC, &[overlapping]);
-    let sizes = bytes.len() - 8;
-    bytes[sizes..].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
-    let error = read_bytes(&bytes).unwrap_err().to_string();
-    assert!(error.contains("at most the"), "{error}");
+    let overlapping = tiff(CLASSIC, &[overlapping]);
+    assert_refused([(patched(&overlapping, overlapping.len() - 8, [0xffff_u32; 2]), "at most the")]);
+    assert_pages_refused([
+        (sized(1 << 15), "the limit is"),
+        (sized(1 << 14), "places for 1073741824 bytes"),
+        (sized(1 << 14).with(259, Value::Short(8)), "more than 256 times"),
+        (floats().with(256, Value::Short(0)), "ImageWidth"),
+        (floats().with(278, Value::Long(0)), "RowsPerStrip"),
+        (floats().with(278, Value::Long(1)), "wanted 2 numbers"),
+    ]);
 }
 
 #[test]
@@ -462,38 +438,40 @@ fn a_flat_page_unpacks_within_bounds_and_a_bomb_does_not() {
     assert_eq!(scan.heights_m.dim(), (2048, 2048));
     // The heights, and the memory for unpacking one row.
     assert!(peak < (8 << 22) + (1 << 20), "{peak}");
-    let error = read_bytes(&page(2049, zlib(&vec![0; 8 * 2049 * 2049]))).unwrap_err().to_string();
-    assert!(error.contains("more than 256 times as many"), "{error}");
+    assert_refused([(page(2049, zlib(&vec![0; 8 * 2049 * 2049])), "more than 256 times as many")]);
 }
 
 #[test]
 fn directories_that_lead_back_are_refused() {
-    let mut bytes = tiff(CLASSIC, &[floats()]);
+    let file = tiff(CLASSIC, &[floats()]);
     // The offset of the next directory follows two bytes of a count and 12 bytes per field.
-    let fields = usize::from(bytes[8]);
-    bytes[10 + 12 * fields] = 8;
-    let error = read_bytes(&bytes).unwrap_err().to_string();
-    assert!(error.contains("no earlier directory"), "{error}");
+    assert_refused([(patched(&file, 10 + 12 * usize::from(file[8]), 8_u8), "no earlier directory")]);
     assert!(matches!(read_bytes(b"II*\0\0\0\0\0"), Err(FormatError::Unsupported { .. })));
-    assert!(matches!(read_bytes(b"II*\0"), Err(FormatError::Truncated { .. })));
-    assert!(matches!(read_bytes(b"MM\0*\xff\xff\xff\xff"), Err(FormatError::Truncated { .. })));
+    for cut in [b"II*\0".as_slice(), b"MM\0*\xff\xff\xff\xff"] {
+        assert!(matches!(read_bytes(cut), Err(FormatError::Truncated { .. })));
+    }
 }
 
 #[test]
 fn files_of_vendors_are_refused_by_name() {
     const LEXT: &str = "<?xml version=\"1.0\"?><TiffTagDescData><HeightInfo/></TiffTagDescData>";
     const OLS: &str = "[System Info]\r\nSystem Name =         OLS3000\r\n";
+    let [park, jpk, olympus] = [
+        "a Park Systems TIFF file without heights",
+        "a JPK file without the size of its grid",
+        "an Olympus LEXT file without a page of heights, or of an OLS3000",
+    ];
     let cases = [
         // Park: magic number and version.
-        (50432, Value::Long(0x0e03_1301), "a Park Systems TIFF file without heights"),
-        (50435, Value::Long(1), "a Park Systems TIFF file without heights"),
+        (50432, Value::Long(0x0e03_1301), park),
+        (50435, Value::Long(1), park),
         // JPK: version of the file, width of the grid, name of the channel.
-        (32768, Value::Long(1), "a JPK file without the size of its grid"),
-        (32834, Value::Double(1e-5), "a JPK file without the size of its grid"),
-        (32848, Value::Text("height"), "a JPK file without the size of its grid"),
-        (270, Value::Text(LEXT), "an Olympus LEXT file without a page of heights, or of an OLS3000"),
-        (270, Value::Text(OLS), "an Olympus LEXT file without a page of heights, or of an OLS3000"),
-        (271, Value::Text("OLYMPUS"), "an Olympus LEXT file without a page of heights, or of an OLS3000"),
+        (32768, Value::Long(1), jpk),
+        (32834, Value::Double(1e-5), jpk),
+        (32848, Value::Text("height"), jpk),
+        (270, Value::Text(LEXT), olympus),
+        (270, Value::Text(OLS), olympus),
+        (271, Value::Text("OLYMPUS"), olympus),
     ];
     for (tag, value, name) in cases {
         for kind in KINDS {
@@ -502,10 +480,8 @@ fn files_of_vendors_are_refused_by_name() {
             for pages in [vec![vendor.clone()], vec![Page::new(16, 1, vec![0; 12]), vendor]] {
                 let error = read_bytes(&tiff(kind, &pages)).unwrap_err();
                 assert!(matches!(error, FormatError::NotRead { .. }), "{error}");
-                assert_eq!(
-                    error.to_string(),
-                    format!("this is {name}, which is not read; Gwyddion can save it as GWY")
-                );
+                let wanted = format!("this is {name}, which is not read; Gwyddion can save it as GWY");
+                assert_eq!(error.to_string(), wanted);
             }
         }
     }
@@ -549,9 +525,9 @@ fn heights_of_jpk_are_those_of_the_default_slot_from_the_bottom_up() {
             (["Height (retrace)", "Height"].map(str::to_owned).as_slice(), 0)
         );
         assert_heights(&scan, &[70e-9, 60e-9, 150e-9, 100e-9, 90e-9, 80e-9]);
-        let pitch = scan.pitch_m.unwrap();
-        assert!((pitch.0 - 1e-6).abs() < 1e-18 && (pitch.1 - 2e-6).abs() < 1e-18, "{pitch:?}");
-        assert_eq!((scan.metadata["slot"].as_str(), scan.height_unit.as_deref()), ("calibrated", Some("nm")));
+        assert_pitch(&scan, (1e-6, 2e-6));
+        assert_metadata(&scan, &[("slot", "calibrated")]);
+        assert_eq!(scan.height_unit.as_deref(), Some("nm"));
         assert!(scan.warnings[0].contains("Phase has the unit `deg`"), "{:?}", scan.warnings);
     }
 }
@@ -574,39 +550,26 @@ fn lext(kind: Kind, height: &'static str) -> Vec<u8> {
 #[test]
 fn heights_of_lext_are_calibrated_picometres() {
     for kind in KINDS {
-        let scan = read_bytes(&lext(kind, "HEIGHT")).unwrap();
         // 1000 pm, of which the calibration leaves half.
-        assert_heights(&scan, &[0.0, 0.5e-9, 1e-9, 1.5e-9, 2e-9, 32767.5e-9]);
-        let pitch = scan.pitch_m.unwrap();
-        assert!((pitch.0 / 0.5e-6 - 1.0).abs() < 1e-12 && (pitch.1 / 0.5e-6 - 1.0).abs() < 1e-12, "{pitch:?}");
-        assert_eq!(scan.metadata["HeightInfo/HeightDataPerPixelZ"], "1000");
-        let error = read_bytes(&lext(kind, "DEPTH")).unwrap_err().to_string();
-        assert!(error.contains("an Olympus LEXT file without a page of heights"), "{error}");
+        let heights = [0.0, 0.5e-9, 1e-9, 1.5e-9, 2e-9, 32767.5e-9];
+        let scan = assert_scan(&lext(kind, "HEIGHT"), Format::Tiff, (2, 3), (0.5e-6, 0.5e-6), &heights);
+        assert_metadata(&scan, &[("HeightInfo/HeightDataPerPixelZ", "1000")]);
+        assert_refused([(lext(kind, "DEPTH"), "an Olympus LEXT file without a page of heights")]);
     }
 }
 
 /// A Park Systems file: a picture with a header and numbers of `kind` in private fields.
 fn park(version: u64, kind: u32, numbers: Vec<u8>, unit: &str) -> Vec<u8> {
-    let text = |text: &str, letters: usize| {
-        let mut bytes: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
-        bytes.resize(2 * letters, 0);
-        bytes
-    };
-    let mut header = vec![0; 284 + 200];
+    let text = |text: &str, letters: usize| padded(text.encode_utf16().collect::<Vec<_>>(), 2 * letters);
+    // Source, way and size of the map, its sides, scale, factor and offset of the heights, their unit.
+    let mut header = padded(bytes![[0_u8; 4], text("Topography", 32), text("NC", 8)], 484);
     for (at, value) in [
-        (4, text("Topography", 32)),
-        (68, text("NC", 8)),
-        (100, 3_u32.to_le_bytes().to_vec()),
-        (104, 2_u32.to_le_bytes().to_vec()),
-        (140, 3.0_f64.to_le_bytes().to_vec()),
-        (148, 4.0_f64.to_le_bytes().to_vec()),
-        (220, 2e-3_f64.to_le_bytes().to_vec()),
-        (228, 2.0_f64.to_le_bytes().to_vec()),
-        (236, 3.0_f64.to_le_bytes().to_vec()),
-        (244, text(unit, 8)),
-        (348, kind.to_le_bytes().to_vec()),
+        (100, bytes![[3_u32, 2]]),
+        (140, bytes![[3.0, 4.0]]),
+        (220, bytes![[2e-3, 2.0, 3.0], text(unit, 8)]),
+        (348, bytes![kind]),
     ] {
-        header[at..at + value.len()].copy_from_slice(&value);
+        header = patched(&header, at, value);
     }
     let page = Page::new(8, 1, vec![0; 18]).with(262, Value::Short(2)).with(277, Value::Short(3));
     let page = page.with(50432, Value::Long(0x0e03_1301)).with(50433, Value::Long(version));
@@ -616,23 +579,24 @@ fn park(version: u64, kind: u32, numbers: Vec<u8>, unit: &str) -> Vec<u8> {
 #[test]
 fn heights_of_park_systems_are_scaled_numbers_of_a_private_field_from_the_bottom_up() {
     let numbers = [1, 2, 3, 4, 5, -6];
-    let shorts: Vec<u8> = numbers.iter().flat_map(|n: &i32| (*n as i16).to_le_bytes()).collect();
-    let longs: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-    let floats: Vec<u8> = numbers.iter().flat_map(|n| (*n as f32).to_le_bytes()).collect();
-    let cases =
-        [(0x0100_0001, 9, shorts.clone()), (0x0100_0002, 0, shorts), (0x0100_0002, 1, longs), (0x0100_0002, 2, floats)];
-    for (version, kind, numbers) in cases.clone() {
+    let shorts = bytes![numbers.map(|n| n as i16)];
+    let floats = bytes![numbers.map(|n| n as f32)];
+    let cases = [
+        (0x0100_0001, 9, shorts.clone()),
+        (0x0100_0002, 0, shorts),
+        (0x0100_0002, 1, bytes![numbers]),
+        (0x0100_0002, 2, floats.clone()),
+    ];
+    for (version, kind, numbers) in cases {
         for (unit, metre) in [("um", 1e-6), ("", 1e-6), ("nm", 1e-9)] {
-            let scan = read_bytes(&park(version, kind, numbers.clone(), unit)).unwrap();
+            let bytes = park(version, kind, numbers.clone(), unit);
             // (2n + 3) · 0.002.
-            assert_heights(&scan, &[22.0, 26.0, -18.0, 10.0, 14.0, 18.0].map(|z| z * 1e-3 * metre));
-            assert_eq!(
-                (scan.pitch_m, scan.channels.as_slice()),
-                (Some((1e-6, 2e-6)), ["Topography".to_owned()].as_slice())
-            );
+            let heights = [22.0, 26.0, -18.0, 10.0, 14.0, 18.0].map(|z| z * 1e-3 * metre);
+            assert_eq!(assert_scan(&bytes, Format::Tiff, (2, 3), (1e-6, 2e-6), &heights).channels, ["Topography"]);
         }
     }
-    let (version, _, numbers) = cases[3].clone();
-    assert!(read_bytes(&park(version, 2, numbers.clone(), "V")).unwrap_err().to_string().contains("`Topography` (V)"));
-    assert!(read_bytes(&park(version, 3, numbers, "um")).unwrap_err().to_string().contains("type of numbers"));
+    assert_refused([
+        (park(0x0100_0002, 2, floats.clone(), "V"), "`Topography` (V)"),
+        (park(0x0100_0002, 3, floats, "um"), "type of numbers"),
+    ]);
 }

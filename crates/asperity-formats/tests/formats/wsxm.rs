@@ -1,6 +1,7 @@
-use asperity_formats::{Format, FormatError};
+use asperity_formats::Format;
 
 use crate::assert_heights;
+use crate::check::{assert_refused, assert_scan, bytes};
 use crate::fixture::{Fixture, read_bytes};
 
 /// A file with the type of its numbers, the unit of its heights and the numbers of 3 × 2 points.
@@ -14,15 +15,15 @@ fn wsxm(kind: &str, amplitude: &str, numbers: &[u8]) -> Vec<u8> {
         )
     };
     let size = text(100).len();
-    [text(size).as_bytes(), numbers].concat()
+    bytes![text(size).as_str(), numbers]
 }
 
 fn short() -> Vec<u8> {
-    wsxm("short", "6 nm", &[-300_i16, 0, 300, 100, 200, -100].map(i16::to_le_bytes).concat())
+    wsxm("short", "6 nm", &bytes![[-300_i16, 0, 300, 100, 200, -100]])
 }
 
 fn double() -> Vec<u8> {
-    wsxm("double", "6 nm", &[-3.0_f64, 0.0, 3.0, 1.0, 2.0, -1.0].map(f64::to_le_bytes).concat())
+    wsxm("double", "6 nm", &bytes![[-3.0, 0.0, 3.0, 1.0, 2.0, -1.0]])
 }
 
 const WANTED: [f64; 6] = [-1e-9, 2e-9, 1e-9, 3e-9, 0.0, -3e-9];
@@ -33,11 +34,9 @@ pub(crate) fn fixtures() -> Vec<Fixture> {
 
 #[test]
 fn integers_span_the_amplitude_and_reals_are_in_its_unit_from_the_lower_right_on() {
-    let float = wsxm("float", "6 nm", &[-3.0_f32, 0.0, 3.0, 1.0, 2.0, -1.0].map(f32::to_le_bytes).concat());
+    let float = wsxm("float", "6 nm", &bytes![[-3.0_f32, 0.0, 3.0, 1.0, 2.0, -1.0]]);
     for bytes in [short(), double(), float] {
-        let scan = read_bytes(&bytes).unwrap();
-        assert_eq!((scan.format, scan.pitch_m), (Some(Format::Wsxm), Some((1e-9, 2e-9))));
-        assert_heights(&scan, &WANTED);
+        let scan = assert_scan(&bytes, Format::Wsxm, (2, 3), (1e-9, 2e-9), &WANTED);
         assert_eq!(scan.metadata["Acquisition time"], "18/06/2021, 14:12:26");
     }
     let flat = read_bytes(&wsxm("short", "0 nm", &[7; 12])).unwrap();
@@ -46,10 +45,9 @@ fn integers_span_the_amplitude_and_reals_are_in_its_unit_from_the_lower_right_on
 
 #[test]
 fn other_quantities_types_and_kinds_are_refused() {
-    let error = read_bytes(&wsxm("double", "6 nA", &[0; 48])).unwrap_err().to_string();
-    assert!(error.contains("`Topography` (nA)"), "{error}");
-    let error = read_bytes(&wsxm("long", "6 nm", &[0; 48])).unwrap_err();
-    assert!(matches!(&error, FormatError::Field { field, .. } if field == "Image Data Type"), "{error}");
-    let error = read_bytes(b"WSxM file copyright UAM\r\nIV File\r\n").unwrap_err().to_string();
-    assert!(error.contains("no image"), "{error}");
+    assert_refused([
+        (wsxm("double", "6 nA", &[0; 48]), "`Topography` (nA)"),
+        (wsxm("long", "6 nm", &[0; 48]), "Image Data Type ("),
+        (b"WSxM file copyright UAM\r\nIV File\r\n".to_vec(), "no image"),
+    ]);
 }

@@ -1,7 +1,10 @@
 use asperity_formats::{Format, Scan, write_sur};
 
+use crate::check::{
+    assert_error, assert_no_warning, assert_one_warning, assert_pitch, assert_refused, assert_scan, assert_warns, warns,
+};
 use crate::fixture::{Fixture, read_bytes};
-use crate::{NAN, assert_heights};
+use crate::{NAN, assert_heights, assert_metadata};
 
 /// Columns, rows from the smallest y on, and the pitch of the maps below.
 const SIZE: (usize, usize) = (4, 3);
@@ -76,10 +79,7 @@ fn points_are_put_in_their_places_in_any_order() {
         .collect();
     let mirrored: Vec<_> = rows.chunks(SIZE.0).flat_map(reversed).collect();
     for points in [&rows, &columns, &reversed(&rows), &reversed(&columns), &serpentine, &mirrored] {
-        let scan = read(&list(points, " "));
-        assert_eq!(scan.heights_m.dim(), (3, 4));
-        assert_heights(&scan, &heights());
-        assert_eq!(scan.pitch_m, Some(PITCH));
+        assert_scan(list(points, " ").as_bytes(), Format::Xyz, (3, 4), PITCH, &heights());
     }
 }
 
@@ -121,16 +121,14 @@ fn separators_comments_and_a_line_of_names_are_understood() {
         format!("x,y,z\n{}", list(&points, ",")),
         list(&points, "   ").replace('\n', "\r\n"),
     ] {
-        let scan = read(&text);
-        assert_heights(&scan, &heights());
-        assert_eq!(scan.pitch_m, Some(PITCH));
+        assert_scan(text.as_bytes(), Format::Xyz, (3, 4), PITCH, &heights());
     }
 }
 
 #[test]
 fn units_stand_in_the_header() {
     let points = list(&by_rows(), " ");
-    for (header, (dx_m, dy_m), z) in [
+    for (header, pitch_m, z) in [
         ("[um]\n", (0.5e-6, 0.25e-6), 1e-6),
         ("mm\n", (0.5e-3, 0.25e-3), 1e-3),
         ("X [mm] Y [mm] Z [um]\n", (0.5e-3, 0.25e-3), 1e-6),
@@ -143,10 +141,9 @@ fn units_stand_in_the_header() {
         ("xy unit = mm\nz unit = um\n", (0.5e-3, 0.25e-3), 1e-6),
     ] {
         let scan = read(&format!("{header}{points}"));
-        let (found_x, found_y) = scan.pitch_m.unwrap();
-        assert!((found_x / dx_m - 1.0).abs() < 1e-14 && (found_y / dy_m - 1.0).abs() < 1e-14, "{header}");
+        assert_pitch(&scan, pitch_m);
         assert_heights(&scan, &heights().iter().map(|height| height * z).collect::<Vec<_>>());
-        assert!(!scan.warnings.iter().any(|warning| warning.contains("no unit")), "{header}: {:?}", scan.warnings);
+        assert!(!warns(&scan, "no unit"), "{header}: {:?}", scan.warnings);
     }
     // English words are no units.
     assert_eq!(read(&format!("# measured in 2016\n# in air\n{points}")).pitch_m, Some(PITCH));
@@ -156,13 +153,13 @@ fn units_stand_in_the_header() {
 fn wide_spacing_without_a_unit_gives_a_warning() {
     let points = list(&by_rows(), " ");
     let scan = read(&points);
-    assert!(scan.warnings.iter().any(|warning| warning.starts_with("no unit is stated")), "{:?}", scan.warnings);
+    assert_warns(&scan, "no unit is stated");
     let metre = by_rows().into_iter().map(|point| {
         let (x, y) = position(point);
         format!("{:e} {:e} {:e}\n", x * 1e-6, y * 1e-6, height(point) * 1e-6)
     });
     let scan = read(&metre.collect::<String>());
-    assert!(!scan.warnings.iter().any(|warning| warning.contains("no unit")), "{:?}", scan.warnings);
+    assert!(!warns(&scan, "no unit"), "{:?}", scan.warnings);
 }
 
 #[test]
@@ -224,19 +221,16 @@ fn coarse_digits_give_the_true_pitch() {
 
 #[test]
 fn a_zygo_file_has_heights_in_micrometre_and_pixels_from_the_top() {
-    let scan = read(&zygo("1e-05"));
-    assert_eq!(scan.heights_m.dim(), (2, 3));
-    assert_heights(&scan, &[0.25e-6, -0.5e-6, NAN, 1.5e-6, 2e-6, NAN]);
-    assert_eq!(scan.pitch_m, Some((1e-5, 1e-5)));
-    assert_eq!(scan.warnings, [] as [String; 0]);
-    for (key, text) in [("comment", "hob ground"), ("part serial number", "S-17"), ("part number", "gear 7")] {
-        assert_eq!(scan.metadata[key], text);
-    }
+    let heights = [0.25e-6, -0.5e-6, NAN, 1.5e-6, 2e-6, NAN];
+    let scan = assert_scan(zygo("1e-05").as_bytes(), Format::Xyz, (2, 3), (1e-5, 1e-5), &heights);
+    assert_no_warning(&scan);
+    let wanted = [("comment", "hob ground"), ("part serial number", "S-17"), ("part number", "gear 7")];
+    assert_metadata(&scan, &wanted);
     let scan = read(&zygo("0"));
     assert_eq!(scan.pitch_m, None);
-    assert!(matches!(scan.warnings.as_slice(), [one] if one.contains("not calibrated")), "{:?}", scan.warnings);
+    assert_one_warning(&scan, "not calibrated");
     let cut = zygo("1e-05").replace("\n#\n", "\n");
-    assert!(read_bytes(cut.as_bytes()).unwrap_err().to_string().contains("the line `#` after the header is missing"));
+    assert_refused([(cut, "the line `#` after the header is missing")]);
 }
 
 #[test]
@@ -258,14 +252,14 @@ fn maps_of_three_columns_stay_maps() {
 #[test]
 fn points_beside_the_grid_or_on_one_another_name_their_line() {
     let text = format!("# points\n\n{}", list(&by_rows(), " "));
-    let refused = |from: &str, to: &str| read_bytes(text.replace(from, to).as_bytes()).unwrap_err().to_string();
     // The seventh point, on line 9.
-    let message = refused("11 -1.25 ", "11.2 -1.25 ");
-    assert!(message.starts_with("XYZ: x (line 9) is `0.40 steps off the grid`"), "{message}");
-    let message = refused("11 -1.25 ", "10.5 -1.25 ");
-    assert!(message.starts_with("XYZ: the point (line 9) is `in the place of another`"), "{message}");
-    let message = refused("11 -1.25 ", "inf -1.25 ");
-    assert!(message.starts_with("XYZ: x (line 9) is `not finite`"), "{message}");
+    for (to, message) in [
+        ("11.2 -1.25 ", "XYZ: x (line 9) is `0.40 steps off the grid`"),
+        ("10.5 -1.25 ", "XYZ: the point (line 9) is `in the place of another`"),
+        ("inf -1.25 ", "XYZ: x (line 9) is `not finite`"),
+    ] {
+        assert_refused([(text.replace("11 -1.25 ", to), message)]);
+    }
 }
 
 #[test]
@@ -273,17 +267,19 @@ fn lines_that_are_not_points_are_named() {
     let mut text: String = (0..900).map(|point| format!("{} {} 0.5\n", point % 30, point / 30)).collect();
     text.insert_str(0, "# points\n");
     // The point (17, 25) is on line 2 + 25 · 30 + 17, after the lines that show a list of points.
-    let refused = |to: &str| read_bytes(text.replace("\n17 25 0.5\n", to).as_bytes()).unwrap_err().to_string();
-    assert_eq!(refused("\n17 25 0.5 7\n"), "XYZ: the number of values (line 769) is `4`; wanted 3: x, y and z");
-    assert!(refused("\n17 one 0.5\n").starts_with("XYZ: value 2 (line 769) is `one`; wanted a number"));
+    for (to, message) in [
+        ("\n17 25 0.5 7\n", "XYZ: the number of values (line 769) is `4`; wanted 3: x, y and z"),
+        ("\n17 one 0.5\n", "XYZ: value 2 (line 769) is `one`; wanted a number"),
+    ] {
+        assert_refused([(text.replace("\n17 25 0.5\n", to), message)]);
+    }
 }
 
 #[test]
 fn points_that_span_a_giant_grid_are_refused() {
     let mut text = list(&by_rows(), " ");
     text += "1000000000 -1 0\n";
-    let message = read_bytes(text.as_bytes()).unwrap_err().to_string();
-    assert!(message.starts_with("XYZ: the points would fill less than 1 of 4 places of a grid of"), "{message}");
+    assert_error(read_bytes(text.as_bytes()), "XYZ: the points would fill less than 1 of 4 places of a grid of");
 }
 
 #[test]
@@ -349,10 +345,9 @@ fn three_columns_in_a_file_named_xyz_are_points() {
         asperity_formats::read(&path)
     };
     let map = "1 2 3\n4 5 6\n7 9 9\n";
-    let error = write("map.xyz", map).unwrap_err().to_string();
-    assert!(
-        error.contains("map.xyz: XYZ: the three columns are points x, y, z that lie on no regular grid"),
-        "{error}"
+    assert_error(
+        write("map.xyz", map),
+        "map.xyz: XYZ: the three columns are points x, y, z that lie on no regular grid",
     );
     let sized = "# pixel size: 1 um\n1 2 3\n4 5 6\n";
     for (name, text) in [("map.txt", map), ("map.xyz", "1 2\n3 4\n"), ("map.xyz", sized)] {

@@ -4,6 +4,8 @@
 //! A structure is appended after all structures that it refers to, so their addresses are known. The superblock comes
 //! last.
 
+use crate::check::bytes;
+
 /// Address that marks an absent object.
 pub(crate) const UNDEFINED: u64 = u64::MAX;
 
@@ -46,16 +48,6 @@ fn padded(bytes: &[u8]) -> Vec<u8> {
     padded
 }
 
-/// Fields side by side.
-macro_rules! fields {
-    ($($field:expr),* $(,)?) => {{
-        let mut bytes: Vec<u8> = Vec::new();
-        $(bytes.extend_from_slice(&$field[..]);)*
-        bytes
-    }};
-}
-pub(crate) use fields;
-
 impl Hdf5 {
     pub(crate) fn new() -> Self {
         Self::with_heap(HEAP_BYTES)
@@ -65,7 +57,7 @@ impl Hdf5 {
     pub(crate) fn with_heap(heap_bytes: usize) -> Self {
         let mut bytes = vec![0; START];
         // Signature, version, reserved, size of the collection.
-        bytes.extend(fields![*b"GCOL", [1], [0; 3], (heap_bytes as u64).to_le_bytes()]);
+        bytes.extend(bytes![b"GCOL", [1_u8], [0_u8; 3], heap_bytes as u64]);
         let free = bytes.len();
         bytes.resize(START + heap_bytes, 0);
         Self { bytes, objects: 0, free, heap_bytes }
@@ -75,18 +67,12 @@ impl Hdf5 {
     pub(crate) fn keep(&mut self, object: &[u8]) -> Reference {
         self.objects += 1;
         // Index, reference count, reserved, size; the object itself is padded.
-        let entry = fields![
-            self.objects.to_le_bytes(),
-            1_u16.to_le_bytes(),
-            [0; 4],
-            (object.len() as u64).to_le_bytes(),
-            padded(object),
-        ];
+        let entry = bytes![self.objects, 1_u16, [0_u8; 4], object.len() as u64, padded(object),];
         self.bytes[self.free..self.free + entry.len()].copy_from_slice(&entry);
         self.free += entry.len();
         // The free space at the end is object 0; its size counts this header.
         let left = (START + self.heap_bytes - self.free) as u64;
-        let end = fields![[0; 8], left.to_le_bytes()];
+        let end = bytes![[0_u8; 8], left];
         self.bytes[self.free..self.free + 16].copy_from_slice(&end);
         Reference { address: START as u64, index: self.objects.into() }
     }
@@ -102,14 +88,14 @@ impl Hdf5 {
     /// A version 1 object header (IV.A.1.a).
     pub(crate) fn object(&mut self, messages: &[Message]) -> u64 {
         let content = old_messages(messages);
-        self.append(&fields![
+        self.append(&bytes![
             // Version, reserved, number of messages.
-            [1, 0],
-            (messages.len() as u16).to_le_bytes(),
+            [1_u8, 0],
+            messages.len() as u16,
             // Reference count, size of the messages, padding to 8 bytes.
-            1_u32.to_le_bytes(),
-            (content.len() as u32).to_le_bytes(),
-            [0; 4],
+            1_u32,
+            content.len() as u32,
+            [0_u8; 4],
             content,
         ])
     }
@@ -119,11 +105,11 @@ impl Hdf5 {
         let mut content = Vec::new();
         for (kind, message) in messages {
             // Type, size, flags.
-            content.extend(fields![[*kind as u8], (message.len() as u16).to_le_bytes(), [0], message]);
+            content.extend(bytes![[*kind as u8], message.len() as u16, [0_u8], message]);
         }
-        let header = fields![*b"OHDR", [2], [1], (content.len() as u16).to_le_bytes(), content];
+        let header = bytes![b"OHDR", [2_u8], [1_u8], content.len() as u16, content];
         let sum = lookup3(&header);
-        self.append(&fields![header, sum.to_le_bytes()])
+        self.append(&bytes![header, sum])
     }
 
     /// The message of a group that is a symbol table (III.A.1, III.B, III.D), with links in the order of their names.
@@ -136,26 +122,19 @@ impl Hdf5 {
         for (name, address) in &links {
             last = names.len() as u64;
             // Offset of the name, address, kind of cache, reserved, scratch.
-            symbols.extend(fields![last.to_le_bytes(), address.to_le_bytes(), [0; 4], [0; 4], [0; 16]]);
+            symbols.extend(bytes![last, address, [0_u8; 4], [0_u8; 4], [0_u8; 16]]);
             names.extend(padded(format!("{name}\0").as_bytes()));
         }
         let segment = self.append(&names);
         // Signature, version, reserved, size of the segment, no free list, address of the segment.
         let size = names.len() as u64;
-        let heap = self.append(&fields![
-            *b"HEAP",
-            [0],
-            [0; 3],
-            size.to_le_bytes(),
-            1_u64.to_le_bytes(),
-            segment.to_le_bytes()
-        ]);
+        let heap = self.append(&bytes![b"HEAP", [0_u8], [0_u8; 3], size, 1_u64, segment]);
         symbols.resize(2 * usize::from(LEAF_RANK) * 40, 0);
         let count = (links.len() as u16).to_le_bytes();
-        let node = self.append(&fields![*b"SNOD", [1], [0], count, symbols]);
+        let node = self.append(&bytes![b"SNOD", [1_u8], [0_u8], count, symbols]);
         // Keys are offsets of names: below the first, and the last.
         let tree = self.tree(0, 0, &[(0_u64.to_le_bytes().to_vec(), node)], &last.to_le_bytes());
-        (SYMBOL_TABLE, fields![tree.to_le_bytes(), heap.to_le_bytes()])
+        (SYMBOL_TABLE, bytes![tree, heap])
     }
 
     /// A group of old style.
@@ -168,47 +147,40 @@ impl Hdf5 {
     pub(crate) fn tree(&mut self, kind: u8, level: u8, children: &[(Vec<u8>, u64)], last: &[u8]) -> u64 {
         let mut entries = Vec::new();
         for (key, child) in children {
-            entries.extend(fields![key, child.to_le_bytes()]);
+            entries.extend(bytes![key, child]);
         }
         // Nodes have room for all entries that fit, and one more key.
         let room = 2 * usize::from(if kind == 0 { GROUP_RANK } else { CHUNK_RANK });
         entries.extend(last);
         entries.resize(entries.len().max(room * (last.len() + 8) + last.len()), 0);
         // Signature, type, level, entries, no siblings.
-        self.append(&fields![
-            *b"TREE",
-            [kind, level],
-            (children.len() as u16).to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
-            entries,
-        ])
+        self.append(&bytes![b"TREE", [kind, level], children.len() as u16, UNDEFINED, UNDEFINED, entries,])
     }
 
     /// The file with a superblock (II.A) of version 0 before it, or of version 1, which states the rank over chunks.
     pub(crate) fn finish(mut self, version: u8, root: u64) -> Vec<u8> {
-        let chunk_rank = if version == 1 { fields![CHUNK_RANK.to_le_bytes(), [0; 2]] } else { vec![] };
-        let superblock = fields![
-            *b"\x89HDF\r\n\x1a\n",
+        let chunk_rank = if version == 1 { bytes![CHUNK_RANK, [0_u8; 2]] } else { vec![] };
+        let superblock = bytes![
+            b"\x89HDF\r\n\x1a\n",
             // Versions of the superblock, of free space, of the root entry; reserved; version of shared messages.
             [version, 0, 0, 0, 0],
             // Sizes of offsets and lengths, reserved.
-            [8, 8, 0],
-            LEAF_RANK.to_le_bytes(),
-            GROUP_RANK.to_le_bytes(),
+            [8_u8, 8, 0],
+            LEAF_RANK,
+            GROUP_RANK,
             // Flags.
-            [0; 4],
+            [0_u8; 4],
             chunk_rank,
             // Base address, free space, end of file, driver.
-            0_u64.to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
-            (self.bytes.len() as u64).to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
+            0_u64,
+            UNDEFINED,
+            self.bytes.len() as u64,
+            UNDEFINED,
             // The root: offset of its name, address of its header, no cache, reserved, scratch.
-            0_u64.to_le_bytes(),
-            root.to_le_bytes(),
-            [0; 8],
-            [0; 16],
+            0_u64,
+            root,
+            [0_u8; 8],
+            [0_u8; 16],
         ];
         self.bytes[..superblock.len()].copy_from_slice(&superblock);
         self.bytes
@@ -216,18 +188,18 @@ impl Hdf5 {
 
     /// The file with a version 2 superblock (II.B) before it.
     pub(crate) fn finish_new(mut self, root: u64) -> Vec<u8> {
-        let superblock = fields![
-            *b"\x89HDF\r\n\x1a\n",
+        let superblock = bytes![
+            b"\x89HDF\r\n\x1a\n",
             // Version, sizes of offsets and lengths, flags.
-            [2, 8, 8, 0],
+            [2_u8, 8, 8, 0],
             // Base address, no extension, end of file, root.
-            0_u64.to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
-            (self.bytes.len() as u64).to_le_bytes(),
-            root.to_le_bytes(),
+            0_u64,
+            UNDEFINED,
+            self.bytes.len() as u64,
+            root,
         ];
         let sum = lookup3(&superblock);
-        let superblock = fields![superblock, sum.to_le_bytes()];
+        let superblock = bytes![superblock, sum];
         self.bytes[..superblock.len()].copy_from_slice(&superblock);
         self.bytes
     }
@@ -240,10 +212,10 @@ impl Hdf5 {
             .collect();
         objects.sort_by_key(|object| object.hash);
         // A record of type 5: hash, identifier.
-        let record = |object: &Dense, id: Vec<u8>| fields![object.hash.to_le_bytes(), id];
+        let record = |object: &Dense, id: Vec<u8>| bytes![object.hash, id];
         let (heap, tree) = self.dense(5, 7, &objects, record);
         // Version, flags, heap, tree.
-        (LINK_INFO, fields![[0, 0], heap.to_le_bytes(), tree.to_le_bytes()])
+        (LINK_INFO, bytes![[0_u8, 0], heap, tree])
     }
 
     /// The message of attributes in a fractal heap.
@@ -253,9 +225,9 @@ impl Hdf5 {
         let mut objects: Vec<Dense> = attributes.iter().map(hashed).collect();
         objects.sort_by_key(|object| object.hash);
         // A record of type 8: identifier, flags, creation order, hash.
-        let record = |object: &Dense, id: Vec<u8>| fields![id, [0], [0; 4], object.hash.to_le_bytes()];
+        let record = |object: &Dense, id: Vec<u8>| bytes![id, [0_u8], [0_u8; 4], object.hash];
         let (heap, tree) = self.dense(8, 8, &objects, record);
-        (ATTRIBUTE_INFO, fields![[0, 0], heap.to_le_bytes(), tree.to_le_bytes()])
+        (ATTRIBUTE_INFO, bytes![[0_u8, 0], heap, tree])
     }
 
     /// Objects in a fractal heap (III.G) under a version 2 B-tree (III.A.2): the addresses of both.
@@ -270,71 +242,71 @@ impl Hdf5 {
         let heap_address = self.append(&[]);
         let block_address = heap_address + 146_u64.next_multiple_of(8);
         let block_bytes = 512_u64;
-        let mut block = fields![*b"FHDB", [0], heap_address.to_le_bytes(), 0_u32.to_le_bytes()];
+        let mut block = bytes![b"FHDB", [0_u8], heap_address, 0_u32];
         let mut records = Vec::new();
         for object in objects {
             // Kind 0, an offset of 4 bytes, a length of 2 bytes.
-            let mut id = fields![[0], (block.len() as u32).to_le_bytes(), (object.content.len() as u16).to_le_bytes()];
+            let mut id = bytes![[0_u8], block.len() as u32, object.content.len() as u16];
             id.resize(id_bytes, 0);
             records.extend(record(object, id));
             block.extend(&object.content);
         }
         let free = block_bytes - block.len() as u64;
         block.resize(block_bytes as usize, 0);
-        let heap = fields![
-            *b"FRHP",
-            [0],
+        let heap = bytes![
+            b"FRHP",
+            [0_u8],
             // Bytes of an identifier, of filters; flags.
-            (id_bytes as u16).to_le_bytes(),
-            [0; 2],
-            [0],
+            id_bytes as u16,
+            [0_u8; 2],
+            [0_u8],
             // Largest managed object; next huge object and their tree; free space and its manager.
-            512_u32.to_le_bytes(),
-            0_u64.to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
-            free.to_le_bytes(),
-            UNDEFINED.to_le_bytes(),
+            512_u32,
+            0_u64,
+            UNDEFINED,
+            free,
+            UNDEFINED,
             // Managed space, allocated, iterator, objects; huge objects: bytes, number; tiny ones: bytes, number.
-            block_bytes.to_le_bytes(),
-            block_bytes.to_le_bytes(),
-            block_bytes.to_le_bytes(),
-            (objects.len() as u64).to_le_bytes(),
-            [0; 32],
+            block_bytes,
+            block_bytes,
+            block_bytes,
+            objects.len() as u64,
+            [0_u8; 32],
             // Width of the table, first and largest block, bits of the heap, rows at the start.
-            4_u16.to_le_bytes(),
-            block_bytes.to_le_bytes(),
-            65536_u64.to_le_bytes(),
-            32_u16.to_le_bytes(),
-            1_u16.to_le_bytes(),
+            4_u16,
+            block_bytes,
+            65536_u64,
+            32_u16,
+            1_u16,
             // The root is a direct block, so that it has no rows.
-            block_address.to_le_bytes(),
-            0_u16.to_le_bytes(),
+            block_address,
+            0_u16,
         ];
         let sum = lookup3(&heap);
-        assert_eq!(self.append(&fields![heap, sum.to_le_bytes()]), heap_address);
+        assert_eq!(self.append(&bytes![heap, sum]), heap_address);
         assert_eq!(self.append(&block), block_address);
         let node_bytes = 256_usize;
         let record_bytes = records.len() / objects.len();
         // A leaf: signature, version, type, records, checksum; a node has its full size.
-        let mut leaf = fields![*b"BTLF", [0, kind], records];
+        let mut leaf = bytes![b"BTLF", [0_u8, kind], records];
         let sum = lookup3(&leaf);
         leaf.extend(sum.to_le_bytes());
         leaf.resize(node_bytes, 0);
         let leaf = self.append(&leaf);
-        let header = fields![
-            *b"BTHD",
-            [0, kind],
+        let header = bytes![
+            b"BTHD",
+            [0_u8, kind],
             // Bytes of a node and a record, depth, percentages of splitting and merging.
-            (node_bytes as u32).to_le_bytes(),
-            (record_bytes as u16).to_le_bytes(),
-            0_u16.to_le_bytes(),
-            [100, 40],
-            leaf.to_le_bytes(),
-            (objects.len() as u16).to_le_bytes(),
-            (objects.len() as u64).to_le_bytes(),
+            node_bytes as u32,
+            record_bytes as u16,
+            0_u16,
+            [100_u8, 40],
+            leaf,
+            objects.len() as u16,
+            objects.len() as u64,
         ];
         let sum = lookup3(&header);
-        (heap_address, self.append(&fields![header, sum.to_le_bytes()]))
+        (heap_address, self.append(&bytes![header, sum]))
     }
 }
 
@@ -354,7 +326,7 @@ pub(crate) struct Reference {
 impl Reference {
     /// Its number of elements before it (III.E, variable-length data).
     pub(crate) fn of(self, elements: usize) -> Vec<u8> {
-        fields![(elements as u32).to_le_bytes(), self.address.to_le_bytes(), self.index.to_le_bytes()]
+        bytes![elements as u32, self.address, self.index]
     }
 }
 
@@ -363,22 +335,19 @@ pub(crate) fn old_messages(messages: &[Message]) -> Vec<u8> {
     let mut content = Vec::new();
     for (kind, message) in messages {
         let message = padded(message);
-        content.extend(fields![kind.to_le_bytes(), (message.len() as u16).to_le_bytes(), [0; 4], message]);
+        content.extend(bytes![kind, message.len() as u16, [0_u8; 4], message]);
     }
     content
 }
 
 /// Datatypes of version 1 (IV.A.2.d): class and version, bits of the class, size, properties.
 pub(crate) mod datatype {
+    use crate::check::bytes;
+
     /// Two's complement; bit 0 is the byte order, bit 3 the sign. Bit offset and precision.
     pub(crate) fn integer(bytes: u8, is_big_endian: bool) -> Vec<u8> {
         let bits = 8 | u8::from(is_big_endian);
-        fields![
-            [0x10, bits, 0, 0],
-            u32::from(bytes).to_le_bytes(),
-            0_u16.to_le_bytes(),
-            (8 * u16::from(bytes)).to_le_bytes()
-        ]
+        bytes![[0x10_u8, bits, 0, 0], u32::from(bytes), 0_u16, 8 * u16::from(bytes)]
     }
 
     /// IEEE 754. The bits are the byte order, the implied one before the point (2 in bits 4 and 5), and the place of
@@ -386,48 +355,48 @@ pub(crate) mod datatype {
     pub(crate) fn float(bytes: u8, is_big_endian: bool) -> Vec<u8> {
         let (exponent, mantissa, bias) = if bytes == 4 { (8, 23, 127_u32) } else { (11, 52, 1023) };
         let precision = 8 * u16::from(bytes);
-        fields![
-            [0x11, 0x20 | u8::from(is_big_endian), precision as u8 - 1, 0],
-            u32::from(bytes).to_le_bytes(),
+        bytes![
+            [0x11_u8, 0x20 | u8::from(is_big_endian), precision as u8 - 1, 0],
+            u32::from(bytes),
             // Bit offset and precision; place and size of the exponent, of the mantissa; bias.
-            0_u16.to_le_bytes(),
-            precision.to_le_bytes(),
-            [mantissa, exponent, 0, mantissa],
-            bias.to_le_bytes(),
+            0_u16,
+            precision,
+            [mantissa, exponent, 0_u8, mantissa],
+            bias,
         ]
     }
 
     /// Text of a fixed size, filled with zeros.
     pub(crate) fn text(bytes: u32) -> Vec<u8> {
-        fields![[0x13, 1, 0, 0], bytes.to_le_bytes()]
+        bytes![[0x13_u8, 1, 0, 0], bytes]
     }
 
     /// Text of variable length: type 1, in UTF-8, over bytes.
     pub(crate) fn long_text() -> Vec<u8> {
-        let byte = fields![[0x10, 0, 0, 0], 1_u32.to_le_bytes(), 0_u16.to_le_bytes(), 8_u16.to_le_bytes()];
-        fields![[0x19, 1, 1, 0], 16_u32.to_le_bytes(), byte]
+        let byte = bytes![[0x10_u8, 0, 0, 0], 1_u32, 0_u16, 8_u16];
+        bytes![[0x19_u8, 1, 1, 0], 16_u32, byte]
     }
 
     /// A sequence of variable length.
     pub(crate) fn sequence(base: &[u8]) -> Vec<u8> {
-        fields![[0x19, 0, 0, 0], 16_u32.to_le_bytes(), base]
+        bytes![[0x19_u8, 0, 0, 0], 16_u32, base]
     }
 
     /// The address of an object.
     pub(crate) fn reference() -> Vec<u8> {
-        fields![[0x17, 0, 0, 0], 8_u32.to_le_bytes()]
+        bytes![[0x17_u8, 0, 0, 0], 8_u32]
     }
 
     /// Parts side by side: name, bytes, type.
     pub(crate) fn compound(members: &[(&str, u32, Vec<u8>)]) -> Vec<u8> {
         let size: u32 = members.iter().map(|(_, bytes, _)| bytes).sum();
-        let mut datatype = fields![[0x16], &(members.len() as u32).to_le_bytes()[..3], size.to_le_bytes()];
-        let mut offset = 0;
+        let mut datatype = bytes![[0x16_u8], &(members.len() as u32).to_le_bytes()[..3], size];
+        let mut offset = 0_u32;
         for (name, bytes, base) in members {
             let mut name = format!("{name}\0").into_bytes();
             name.resize(name.len().next_multiple_of(8), 0);
             // Offset; no dimensions, reserved, permutation, reserved, four sizes.
-            datatype.extend(fields![name, u32::to_le_bytes(offset), [0; 4], [0; 4], [0; 4], [0; 16], base]);
+            datatype.extend(bytes![name, offset, [0_u8; 28], base]);
             offset += bytes;
         }
         datatype
@@ -437,17 +406,17 @@ pub(crate) mod datatype {
 /// A version 1 dataspace (IV.A.2.b): version, rank, no flags, reserved, sizes.
 pub(crate) fn dataspace(shape: &[u64]) -> Vec<u8> {
     let sizes: Vec<u8> = shape.iter().flat_map(|size| size.to_le_bytes()).collect();
-    fields![[1, shape.len() as u8, 0, 0], [0; 4], sizes]
+    bytes![[1_u8, shape.len() as u8, 0, 0], [0_u8; 4], sizes]
 }
 
 /// A version 1 attribute of one element (IV.A.2.m): its parts are padded.
 pub(crate) fn attribute(name: &str, datatype: &[u8], value: &[u8]) -> Message {
     let (name, space) = (format!("{name}\0"), dataspace(&[1]));
-    let message = fields![
-        [1, 0],
-        (name.len() as u16).to_le_bytes(),
-        (datatype.len() as u16).to_le_bytes(),
-        (space.len() as u16).to_le_bytes(),
+    let message = bytes![
+        [1_u8, 0],
+        name.len() as u16,
+        datatype.len() as u16,
+        space.len() as u16,
         padded(name.as_bytes()),
         padded(datatype),
         padded(&space),
@@ -459,13 +428,13 @@ pub(crate) fn attribute(name: &str, datatype: &[u8], value: &[u8]) -> Message {
 /// A version 3 attribute of elements in a row: its parts follow each other.
 pub(crate) fn new_attribute(name: &str, datatype: &[u8], count: u64, value: &[u8]) -> Vec<u8> {
     let (name, space) = (format!("{name}\0"), dataspace(&[count]));
-    fields![
+    bytes![
         // Version, flags, sizes, character set.
-        [3, 0],
-        (name.len() as u16).to_le_bytes(),
-        (datatype.len() as u16).to_le_bytes(),
-        (space.len() as u16).to_le_bytes(),
-        [0],
+        [3_u8, 0],
+        name.len() as u16,
+        datatype.len() as u16,
+        space.len() as u16,
+        [0_u8],
         name.as_bytes(),
         datatype,
         space,
@@ -475,17 +444,17 @@ pub(crate) fn new_attribute(name: &str, datatype: &[u8], count: u64, value: &[u8
 
 /// A link to an object (IV.A.2.g): version, flags (the length of the name has 1 byte), length, name, address.
 pub(crate) fn link(name: &str, address: u64) -> Vec<u8> {
-    fields![[1, 0, name.len() as u8], name.as_bytes(), address.to_le_bytes()]
+    bytes![[1_u8, 0, name.len() as u8], name.as_bytes(), address]
 }
 
 /// A contiguous layout of version 3 (IV.A.2.i).
 pub(crate) fn contiguous(address: u64, bytes: u64) -> Message {
-    (LAYOUT, fields![[3, 1], address.to_le_bytes(), bytes.to_le_bytes()])
+    (LAYOUT, bytes![[3_u8, 1], address, bytes])
 }
 
 /// A fill value of version 2 (IV.A.2.f): allocated late, written when set.
 pub(crate) fn fill_value(value: &[u8]) -> Message {
-    (FILL_VALUE, fields![[2, 2, 2, u8::from(!value.is_empty())], (value.len() as u32).to_le_bytes(), value])
+    (FILL_VALUE, bytes![[2_u8, 2, 2, u8::from(!value.is_empty())], value.len() as u32, value])
 }
 
 /// Bob Jenkins' lookup3 with the start value 0, the checksum of metadata (II.B).
