@@ -7,8 +7,8 @@
 //! spreadsheets (`#N/A`), and special numbers of C libraries (`1.#QNAN`, `-nan(ind)`). Text may be UTF-8, UTF-16 with
 //! a byte-order mark, or Latin-1.
 //!
-//! A first row and a first column of equal steps after an empty corner are labels, which spreadsheets and data frames
-//! export. They are left out with a warning.
+//! A first row or column of equal steps is a row of labels, which spreadsheets and data frames export: see [`structure`]. A profile and
+//! several matrices divided by blank lines are refused.
 //!
 //! Some programs write the matrices of several channels into one file, each after a comment `Channel: name`. Channels
 //! whose unit is not a length are left out.
@@ -20,6 +20,7 @@ mod interpretation;
 mod length;
 pub(crate) mod rows;
 pub(crate) mod separator;
+mod structure;
 mod write;
 
 use std::borrow::Cow;
@@ -63,8 +64,6 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
 
 /// Number of rows from which three columns look like points rather than a map.
 const POINT_LIST_ROWS: usize = 16;
-/// Tolerance of labels as a fraction of a step, for coordinates with few digits.
-const LABEL_TOLERANCE: f64 = 1e-3;
 /// Maximum number of matrices in one file.
 const MAX_CHANNELS: usize = 256;
 
@@ -199,10 +198,8 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     let separator = Separator::detect(&first_row);
     let is_corner_empty = separator != Separator::Space
         && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
-    if is_corner_empty && header.shape().is_none() && has_labels(&table.values, shape) {
-        table.values = unlabelled(&table.values, shape);
-        shape = (shape.0 - 1, shape.1 - 1);
-        warnings.push("the first row and the first column step evenly: they count as labels and were left out".into());
+    if header.shape().is_none() && !header.states_pixels() {
+        shape = structure::without_labels(&mut table, shape, is_corner_empty, &mut warnings)?;
     }
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");
@@ -249,27 +246,6 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
         warnings.push(format!("a map of 3 columns and {rows} rows; a list of points x y z needs the extension .xyz"));
     }
     Ok((rows, columns))
-}
-
-/// Returns whether the first row and the first column have equal steps after the corner.
-fn has_labels(values: &[f64], (rows, columns): (usize, usize)) -> bool {
-    let steps_evenly = |labels: &[f64]| match labels {
-        [] | [_] => false,
-        // Any two numbers have equal steps.
-        [first, second] => matches!((*first, *second), (0.0, 1.0) | (1.0, 2.0)),
-        [first, second, ..] => {
-            let (step, tolerance) = (second - first, LABEL_TOLERANCE * (second - first).abs());
-            let fits = |(place, label): (usize, &f64)| (label - first - step * place as f64).abs() <= tolerance;
-            step != 0.0 && labels.iter().enumerate().all(fits)
-        }
-    };
-    let column: Vec<f64> = values.iter().copied().step_by(columns).skip(1).collect();
-    rows > 2 && columns > 2 && steps_evenly(&values[1..columns]) && steps_evenly(&column)
-}
-
-/// Returns the values without the first row and the first column.
-fn unlabelled(values: &[f64], (_, columns): (usize, usize)) -> Vec<f64> {
-    values.chunks_exact(columns).skip(1).flat_map(|row| &row[1..]).copied().collect()
 }
 
 /// Returns the error for an invalid conversion factor in a text that starts after `lines` lines.

@@ -2,7 +2,8 @@
 //!
 //! Points follow each other along x or along y, in either direction. The reader determines the grid from the
 //! coordinates. A point may differ from its grid point by [a quarter of a step](grid::TOLERANCE), which allows for
-//! the rounding of coarse digits and for the jitter of a stage. Missing are grid points without a point, and heights
+//! the rounding of coarse digits and for the jitter of a stage. The header may name the columns x, y and z in another order. A fourth column,
+//! often an intensity, is left out. Missing are grid points without a point, and heights
 //! `nan`, `BAD` and `No Data`. Lists that leave three of four grid points empty are refused, and so are two points on
 //! one grid point.
 //!
@@ -28,15 +29,18 @@ use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 pub(crate) const CODEC: Description = Description {
     extensions: &["xyz"],
     vendor: "any; Zygo",
-    known_by: "three columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",
-    reads: "points on a grid in any order of lines; spaces, tabs, commas or semicolons; units from the header",
+    known_by: "three or four columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",
+    reads: "points on a grid in any order of lines; columns in the order of their names; spaces, tabs, commas or semicolons; units from \
+            the header",
     missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
     orientation: "y points down: the smallest y is row 0, as the first line of SUR",
     ..Description::new(Format::Xyz, detect, read)
 };
 
-/// Names of the columns.
-const XYZ: [&str; 3] = ["x", "y", "z"];
+/// Places of the columns x, y and z without names.
+const IN_ORDER: [usize; 3] = [0, 1, 2];
+/// Number of columns with another quantity.
+const MOST_COLUMNS: usize = 4;
 /// First bytes of a Zygo file.
 const ZYGO: &[u8] = b"Zygo XYZ Data File";
 /// Ratio of a step between lines to the usual step across a line, which is jitter or zero.
@@ -66,29 +70,37 @@ fn detect(bytes: &[u8]) -> bool {
     let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
     let head = Head::read(&probe[..end], line_end, true);
     let layout = layout(&head.first_row, line_end);
-    if head.header.states_pixels() || layout.count(&head.first_row) != Some(3) {
+    let Some(columns @ 3..=MOST_COLUMNS) = layout.count(&head.first_row).filter(|_| !head.header.states_pixels())
+    else {
         return false;
-    }
+    };
     let (before, points) = probe[..end].split_at(head.start.min(end));
-    names_points(before) || rows::read(points, &layout, 0).is_ok_and(|table| steps_like_a_grid(&table.values, whole))
+    let steps = |table: rows::Table| steps_like_a_grid(&points_of(&table.values, columns, IN_ORDER), whole);
+    named_columns(before, columns).is_some() || rows::read(points, &layout, 0).is_ok_and(steps)
 }
 
-/// Returns whether a line of the header names the columns x, y and z, with or without units: `x [um] y [um] z [um]`
-/// or `X;Y;Z`.
-fn names_points(head: &[u8]) -> bool {
-    utf8_or_latin1(head).lines().any(|line| {
+/// Returns the places of the columns x, y and z that a line of the header names, with or without units: `x [um] y [um] z [um]` or
+/// `X;Y;Z`. Words before the names of all columns do not count.
+fn named_columns(head: &[u8], columns: usize) -> Option<[usize; 3]> {
+    utf8_or_latin1(head).lines().find_map(|line| {
         let words = line.split([' ', '\t', ',', ';', ':', '#', '%', '"']).filter(|word| unit(word).is_none());
         let names = words.map(|word| word.split(['[', '(', '/', '_']).next().unwrap_or(word));
-        names
-            .filter(|name| !name.is_empty())
-            .map(str::to_lowercase)
-            .collect::<Vec<_>>()
-            .ends_with(&XYZ.map(str::to_owned))
+        let names: Vec<String> = names.filter(|name| !name.is_empty()).map(str::to_lowercase).collect();
+        let last = &names[names.len().checked_sub(columns)?..];
+        let place = |wanted: &str| last.iter().position(|name| name == wanted);
+        Some([place("x")?, place("y")?, place("z")?])
     })
 }
 
+/// Returns x, y and z of points with further columns or another order.
+fn points_of(values: &[f64], columns: usize, places: [usize; 3]) -> Vec<f64> {
+    values.chunks_exact(columns).flat_map(|point| places.map(|place| point[place])).collect()
+}
+
 fn layout(first_row: &[u8], line_end: u8) -> Layout {
-    Layout::new(Format::Xyz, Separator::detect(first_row), COMMENT, line_end).with_columns(3)
+    let layout = Layout::new(Format::Xyz, Separator::detect(first_row), COMMENT, line_end);
+    let columns = layout.count(first_row).filter(|columns| *columns == MOST_COLUMNS);
+    layout.with_columns(columns.unwrap_or(3))
 }
 
 fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
@@ -138,7 +150,14 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     for comment in std::mem::take(&mut table.comments) {
         header.add(&comment);
     }
-    let units = units(&header, &bytes[..start]);
+    let (head, columns) = (&bytes[..start], list.layout.columns().unwrap_or(3));
+    let places = named_columns(head, columns).unwrap_or(IN_ORDER);
+    if columns > 3 || places != IN_ORDER {
+        table.values = points_of(&table.values, columns, places);
+    }
+    let mut warnings = Vec::new();
+    warn_if!(warnings, columns > 3, "a point has {columns} values; those beside x, y and z were left out");
+    let units = units(&header, head, places);
     let grid = Points(&table.values).grid().map_err(|reason| {
         let names_point = repeats_a_point(&reason, &table.values) || steps_like_a_grid(&table.values, true);
         if names_point { list.error(&reason) } else { no_grid() }
@@ -146,7 +165,6 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     drop(table);
     let [per_metre_x, per_metre_y, per_metre_z] = units.map(|unit| unit.unwrap_or(1.0));
     let [dx_m, dy_m] = [grid.axes[0].step / per_metre_x, grid.axes[1].step / per_metre_y];
-    let mut warnings = Vec::new();
     if units[0].is_none() && dx_m.max(dy_m) > MAX_PLAUSIBLE_M {
         let taken = if options.height_unit.is_some() { "x and y" } else { "x, y and z" };
         warnings
@@ -170,28 +188,32 @@ fn map(grid: Grid) -> Result<Array2<f64>> {
     Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
 }
 
-/// Returns the number of units per metre for x, y and z: from keys, or from words in brackets or columns of the
-/// header.
-fn units(header: &Header, head: &[u8]) -> [Option<f64>; 3] {
+/// Returns the number of units per metre for x, y and z in these columns: from keys, or from words in brackets or columns of the header.
+fn units(header: &Header, head: &[u8], places: [usize; 3]) -> [Option<f64>; 3] {
     let keyed = header.units();
     if keyed.iter().any(Option::is_some) {
         return keyed;
     }
     let text = utf8_or_latin1(head);
     let in_brackets = text.split(['[', '(']).skip(1).filter_map(|rest| unit(rest.split([']', ')']).next()?));
-    // `mm mm um`, or `x/mm y/mm z/um`: every column ends with a unit.
+    // `mm mm um`, or `x/mm y/mm z/um`: x, y and z end with a unit.
     let in_columns = |line: &str| {
         let words = line.trim_start_matches(['#', '%']).split([' ', '\t', ',', ';', '\r']);
         let words = words.filter(|word| !word.is_empty()).map(|word| unit(word.rsplit('/').next().unwrap_or(word)));
-        words.collect::<Option<Vec<_>>>().filter(|units| matches!(units.len(), 1 | 3))
+        let units: Vec<Option<f64>> = words.collect();
+        match units[..] {
+            [Some(all)] => Some(vec![all]),
+            [_, _, _] | [_, _, _, _] => places.iter().map(|place| units[*place]).collect(),
+            _ => None,
+        }
     };
-    let mut named: Vec<f64> = in_brackets.take(4).collect();
-    if named.is_empty() {
-        named = text.lines().find_map(in_columns).unwrap_or_default();
-    }
+    let named: Vec<f64> = in_brackets.take(MOST_COLUMNS).collect();
+    let placed = named.len() > 2;
+    let named = if named.is_empty() { text.lines().find_map(in_columns).unwrap_or_default() } else { named };
     match named[..] {
         [all] => [Some(all); 3],
         [lateral, z] => [Some(lateral), Some(lateral), Some(z)],
+        _ if placed => places.map(|place| named.get(place).copied()),
         [x, y, z] => [Some(x), Some(y), Some(z)],
         _ => [None; 3],
     }

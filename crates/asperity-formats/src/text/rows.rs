@@ -54,6 +54,11 @@ impl Layout {
         Self { format, separator, line_end, columns: None, comment, classes }
     }
 
+    /// Returns the number of values per row; `None` if line ends have no meaning.
+    pub(crate) fn columns(&self) -> Option<usize> {
+        self.columns
+    }
+
     /// Sets the number of values per row.
     pub(crate) fn with_columns(self, columns: usize) -> Self {
         Self { columns: Some(columns), ..self }
@@ -86,6 +91,10 @@ pub(crate) struct Table {
     /// All values, row by row; NaN for missing ones.
     pub(crate) values: Vec<f64>,
     pub(crate) rows: usize,
+    /// Number of times that blank lines divide rows.
+    pub(crate) gaps: usize,
+    /// Whether the last line was blank.
+    blank: bool,
     /// Number of rows that end with a separator.
     pub(crate) open_rows: usize,
     /// Comments between and after the rows, without their signs.
@@ -216,6 +225,8 @@ impl Table {
         } else {
             self.values.extend_from_slice(&piece.values);
         }
+        self.gaps += piece.gaps + usize::from(self.blank && piece.rows > 0 && self.rows > 0);
+        self.blank = piece.blank;
         self.rows += piece.rows;
         self.open_rows += piece.open_rows;
         self.decimal_comma |= piece.decimal_comma;
@@ -269,6 +280,7 @@ impl<'a> Scanner<'a> {
     fn line(&mut self, table: &mut Table) -> Result<(), Fault> {
         table.found = 0;
         self.skip_blanks();
+        let start = self.cursor;
         while !self.is_at_end() {
             let Some(value) = self.field(table) else {
                 return Err(Fault::Value { column: table.found + 1, found: utf8_or_latin1(self.whole_field()) });
@@ -294,6 +306,8 @@ impl<'a> Scanner<'a> {
             self.cursor += length;
         }
         let found = table.found;
+        table.gaps += usize::from(found > 0 && table.blank && table.rows > 0);
+        table.blank = found == 0 && self.cursor == start;
         table.rows += usize::from(found > 0);
         match self.layout.columns {
             Some(columns) if found > 0 && found != columns => Err(Fault::Ragged { found }),

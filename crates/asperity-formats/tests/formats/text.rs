@@ -129,6 +129,46 @@ fn labels_of_rows_and_columns_are_left_out() {
 }
 
 #[test]
+fn labels_along_one_side_are_left_out_and_a_plane_is_none() {
+    let row = |row: usize, first: &str| {
+        let values: Vec<String> = (0..9).map(|column| ((row * 5 + column * 7) % 11).to_string()).collect();
+        format!("{first}{}\n", values.join(" "))
+    };
+    let rows = |first: &dyn Fn(usize) -> String| (0..8).map(|k| row(k, &first(k))).collect::<String>();
+    let heights = read(&rows(&|_| String::new())).heights_m;
+    let indexed = rows(&|k| format!("{k} "));
+    let named = format!("0 .5 1 1.5 2 2.5 3 3.5 4\n{}", rows(&|_| String::new()));
+    let both = format!("0 0 .5 1 1.5 2 2.5 3 3.5 4\n{}", rows(&|k| format!("{} ", 10 * k)));
+    for text in [&indexed, &named, &both] {
+        let scan = read(text);
+        assert_eq!(scan.heights_m, heights);
+        assert_one_warning(&scan, "count as labels, which were left out");
+    }
+    // The numbers of a plane step evenly everywhere, and a pixel size belongs to heights.
+    let plane: String = (0..8).map(|y| (0..9).map(|x| format!("{} ", x + 3 * y)).collect::<String>() + "\n").collect();
+    assert_eq!(read(&plane).heights_m.dim(), (8, 9));
+    assert_eq!(read(&format!("# pixel size: 1 um\n{indexed}")).heights_m.dim(), (8, 10));
+}
+
+#[test]
+fn profiles_blocks_and_doubtful_labels_are_refused() {
+    let line: String = (0..9).map(|k| format!("{k} {} {}\n", k * k % 7, k * k % 5)).collect();
+    assert_refused([
+        (
+            "0 0.10\n0.5 0.20\n1 0.15\n1.5 0.30\n",
+            "a profile: two columns, of which the first rises or falls over 4 rows",
+        ),
+        ("3,1\n2.1,5\n1.2,2\n0,4\n", "a profile: two columns"),
+        ("0 0.5 1 1.5\n0.10 0.20 0.15 0.30\n", "a profile: two rows"),
+        ("1\n5\n3\n4\n", "a profile: a single column of 4 numbers"),
+        ("1 2\n3 4\n\n5 6\n7 8\n\n9 0\n1 2\n", "3 blocks of numbers, divided by blank lines"),
+        (&line, "of which the first column steps evenly: labels, coordinates or heights"),
+    ]);
+    // A blank line after each row divides nothing.
+    assert_eq!(read("1 2 3\n\n4 5 6\n\n7 8 1\n\n").heights_m.dim(), (3, 3));
+}
+
+#[test]
 fn comments_become_metadata() {
     let scan = read("# instrument: stylus\n## a note\n% Ra = 0.4 µm\n1 2\n# another\n");
     assert_metadata(&scan, &[("instrument", "stylus"), ("Ra", "0.4 µm"), ("comment", "a note\nanother")]);
@@ -403,7 +443,7 @@ fn special_numbers_of_c_libraries_are_missing_heights() {
 
 #[test]
 fn a_long_text_is_the_same_in_pieces() {
-    // Beyond a few MiB a text is read in pieces; comments, blank lines and voids fall anywhere.
+    // Beyond a few MiB a text is read in pieces; comments and voids fall anywhere.
     let (rows, columns) = (3001, 257);
     let value = |row: usize, column: usize| ((row * 31 + column * 17) % 1009) as f64 * 1.25e-9 - 3e-7;
     let mut text = String::from("# unit: m\n");
@@ -415,7 +455,7 @@ fn a_long_text_is_the_same_in_pieces() {
             })
             .collect();
         text += &fields.join(" ");
-        text += if row % 100 == 7 { " # a comment\n\n" } else { "\n" };
+        text += if row % 100 == 7 { " # a comment\n" } else { "\n" };
     }
     assert!(text.len() > 6 << 20);
     let scan = read(&text);
@@ -427,8 +467,8 @@ fn a_long_text_is_the_same_in_pieces() {
         );
     }
     assert_eq!(scan.metadata["comment"].lines().count(), 30);
-    // Row 2900 follows the unit, 2900 rows, and a blank line for each of 29 comments.
-    let start = text.lines().take(2930).map(|line| line.len() + 1).sum::<usize>();
+    // Row 2900 follows the unit and 2900 rows.
+    let start = text.lines().take(2901).map(|line| line.len() + 1).sum::<usize>();
     text.replace_range(start..start + 1, "x");
-    assert_error(read_bytes(text.as_bytes()), "text: value 1 (line 2931)");
+    assert_error(read_bytes(text.as_bytes()), "text: value 1 (line 2902)");
 }

@@ -234,13 +234,34 @@ fn a_zygo_file_has_heights_in_micrometre_and_pixels_from_the_top() {
 }
 
 #[test]
+fn columns_are_those_of_their_names_and_a_fourth_is_left_out() {
+    let grid = |point: &dyn Fn(i32, i32, f64) -> String| -> String {
+        (0..20).map(|k| point(k % 5, k / 5, f64::from(k * k % 7)) + "\n").collect()
+    };
+    let heights = read_bytes(grid(&|x, y, z| format!("{x} {y} {z}")).as_bytes()).unwrap().heights_m;
+    for text in [
+        format!("y [um],x [um],z [nm]\n{}", grid(&|x, y, z| format!("{y},{x},{z}"))),
+        format!("z [nm];x [um];y [um]\n{}", grid(&|x, y, z| format!("{z};{x};{y}"))),
+        format!("x/um y/um z/nm intensity\n{}", grid(&|x, y, z| format!("{x} {y} {z} 255"))),
+    ] {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!((scan.format, scan.pitch_m), (Some(Format::Xyz), Some((1e-6, 1e-6))), "{text}");
+        assert!(scan.heights_m.iter().zip(&heights).all(|(a, b)| (a - 1e-9 * b).abs() < 1e-22), "{text}");
+        assert_eq!(scan.warnings.len(), usize::from(text.contains("intensity")));
+    }
+    // Without names the fourth column is left out too.
+    let scan = read_bytes(grid(&|x, y, z| format!("{x} {y} {z} {}", 7 - x)).as_bytes()).unwrap();
+    assert_eq!(scan.heights_m, heights);
+    assert!(scan.warnings[0].contains("a point has 4 values"), "{:?}", scan.warnings);
+}
+
+#[test]
 fn maps_of_three_columns_stay_maps() {
     let ramp: String = (0..100).map(|i| format!("{} {} {}\n", i, 2 * i, 3 * i)).collect();
     let noise: String = (0..100_usize).map(|i| format!("{} {} {}\n", i * 7919 % 13, i * 104729 % 17, i)).collect();
     let flat: String = (0..20).map(|_| "0 0 0\n").collect();
     let alternating: String = (0..500).map(|i| format!("{} 0 {i}\n", i % 2)).collect();
-    let one_line: String = (0..20).map(|i| format!("{i} 0 {i}\n")).collect();
-    for text in [&ramp, &noise, &flat, &alternating, &one_line, "1 2 3\n4 5 6\n7 8 9\n", "0 0 0\n0 1 0\n0 0 0\n"] {
+    for text in [&ramp, &noise, &flat, &alternating, "1 2 3\n4 5 6\n7 8 9\n", "0 0 0\n0 1 0\n0 0 0\n"] {
         assert_eq!(Format::detect(text.as_bytes()), Some(Format::Text), "{text}");
         assert_eq!(read_bytes(text.as_bytes()).unwrap().heights_m.ncols(), 3);
     }
