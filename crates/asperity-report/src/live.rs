@@ -1,7 +1,11 @@
 //! Figures of values that the browser computes: SVG from arrays in SI units.
 
+use asperity_results::Field;
+
+use crate::ReportError;
+use crate::figures::raster_panels;
 use crate::format::{Dimension, Unit};
-use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Layout, Mark, Pen, SCREEN, VERMILION, range};
+use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Kind, Layout, Mark, Pen, Raster, SCREEN, VERMILION, Width, range};
 
 /// Draws the limit cycle over the ends of runs with fluctuating friction, which undefined points separate. A curve is its displacements
 /// and its velocities.
@@ -61,6 +65,30 @@ pub fn friction(position_m: &[f64], friction: &[f64], mean: f64) -> String {
     chart.line("one window", position_m, friction, Pen::new(BLUE, 1.8, Dash::Solid));
     chart.horizontal("mean", mean, Pen::new(VERMILION, 1.6, Dash::Dashed));
     svg("Friction coefficient along the path", chart)
+}
+
+/// Draws maps of heights, each with its name, in columns on one colour scale.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub fn heights(maps: &[(&str, &Field)], columns: usize) -> Result<String, ReportError> {
+    panels("Heights", Kind::Height, maps, columns)
+}
+
+/// Draws a map of the contact pressure.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub fn pressure(map: &Field) -> Result<String, ReportError> {
+    panels("Contact pressure", Kind::Pressure, &[("", map)], 1)
+}
+
+fn panels(title: &str, kind: Kind, maps: &[(&str, &Field)], columns: usize) -> Result<String, ReportError> {
+    let rasters = Raster::with_common_scale(maps.iter().map(|(_, map)| *map), kind)?;
+    let named: Vec<(&str, &Raster)> = maps.iter().map(|(name, _)| *name).zip(&rasters).collect();
+    let width = Width { px: if columns == 1 { 400.0 } else { 640.0 }, ..SCREEN };
+    let drawn = raster_panels("map", title, "", &named, columns, 400.0 * named.len().div_ceil(columns) as f64);
+    Ok(drawn.map(|drawn| drawn.layout.svg(title, &drawn.caption, width)).unwrap_or_default())
 }
 
 /// Returns the axis that contains values, with a margin.
