@@ -100,7 +100,11 @@ export class Lane {
 
 /** Returns a function that starts workers from a script and a module that the page contains: gzipped, in base64. */
 export async function workers(script: string, base64: string): Promise<() => Worker> {
-  const packed = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+  // The page appears first.
+  await new Promise((appeared) => setTimeout(appeared));
+  const text = atob(base64);
+  const packed = new Uint8Array(text.length);
+  for (let i = 0; i < packed.length; i++) packed[i] = text.charCodeAt(i);
   const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   const module = await WebAssembly.compile(await new Response(bytes).arrayBuffer());
   const address = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));

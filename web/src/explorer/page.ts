@@ -191,7 +191,7 @@ class Page {
       this.showSurface(result);
       surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", found), (error) => this.report(error, "spectrum"));
       strips.call(call, () => undefined, failed);
-      strips.call({ what: "twin", columns }, (found) => this.draw("map", found, this.mapNote(found)), (error) => this.report(error, "map"));
+      strips.call({ what: "twin", columns }, (found) => this.draw("map", found, this.mapNote(found)), (error) => (part("map", ".note").textContent += ` No random twin: ${error}.`));
       this.press();
     };
     const done = () => surface.call({ what: "describe", columns }, described, failed);
@@ -519,6 +519,7 @@ class Page {
       return line;
     });
     part("statistics", "tbody").replaceChildren(...rows);
+    part("statistics", "table").classList.toggle("plain", rows.every(({ lastChild }) => lastChild?.textContent === ""));
     this.settle("statistics");
   }
 
@@ -600,7 +601,7 @@ class Page {
       const vibrates = share === undefined ? limit_cycle : share >= 0.5;
       verdict.classList.add(vibrates ? "vibrates" : "quiet");
       if (share === undefined) verdict.replaceChildren("The machine ", bold(vibrates ? "vibrates" : "slides steadily"), " with constant friction.");
-      else verdict.replaceChildren("With fluctuating friction vibration persists in ", bold(`${percent(share)} of runs.`));
+      else verdict.replaceChildren("Fluctuating friction: ", bold(`${percent(share)} of runs vibrate.`));
     }
     const end = digits(limit ?? 0, 4);
     const stops = limit ? `, which a damping ratio above ${end} stops` : "";

@@ -76,7 +76,7 @@ export const PARAMETERS = {
     kind: "choice",
     ...named("vibration.upscaling"),
     options: [
-      ["area", "mean over the nominal area"],
+      ["area", "mean over the area"],
       ["paper", ONE_WINDOW],
     ],
     value: INPUTS["vibration.upscaling"]?.default,

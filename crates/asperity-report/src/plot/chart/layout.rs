@@ -22,7 +22,7 @@ pub(crate) const TWO_COLUMNS: Width = Width { px: 640.0, mm: 170.0, row: PRINTED
 /// One column of a paper.
 pub(crate) const ONE_COLUMN: Width = Width { px: 400.0, mm: 85.0, row: PRINTED_ROW };
 /// Part of a page; a finger can touch the entries of its legend.
-pub(crate) const SCREEN: Width = Width { px: 480.0, mm: 127.0, row: 32.0 };
+pub(crate) const SCREEN: Width = Width { px: 480.0, mm: 127.0, row: 34.0 };
 
 /// Charts of a figure in columns, row by row, with one legend above them and one colour bar for all of their maps.
 #[derive(Debug, Clone)]
