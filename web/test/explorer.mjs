@@ -436,8 +436,11 @@ const tests = {
       const found = { size: `${Number(value) / 4} um`, duration: String(2 * Math.PI * 51 * 3).slice(0, 9), control: `mean_${value}` }[key] ?? value;
       assert.match(keys, new RegExp(`[ "\\[_]${RegExp.escape?.(found) ?? found}|^${found}`, "m"), `${key} = ${value}`);
     }
+    await page.selectOption("#control-upscaling", "paper");
+    await settled(page);
+    assert.match(readFileSync(await check(page, "study of one window"), "utf8"), /^upscaling = "paper"$/m);
     await enter(page, "trajectories", 20);
-    await enter(page, "duration", 0.3);
+    await enter(page, "duration", 0.5);
     await page.uncheck("#control-from_surface");
     await page.selectOption("#control-control", "penetration");
     await settled(page);

@@ -97,7 +97,7 @@ impl Surface {
         })?)
     }
 
-    /// Presses the map against a rigid flat, with the keys of `asperity contact --json`. A map with more than 256 points
+    /// Presses the map against a rigid flat, with keys of `asperity contact --json`. A map with more than 256 points
     /// along a side is cut to its central part, whose missing heights are filled as `asperity surface fill` does. The
     /// pressure is drawn as `svg`.
     pub fn contact(&self, request: &str) -> Result<Answer, JsError> {

@@ -177,7 +177,10 @@ class Page {
   private open(source = this.scan) {
     const { surface, strips } = this;
     const failed = (message: string) => {
-      if (!source) return this.report(message, "map", "pressure", "friction", "spectrum", "statistics");
+      if (!source) {
+        this.report(message, "map", "pressure", "spectrum", "statistics");
+        return this.loseFriction(message);
+      }
       // The page keeps its surface, and names it. The user may state what the file lacks.
       this.rejected = source;
       this.problem(`${source.name}: ${message}\nThe page still shows ${this.scan?.name ?? "the stated surface"}.`);
@@ -266,6 +269,7 @@ class Page {
       normal_force_n: si(this.values, "normal_force"),
     };
     this.stale("friction");
+    if (this.values.from_surface) this.stale("portrait", "probability", "reattachment");
     this.strips.call(
       { what: "friction", settings: JSON.stringify(settings) },
       (result) => {
@@ -273,13 +277,16 @@ class Page {
         this.showFriction(result);
         if (this.values.from_surface) this.move();
       },
-      (message) => {
-        this.friction = undefined;
-        this.report(message, "friction");
-        this.showLinked();
-        if (this.values.from_surface) this.move();
-      },
+      (message) => this.loseFriction(message),
     );
+  }
+
+  /** Shows why the surface has no friction. */
+  private loseFriction(why: string) {
+    this.friction = undefined;
+    this.report(why, "friction");
+    this.showLinked();
+    if (this.values.from_surface) this.move();
   }
 
   private machine() {
@@ -589,7 +596,7 @@ class Page {
     const verdict = element("verdict");
     const bold = (text: string) => Object.assign(document.createElement("b"), { textContent: text });
     const limit: number | undefined = (moving && limits?.numbers.limit_damping_ratio) ?? undefined;
-    this.controls.markLimit(limit, `limit ${digits(limit ?? NaN, 4)}`);
+    this.controls.markLimit(limit, `limit of vibration ${digits(limit ?? NaN, 4)}`);
     Object.assign(element("sub").dataset, { numbers: JSON.stringify(limits?.numbers ?? {}) });
     element("sub").textContent = "";
     verdict.className = "verdict";

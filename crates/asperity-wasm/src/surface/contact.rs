@@ -74,10 +74,6 @@ impl Surface {
         solver.tolerance = tolerance.unwrap_or(solver.tolerance);
         let solution = solver.solve_from(&problem, None, &mut half_space.workspace(), &Progress)?;
         require_convergence(&solution, solver.tolerance)?;
-        let compliance = match solution.boundary() {
-            Boundary::Free => None,
-            Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
-        };
         let numbers = json!({
             "whole": map.grid() == self.map.grid(),
             "filled_points": filled,
@@ -85,14 +81,8 @@ impl Surface {
             "contact_fraction_corrected": solution.corrected_contact_fraction(),
             "plastic_fraction": solution.plastic_fraction(),
             "mean_pressure_pa": solution.mean_pressure_pa(),
-            "load_n": solution.load_n(),
-            "max_pressure_pa": solution.max_pressure_pa(),
             "mean_gap_m": solution.mean_gap_m(),
-            "separation_m": solution.separation_m(),
             "penetration_m": solution.penetration_m(),
-            "mean_compliance_m_per_pa": compliance,
-            "iterations": solution.iterations(),
-            "residual": solution.residual().worst(),
             "tolerance": solver.tolerance,
         });
         let mut numbers = with_size(map.grid(), numbers);
