@@ -235,7 +235,7 @@ const tests = {
         assert.equal(verdict, `Fluctuating friction: ${share.match(/^[\d.]+ %/)[0]} of runs vibrate.`, fragment);
       } else {
         assert.equal(verdict, `The machine ${damping < limit ? "vibrates" : "slides steadily"} with constant friction.`, fragment);
-        assert.match(await text(page, "#probability .problem"), /Friction does not fluctuate|Shorter runs|clipped/);
+        assert.match(await text(page, "#probability .problem"), /Friction does not fluctuate|Runs shorter than|clipped/);
         assert.equal(await page.isVisible("#reattachment svg"), false);
       }
       await page.close();

@@ -14,6 +14,7 @@ const MAP_POINTS = 256;
 const STRIPS = 2;
 /** Natural periods of the shortest run: a machine vibrates at the start, and may lose it after some periods. */
 const LEAST_PERIODS = 20;
+const ALIKE = "Friction does not fluctuate: all runs are alike.";
 
 const SURFACE: Key[] = ["rms_height", "length_x", "length_y", "hurst", "size", "level"];
 const CONTACT: Key[] = ["control", "pressure", "penetration", "hardness", "elastic", "youngs_modulus", "poisson_ratio"];
@@ -194,7 +195,8 @@ class Page {
       this.showSurface(result);
       surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", found), (error) => this.report(error, "spectrum"));
       strips.call(call, () => undefined, failed);
-      strips.call({ what: "twin", columns }, (found) => this.draw("map", found, this.mapNote(found)), (error) => (part("map", ".note").textContent += ` No random twin: ${error}.`));
+      const alone = (error: string) => (part("map", ".note").textContent += ` No random twin: ${error}.`);
+      strips.call({ what: "twin", columns }, (found) => this.draw("map", found, this.mapNote(found)), alone);
       this.press();
     };
     const done = () => surface.call({ what: "describe", columns }, described, failed);
@@ -337,8 +339,9 @@ class Page {
     );
     this.stale("probability", "reattachment");
     const least = LEAST_PERIODS / Number(values.frequency);
-    if (machine.friction_std === 0) return this.stand("Friction does not fluctuate: all runs are alike.", "probability", "reattachment");
-    if (si(values, "duration") < least) return this.stand(`Shorter runs than ${LEAST_PERIODS} natural periods, ${quantity(least, "s", 3)}, do not show whether vibration persists.`, "probability", "reattachment");
+    const short = `Runs shorter than ${LEAST_PERIODS} natural periods, ${quantity(least, "s", 3)}, do not show whether vibration persists.`;
+    if (machine.friction_std === 0) return this.stand(ALIKE, "probability", "reattachment");
+    if (si(values, "duration") < least) return this.stand(short, "probability", "reattachment");
     const request = {
       machine,
       trajectories: values.trajectories,
@@ -466,6 +469,7 @@ class Page {
     for (const card of cards) {
       element(card).classList.add("failed");
       const problem = part(card, ".problem");
+      problem.classList.toggle("fact", message === ALIKE);
       problem.textContent = message;
       problem.hidden = false;
     }
@@ -603,7 +607,7 @@ class Page {
     if (!moving || !cycle) return verdict.replaceChildren("The motion of the machine is unknown.");
     const { limit_cycle, period, time_s } = cycle.numbers;
     const share: number | undefined = ensemble?.numbers.sustained_share;
-    if (share === undefined && ensemble === undefined) verdict.replaceChildren("Computing the runs with fluctuating friction …");
+    if (ensemble === undefined) verdict.replaceChildren("Computing the runs with fluctuating friction …");
     else {
       const vibrates = share === undefined ? limit_cycle : share >= 0.5;
       verdict.classList.add(vibrates ? "vibrates" : "quiet");
