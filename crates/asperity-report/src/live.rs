@@ -103,7 +103,23 @@ fn svg(title: &str, chart: Chart) -> String {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::array;
+
     use super::*;
+
+    #[test]
+    fn maps_stand_in_columns_with_one_bar_and_a_legend_for_fingers() {
+        let field = Field::new([1e-6, 1e-6], "m", array![[0.0, 1e-6], [f64::NAN, 2e-6]]);
+        let drawn = |columns| heights(&[("Scan", &field), ("Twin", &field)], columns).unwrap();
+        let (side_by_side, stacked) = (drawn(2), drawn(1));
+        for (drawn, width) in [(&side_by_side, 640), (&stacked, 400)] {
+            assert!(drawn.contains(&format!("viewBox=\"0 0 {width} ")) && drawn.matches("<image").count() == 3);
+            assert_eq!([">Scan<", ">Twin<", ">Height (µm)<"].map(|text| drawn.matches(text).count()), [1; 3]);
+        }
+        let entry = side_by_side.split_once("data-entry=\"missing (1 points)\">\n").unwrap().1;
+        assert!(entry.starts_with("<polygon") && entry.lines().next().unwrap().contains("opacity=\"0\""), "{entry}");
+        assert!(pressure(&field).unwrap().contains("no contact (p = 0)"));
+    }
 
     #[test]
     fn axes_have_the_units_of_their_values_and_runs_are_separate_curves() {
