@@ -255,6 +255,7 @@ const tests = {
     await page.uncheck("#control-from_surface");
     await settled(page);
     assert.match(await labels("variability"), /one window carries all/);
+    assert.equal(await text(page, "#linked"), "The machine has the friction below, not that of the surface.");
     assert.equal(await page.isVisible("#control-upscaling"), false);
     await page.close();
   },

@@ -427,8 +427,8 @@ class Page {
     const varies = () =>
       `Its standard deviation is ${percent(std / mean)} over one window, ${percent(area_std / mean)} over the nominal area of ` +
       `${digits(nominal_area_m2 * 1e6, 3)} mm²; it correlates over ${quantity(correlation_length_m ?? NaN, "m", 3)}.`;
-    const text = mean && `The surface gives μ = ${digits(mean, 3)}. ${std > 0 ? varies() : "It does not fluctuate."}`;
-    element("linked").textContent = this.values.from_surface && text ? text : "";
+    const text = mean === undefined ? "" : `The surface gives μ = ${digits(mean, 3)}. ${std > 0 ? varies() : "It does not fluctuate."}`;
+    element("linked").textContent = this.values.from_surface ? text : "The machine has the friction below, not that of the surface.";
   }
 
   private showStatus() {
