@@ -83,6 +83,7 @@ async function page() {
     "default-src 'none'",
     `script-src ${hash(main)} 'wasm-unsafe-eval'`,
     `style-src ${hash(style)}`,
+    "img-src data:",
     "worker-src blob:",
     "base-uri 'none'",
     "form-action 'none'",

@@ -24,6 +24,7 @@ export interface Entry extends Omit<Slider, "kind" | "log"> {
 export interface Choice {
   kind: "choice";
   label: string;
+  input?: string;
   options: [value: string, text: string][];
   value: string;
 }
@@ -40,14 +41,15 @@ export type Value = number | string | boolean;
 export type Parameter = Slider | Entry | Choice | Switch;
 
 /** Positions of a slider. */
-const STEPS = 1000;
+export const STEPS = 1000;
 
 export interface Control {
   element: HTMLElement;
   show(value: Value): void;
 }
 
-function position({ low, high, log }: { low: number; high: number; log: boolean }, value: number): number {
+/** Returns the position of a value on its slider. */
+export function position({ low, high, log }: { low: number; high: number; log: boolean }, value: number): number {
   const share = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   return Math.round(STEPS * share);
 }

@@ -18,16 +18,24 @@ interface Job {
 
 /** One worker. Calls run in the order of their kinds; of several calls of one kind the last one runs. */
 export class Lane {
+  private start?: () => Worker;
   private worker?: Worker;
   private readonly waiting = new Map<What, Job>();
   private running?: { id: number; job: Job };
   private count = 0;
 
   constructor(
-    private readonly start: () => Worker,
+    start: Promise<() => Worker>,
     private readonly watcher: Watcher,
     private readonly order: What[],
-  ) {}
+  ) {
+    const begin = (start: () => Worker) => {
+      this.start = start;
+      this.next();
+    };
+    // The page reports a module that does not compile.
+    start.then(begin, () => undefined);
+  }
 
   get busy(): boolean {
     return this.running !== undefined;
@@ -53,7 +61,7 @@ export class Lane {
   }
 
   private next() {
-    if (this.running) return;
+    if (this.running || !this.start) return;
     const what = this.order.find((what) => this.waiting.has(what));
     const job = what && this.waiting.get(what);
     if (!what || !job) return;
@@ -90,19 +98,19 @@ export class Lane {
   }
 }
 
-/** Returns a function that starts workers from a script and a compiled module. */
-export function workers(script: string, module: WebAssembly.Module): () => Worker {
+/** Returns a function that starts workers from a script and a module that the page contains: gzipped, in base64. */
+export async function workers(script: string, base64: string): Promise<() => Worker> {
+  // The page appears first.
+  await new Promise((appeared) => setTimeout(appeared));
+  const text = atob(base64);
+  const packed = new Uint8Array(text.length);
+  for (let i = 0; i < packed.length; i++) packed[i] = text.charCodeAt(i);
+  const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const module = await WebAssembly.compile(await new Response(bytes).arrayBuffer());
   const address = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
   return () => {
     const worker = new Worker(address);
     worker.postMessage({ module } satisfies Start);
     return worker;
   };
-}
-
-/** Compiles the module that the page contains: gzipped, in base64. */
-export async function compiled(base64: string): Promise<WebAssembly.Module> {
-  const packed = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-  const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(bytes).arrayBuffer());
 }

@@ -318,7 +318,10 @@ export class Figure {
     // Charts take the focus from here on.
     host.removeAttribute("tabindex");
     Object.assign(this.resetButton, { type: "button", textContent: "Reset zoom", hidden: true });
-    this.resetButton.addEventListener("click", () => this.reset());
+    this.resetButton.addEventListener("click", () => {
+      this.reset();
+      this.focus(".chart");
+    });
     host.append(this.output, this.resetButton);
     // Paper has the whole figure.
     addEventListener("beforeprint", () => this.reset());
@@ -327,10 +330,19 @@ export class Figure {
 
   /** Shows another drawing; curves that are off stay off. */
   replace(svg: string) {
+    const held = document.activeElement;
+    const inside = held !== null && this.host.contains(held);
     this.host.querySelector("svg")?.remove();
     this.host.insertAdjacentHTML("afterbegin", svg);
     this.resetButton.hidden = true;
     this.start();
+    if (inside) this.focus(held.matches("[data-entry]") ? `[data-entry="${CSS.escape(held.getAttribute("data-entry") ?? "")}"]` : ".chart");
+  }
+
+  /** Moves the focus to a part of the drawing, or to its first chart. */
+  private focus(selector: string) {
+    const found = this.host.querySelector<SVGElement>(selector) ?? this.host.querySelector<SVGElement>(".chart");
+    found?.focus({ preventScroll: true });
   }
 
   private start() {
@@ -369,6 +381,7 @@ export class Figure {
 
   private listen(svg: SVGSVGElement) {
     let drag: { chart: Chart; from: Point; box: Element } | undefined;
+    const fingers = new Map<number, Point>();
     const place = ({ clientX, clientY }: MouseEvent): Point => {
       const { x, y } = new DOMPoint(clientX, clientY).matrixTransform(svg.getScreenCTM()?.inverse());
       return [x, y];
@@ -382,12 +395,21 @@ export class Figure {
     svg.addEventListener("pointerdown", (event) => {
       const from = place(event);
       const chart = show(from);
+      if (event.pointerType === "touch") fingers.set(event.pointerId, from);
       if (!chart || event.pointerType === "touch" || event.button !== 0) return;
       svg.setPointerCapture(event.pointerId);
       drag = { chart, from, box: add(svg, "rect", { class: "box", fill: "#0072b2", opacity: 0.2 }) };
     });
     svg.addEventListener("pointermove", (event) => {
       const to = place(event);
+      const before = fingers.get(event.pointerId);
+      const [, other] = [...fingers].find(([id]) => id !== event.pointerId) ?? [];
+      const chart = other && this.charts.find((chart) => chart.contains(other));
+      if (before && chart) {
+        const distance = ([x, y]: Point) => Math.max(Math.hypot(x - other[0], y - other[1]), 1);
+        fingers.set(event.pointerId, to);
+        return this.zoomAround(chart, other, distance(before) / distance(to));
+      }
       if (!drag) return show(to);
       const { from, box } = drag;
       const [x, y] = both((axis) => Math.min(from[axis], to[axis]));
@@ -396,6 +418,7 @@ export class Figure {
     const end = (event: PointerEvent) => {
       const ended = drag;
       drag = undefined;
+      fingers.delete(event.pointerId);
       ended?.box.remove();
       if (ended && event.type === "pointerup") this.zoom(ended.chart, ended.from, place(event), LEAST_DRAG);
       show(place(event));

@@ -56,7 +56,7 @@ export function row(key: string, value: unknown, interval: unknown): [name: stri
     return `${digits(number, 4)}${unit && ` ${unit}`}`;
   };
   const name = key.slice(0, key.length - ending.length).replaceAll("_", " ");
-  return [name, text(value), Array.isArray(interval) ? `${text(interval[0])} to ${text(interval[1])}` : ""];
+  return [name.charAt(0).toUpperCase() + name.slice(1), text(value), Array.isArray(interval) ? `${text(interval[0])} to ${text(interval[1])}` : ""];
 }
 
 /** Writes a fraction as a percentage. */

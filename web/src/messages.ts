@@ -4,7 +4,8 @@
 export type Call =
   | { what: "open"; bytes: ArrayBuffer; name: string; settings: string }
   | { what: "state"; settings: string }
-  | { what: "spectrum" | "twin" }
+  | { what: "spectrum" }
+  | { what: "describe" | "twin"; columns: number }
   | { what: "contact" | "friction"; settings: string }
   | MotionCall;
 

@@ -1,7 +1,11 @@
 //! Figures of values that the browser computes: SVG from arrays in SI units.
 
+use asperity_results::Field;
+
+use crate::ReportError;
+use crate::figures::raster_panels;
 use crate::format::{Dimension, Unit};
-use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Layout, Mark, Pen, SCREEN, VERMILION, range};
+use crate::plot::{Axis, BLUE, Chart, Dash, GREY, Kind, Layout, Mark, Pen, Raster, SCREEN, VERMILION, Width, range};
 
 /// Draws the limit cycle over the ends of runs with fluctuating friction, which undefined points separate. A curve is its displacements
 /// and its velocities.
@@ -63,6 +67,30 @@ pub fn friction(position_m: &[f64], friction: &[f64], mean: f64) -> String {
     svg("Friction coefficient along the path", chart)
 }
 
+/// Draws maps of heights, each with its name, in columns on one colour scale.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub fn heights(maps: &[(&str, &Field)], columns: usize) -> Result<String, ReportError> {
+    panels("Heights", Kind::Height, maps, columns)
+}
+
+/// Draws a map of the contact pressure.
+///
+/// # Errors
+/// The PNG encoder failed.
+pub fn pressure(map: &Field) -> Result<String, ReportError> {
+    panels("Contact pressure", Kind::Pressure, &[("", map)], 1)
+}
+
+fn panels(title: &str, kind: Kind, maps: &[(&str, &Field)], columns: usize) -> Result<String, ReportError> {
+    let rasters = Raster::with_common_scale(maps.iter().map(|(_, map)| *map), kind)?;
+    let named: Vec<(&str, &Raster)> = maps.iter().map(|(name, _)| *name).zip(&rasters).collect();
+    let width = Width { px: if columns == 1 { 400.0 } else { 640.0 }, ..SCREEN };
+    let drawn = raster_panels("map", title, "", &named, columns, 400.0 * named.len().div_ceil(columns) as f64);
+    Ok(drawn.map(|drawn| drawn.layout.svg(title, &drawn.caption, width)).unwrap_or_default())
+}
+
 /// Returns the axis that contains values, with a margin.
 fn axis<'a>(quantity: &str, dimension: Dimension, values: impl IntoIterator<Item = &'a f64>, margin: f64) -> Axis {
     let (low, high) = range(values).unwrap_or_default();
@@ -75,7 +103,23 @@ fn svg(title: &str, chart: Chart) -> String {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::array;
+
     use super::*;
+
+    #[test]
+    fn maps_stand_in_columns_with_one_bar_and_a_legend_for_fingers() {
+        let field = Field::new([1e-6, 1e-6], "m", array![[0.0, 1e-6], [f64::NAN, 2e-6]]);
+        let drawn = |columns| heights(&[("Scan", &field), ("Twin", &field)], columns).unwrap();
+        let (side_by_side, stacked) = (drawn(2), drawn(1));
+        for (drawn, width) in [(&side_by_side, 640), (&stacked, 400)] {
+            assert!(drawn.contains(&format!("viewBox=\"0 0 {width} ")) && drawn.matches("<image").count() == 3);
+            assert_eq!([">Scan<", ">Twin<", ">Height (µm)<"].map(|text| drawn.matches(text).count()), [1; 3]);
+        }
+        let entry = side_by_side.split_once("data-entry=\"missing (1 points)\">\n").unwrap().1;
+        assert!(entry.starts_with("<polygon") && entry.lines().next().unwrap().contains("opacity=\"0\""), "{entry}");
+        assert!(pressure(&field).unwrap().contains("no contact (p = 0)"));
+    }
 
     #[test]
     fn axes_have_the_units_of_their_values_and_runs_are_separate_curves() {

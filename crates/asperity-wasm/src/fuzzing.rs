@@ -27,11 +27,11 @@ fn stated(settings: &str) -> Result<Answer, Failure> {
     if points.fold(1_u64, u64::saturating_mul) > LARGEST_MAP {
         return Err(Failure("large".into()));
     }
-    Surface::from_settings(settings)?.description()
+    Surface::from_settings(settings)?.description(1)
 }
 
 fn described(scan: &[u8], settings: &str) -> Result<Answer, Failure> {
     let surface = Surface::from_scan(scan, "scan".into(), settings)?;
     surface.radial()?;
-    surface.description()
+    surface.description(1)
 }

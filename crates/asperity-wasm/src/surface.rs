@@ -7,9 +7,9 @@ mod settings;
 use std::cell::OnceCell;
 
 use asperity::correlation::{CorrelationFamily, radial_spectrum};
-use asperity::keys::{KEYS, Key, label};
+use asperity::keys::{DefaultValue, KEYS, Key, label};
 use asperity::map::{BoundaryKind, Grid, HeightMap};
-use asperity::study::{TwinOptions, Twins, draw_map, surface_statistics};
+use asperity::study::{Field, TwinOptions, Twins, draw_map, surface_statistics};
 use asperity::surface::model::{CovarianceRequest, Measurable, SurfaceModel, SurfaceModelError, SurfaceRequest};
 use asperity::surface::preparation::Prepared;
 use asperity::surface::scanned::ScannedSurface;
@@ -22,18 +22,23 @@ use wasm_bindgen::prelude::*;
 use crate::answer::{Answer, Failure, read};
 use settings::{ScanSettings, StatedSurface};
 
-/// Returns the inputs of a study as JSON: the `label` and the `default` of each, if it is a number, by
+/// Returns the inputs of a study as JSON: the `label` and the `default` of each, if it is a number or a word, by
 /// `section.name`, for lists also of their elements.
 #[wasm_bindgen]
 pub fn inputs() -> String {
-    let entry = |(name, default): (String, Option<f64>)| {
+    let entry = |(name, default): (String, Option<Value>)| {
         let label = label(&name);
         (name, json!({ "label": label, "default": default }))
     };
     let of_key = |key: &'static Key| {
         let elements = key.elements.into_iter().flatten().enumerate();
         let elements = elements.map(|(place, _)| (format!("{}[{place}]", key.path()), None));
-        elements.chain([(key.path(), key.default.and_then(|default| default.value.number()))])
+        let default = key.default.and_then(|default| match default.value {
+            DefaultValue::Number(number) => Some(number.into()),
+            DefaultValue::Word(word) => Some(word.into()),
+            DefaultValue::Pair(_) => None,
+        });
+        elements.chain([(key.path(), default)])
     };
     let inputs: Map<String, Value> = KEYS.iter().flat_map(of_key).map(entry).collect();
     Value::from(inputs).to_string()
@@ -44,9 +49,11 @@ pub fn inputs() -> String {
 pub struct Surface {
     seed: u64,
     name: String,
-    /// Map that is shown and pressed: the prepared scan, or the first random map.
+    /// Map that is shown: the prepared scan, or the first random map.
     map: HeightMap,
     origin: Origin,
+    /// Central part of the map that is pressed, without missing heights, and how many were filled in.
+    pressed: OnceCell<(HeightMap, usize)>,
     twin: OnceCell<(HeightMap, Vec<String>)>,
     model: OnceCell<SurfaceModel>,
 }
@@ -72,9 +79,9 @@ impl Surface {
     }
 
     /// Returns the properties of the map: origin, size, warnings and `statistics`, with the keys of `asperity surface
-    /// stats --json`. Array: `heights_m`, row by row, NaN where missing.
-    pub fn describe(&self) -> Result<Answer, JsError> {
-        Ok(self.description()?)
+    /// stats --json`. The map is drawn as `svg`, with room for its twin if there are two columns.
+    pub fn describe(&self, columns: usize) -> Result<Answer, JsError> {
+        Ok(self.description(columns)?)
     }
 
     /// Returns the reliable wavenumbers, and the radially averaged power spectral density drawn as `svg`.
@@ -82,17 +89,17 @@ impl Surface {
         Ok(self.radial()?)
     }
 
-    /// Draws a random map like the surface: a twin of a scan as `asperity surface twin` draws it, or a second map of a
-    /// stated surface. Array: `heights_m`.
-    pub fn twin(&self) -> Result<Answer, JsError> {
-        Ok(self.drawn_twin().and_then(|(map, warnings)| {
-            let answer = Answer::new(&with_size(map.grid(), json!({ "warnings": warnings })))?;
-            Ok(answer.with("heights_m", map.values_m().to_vec()))
+    /// Draws the map and a random one like it as `svg`: a twin of a scan as `asperity surface twin` draws it, or a second
+    /// map of a stated surface.
+    pub fn twin(&self, columns: usize) -> Result<Answer, JsError> {
+        Ok(self.drawn_twin().and_then(|(twin, warnings)| {
+            Answer::new(&json!({ "warnings": warnings, "svg": self.drawn(Some(twin), columns)? }))
         })?)
     }
 
-    /// Presses the map, or its twin, against a rigid flat, with the keys of `asperity contact --json`. A map with more
-    /// than `points` points along a side is cut to its central part. Array: `pressure_pa`.
+    /// Presses the map against a rigid flat, with keys of `asperity contact --json`. A map with more than 256 points
+    /// along a side is cut to its central part, whose missing heights are filled as `asperity surface fill` does. The
+    /// pressure is drawn as `svg`.
     pub fn contact(&self, request: &str) -> Result<Answer, JsError> {
         Ok(self.pressed(request)?)
     }
@@ -106,7 +113,7 @@ impl Surface {
 
 impl Surface {
     fn new(seed: u64, name: String, map: HeightMap, origin: Origin) -> Self {
-        Self { seed, name, map, origin, twin: OnceCell::new(), model: OnceCell::new() }
+        Self { seed, name, map, origin, pressed: OnceCell::new(), twin: OnceCell::new(), model: OnceCell::new() }
     }
 
     pub(crate) fn from_scan(bytes: &[u8], name: String, settings: &str) -> Result<Self, Failure> {
@@ -134,7 +141,7 @@ impl Surface {
         }
     }
 
-    pub(crate) fn description(&self) -> Result<Answer, Failure> {
+    pub(crate) fn description(&self, columns: usize) -> Result<Answer, Failure> {
         let (prepared, own) = match &self.origin {
             Origin::Scan { scan, prepared, .. } => (
                 (**prepared).clone(),
@@ -155,7 +162,19 @@ impl Surface {
         numbers["name"] = self.name.as_str().into();
         numbers["boundary"] = self.boundary().name().into();
         numbers["statistics"] = serde_json::to_value(surface_statistics(&scanned.statistics))?;
-        Ok(Answer::new(&numbers)?.with("heights_m", self.map.values_m().to_vec()))
+        numbers["svg"] = self.drawn(None, columns)?.into();
+        Answer::new(&numbers)
+    }
+
+    /// Draws the map, and a random one beside it or below.
+    fn drawn(&self, twin: Option<&HeightMap>, columns: usize) -> Result<String, Failure> {
+        let names = match self.origin {
+            Origin::Scan { .. } => ["Scan", "Random twin"],
+            Origin::Stated(_) => ["Random map", "Second random map"],
+        };
+        let fields: Vec<Field> = [Some(&self.map), twin].into_iter().flatten().map(field).collect();
+        let maps: Vec<(&str, &Field)> = names.into_iter().zip(&fields).collect();
+        Ok(live::heights(&maps, columns)?)
     }
 
     pub(crate) fn radial(&self) -> Result<Answer, Failure> {
@@ -228,6 +247,12 @@ fn measured(covariance: CovarianceRequest) -> SurfaceRequest {
         translation: TranslationKind::Plain,
         expansion: None,
     }
+}
+
+/// Returns the heights of a map as a field.
+fn field(map: &HeightMap) -> Field {
+    let grid = map.grid();
+    Field::new([grid.dx_m(), grid.dy_m()], "m", map.heights_m().clone())
 }
 
 /// Adds the size of a map to an object.

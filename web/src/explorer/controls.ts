@@ -1,7 +1,9 @@
 // The controls of the explorer.
 
-import { type Control, control, type Value } from "../controls";
+import { type Control, control, position, STEPS, type Value } from "../controls";
 import { type Key, KEYS, PARAMETERS, type Values } from "./parameters";
+
+const LIMIT = "limit";
 
 /** The controls of all parameters, in the elements of the page that name them in `data-parameters`. */
 export class Controls {
@@ -17,6 +19,21 @@ export class Controls {
 
   show(values: Values) {
     for (const [key, own] of this.controls) own.show(values[key]);
+  }
+
+  /** Marks the limit of the damping ratio on its slider, with a text; no limit removes the mark. */
+  markLimit(limit: number | undefined, text: string) {
+    const slider = this.controls.get("damping")?.element;
+    if (!slider) return;
+    const place = position(PARAMETERS.damping, limit ?? NaN) / STEPS;
+    slider.querySelector(`.${LIMIT}`)?.remove();
+    if (limit === undefined) return;
+    const mark = Object.assign(document.createElement("i"), { hidden: place > 1 });
+    mark.style.setProperty("--place", String(place));
+    const note = Object.assign(document.createElement("p"), { className: LIMIT, id: LIMIT });
+    note.append(mark, text);
+    slider.append(note);
+    slider.querySelector("[type=range]")?.setAttribute("aria-describedby", LIMIT);
   }
 
   /** Shows or hides a control. */

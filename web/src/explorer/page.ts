@@ -1,23 +1,23 @@
 // The page: parameters in, calls to the workers, results on the cards.
 
 import { Controls } from "./controls";
-import { compiled, Lane, type Watcher, workers } from "../engine";
+import { Lane, type Watcher, workers } from "../engine";
 import { Figure } from "../figure";
 import { digits, percent, quantity, row } from "../format";
-import { MapView, extremes } from "./map";
 import type { Call, Result } from "../messages";
 import { defaults, fragment, fromFragment, type Key, si, type Values } from "./parameters";
-import { type Scan, study, STRIP_POINTS, WINDOW_POINTS } from "./study";
+import { MARGINAL, type Scan, study, STRIP_POINTS, WINDOW_POINTS } from "./study";
 
-/** Points of a stated map along a side, and the most that are pressed. */
+/** Points of a stated map along a side. */
 const MAP_POINTS = 256;
 /** Strips of the friction coefficient. */
 const STRIPS = 2;
-/** Standardised distribution of the fluctuation: figure 3 of the paper. */
-const MARGINAL = "beta:2.1,5";
+/** Natural periods of the shortest run: a machine vibrates at the start, and may lose it after some periods. */
+const LEAST_PERIODS = 20;
+const ALIKE = "Friction does not fluctuate: all runs are alike.";
 
-const SURFACE: Key[] = ["rms_height", "length_x", "length_y", "hurst", "size", "level", "seed"];
-const CONTACT: Key[] = ["control", "pressure", "penetration", "hardness", "elastic", "press_twin", "youngs_modulus", "poisson_ratio"];
+const SURFACE: Key[] = ["rms_height", "length_x", "length_y", "hurst", "size", "level"];
+const CONTACT: Key[] = ["control", "pressure", "penetration", "hardness", "elastic", "youngs_modulus", "poisson_ratio"];
 const FRICTION: Key[] = ["shear_strength", "normal_force"];
 const CARDS = ["map", "pressure", "portrait", "probability", "friction", "reattachment", "spectrum", "statistics"] as const;
 /** Parameters of the table of statistics; the others follow. */
@@ -70,14 +70,12 @@ class Page {
   private friction?: Result;
   private cycle?: Result;
   private limits?: Result;
-  private ensemble?: Result;
-  /** The ensemble of the machine as it is, whose runs the portrait shows. */
-  private drawn?: Result;
+  /** The ensemble of the machine as it is; `null` without one, undefined while it is computed. */
+  private ensemble?: Result | null;
+  /** The machine that moves. */
+  private moving?: object;
   private readonly controls = new Controls((key, value) => this.set(key, value));
   private readonly figures = new Map<Card, Figure>();
-  private readonly map = new MapView(part("map", ".host"));
-  private readonly twin = new MapView(part("map", ".twin"));
-  private readonly pressure = new MapView(part("pressure", ".host"));
   private readonly motion: Lane;
   private readonly surface: Lane;
   /** Friction and twins take longer than a contact, and have a worker of their own. */
@@ -85,14 +83,14 @@ class Page {
   private readonly runs: Lane;
   private saving?: ReturnType<typeof setTimeout>;
 
-  constructor(start: () => Worker) {
+  constructor(start: Promise<() => Worker>) {
     const watcher: Watcher = {
       busy: () => this.showStatus(),
       progress: (task, done, total) => this.showProgress(task, done, total),
       broken: () => (this.opened = false),
     };
     this.motion = new Lane(start, watcher, ["cycle", "limits"]);
-    this.surface = new Lane(start, watcher, ["open", "state", "contact", "spectrum"]);
+    this.surface = new Lane(start, watcher, ["open", "state", "describe", "contact", "spectrum"]);
     this.strips = new Lane(start, watcher, ["open", "state", "friction", "twin"]);
     this.runs = new Lane(start, watcher, ["ensemble"]);
     this.listen();
@@ -133,13 +131,9 @@ class Page {
       this.problem();
       this.open();
     });
-    element("twin").addEventListener("click", () => this.set("press_twin", true));
     element("cancel").addEventListener("click", () => this.cancel());
     element("save").addEventListener("click", () => this.save());
-    element("reset").addEventListener("click", (event) => {
-      event.preventDefault();
-      this.replace(defaults());
-    });
+    element("reset").addEventListener("click", () => this.replace(defaults()));
     element("controls").addEventListener("submit", (event) => event.preventDefault());
     addEventListener("hashchange", () => {
       if (location.hash.slice(1) !== fragment(this.values)) this.replace(fromFragment(location.hash));
@@ -151,10 +145,12 @@ class Page {
     this.values = { ...this.values, [key]: value };
     this.showControls();
     this.remember();
-    if (SURFACE.includes(key)) this.open();
+    const ofFriction = key === "seed" || FRICTION.includes(key);
+    if (key === "seed" || SURFACE.includes(key)) this.open();
     else if (CONTACT.includes(key)) this.press();
-    else if (FRICTION.includes(key)) this.slide();
-    if (!SURFACE.includes(key) && !CONTACT.includes(key)) this.move();
+    else if (ofFriction) this.slide();
+    // Friction of the surface moves the machine when it is known.
+    if (ofFriction ? !this.values.from_surface : !SURFACE.includes(key) && !CONTACT.includes(key)) this.move();
   }
 
   private replace(values: Values) {
@@ -182,22 +178,28 @@ class Page {
   private open(source = this.scan) {
     const { surface, strips } = this;
     const failed = (message: string) => {
-      if (!source) return this.report(message, "map", "pressure", "friction", "spectrum", "statistics");
-      // A file that cannot be read leaves the page as it was. The user may state what it lacks.
+      if (!source) {
+        this.report(message, "map", "pressure", "spectrum", "statistics");
+        return this.loseFriction(message);
+      }
+      // The page keeps its surface, and names it. The user may state what the file lacks.
       this.rejected = source;
-      this.problem(message);
+      this.problem(`${source.name}: ${message}\nThe page still shows ${this.scan?.name ?? "the stated surface"}.`);
       if (this.opened) this.current("map", "spectrum", "statistics", "pressure", "friction");
       else this.open();
     };
-    const done = (result: Result) => {
+    const columns = matchMedia("(max-width: 760px)").matches ? 1 : 2;
+    const described = (result: Result) => {
       [this.scan, this.rejected, this.opened, this.described] = [source, undefined, true, result];
       this.problem();
       this.showSurface(result);
       surface.call({ what: "spectrum" }, (found) => this.draw("spectrum", found), (error) => this.report(error, "spectrum"));
       strips.call(call, () => undefined, failed);
-      strips.call({ what: "twin" }, (found) => this.showTwin(found), (error) => this.report(error, "map"));
+      const alone = (error: string) => (part("map", ".note").textContent += ` No random twin: ${error}.`);
+      strips.call({ what: "twin", columns }, (found) => this.draw("map", found, this.mapNote(found)), alone);
       this.press();
     };
+    const done = () => surface.call({ what: "describe", columns }, described, failed);
     this.stale("map", "spectrum", "statistics", "pressure", "friction");
     for (const lane of [surface, strips]) lane.drop(source ? "state" : "open");
     const call = this.opening(source);
@@ -239,7 +241,7 @@ class Page {
   private press() {
     if (!this.opened) return this.open();
     const { boundary } = this.described?.numbers ?? {};
-    const settings = { ...this.body(), twin: this.values.press_twin, points: MAP_POINTS, boundary };
+    const settings = { ...this.body(), boundary };
     this.stale("pressure");
     this.surface.call(
       { what: "contact", settings: JSON.stringify(settings) },
@@ -250,7 +252,6 @@ class Page {
       (message) => {
         this.contact = undefined;
         this.report(message, "pressure");
-        element("twin").hidden = this.values.press_twin || !this.described?.numbers.statistics.missing_points;
       },
     );
     this.slide();
@@ -270,6 +271,7 @@ class Page {
       normal_force_n: si(this.values, "normal_force"),
     };
     this.stale("friction");
+    if (this.values.from_surface) this.stale("portrait", "probability", "reattachment");
     this.strips.call(
       { what: "friction", settings: JSON.stringify(settings) },
       (result) => {
@@ -277,33 +279,39 @@ class Page {
         this.showFriction(result);
         if (this.values.from_surface) this.move();
       },
-      (message) => {
-        this.friction = undefined;
-        this.report(message, "friction");
-        if (this.values.from_surface) this.report(`The friction of the surface is unknown: ${message}`, "portrait", "probability", "reattachment");
-      },
+      (message) => this.loseFriction(message),
     );
   }
 
-  private machine(): object | undefined {
+  /** Shows why the surface has no friction. */
+  private loseFriction(why: string) {
+    this.friction = undefined;
+    this.report(why, "friction");
+    this.showLinked();
+    if (this.values.from_surface) this.move();
+  }
+
+  private machine() {
     const { values } = this;
     const found = this.friction?.numbers;
     if (values.from_surface && !found) return undefined;
-    const mu = values.from_surface ? found.mean : Number(values.static_friction);
-    const length_m = values.from_surface ? (found.correlation_length_m ?? found.window_m) : si(values, "friction_length");
-    const machine = {
+    const mean = Number(values.static_friction);
+    const averaged = values.from_surface && values.upscaling === "area";
+    const own = { mean, std: mean * si(values, "variability"), correlation_length_m: si(values, "friction_length") };
+    const friction = values.from_surface ? { ...found, std: averaged ? found.area_std : found.std } : own;
+    return {
       mass_kg: si(values, "mass"),
       natural_frequency_rad_per_s: this.angularFrequency(),
       normal_force_n: si(values, "normal_force"),
       damping_ratio: values.damping,
       belt_velocity_m_per_s: si(values, "belt_velocity"),
-      static_friction: mu,
+      static_friction: friction.mean,
       stribeck_s_per_m: values.stribeck,
-      friction_correlation_length_m: length_m,
-      friction_std: mu * si(values, "variability"),
-      marginal: MARGINAL,
+      friction_correlation_length_m: friction.correlation_length_m ?? found.window_m,
+      friction_std: friction.std,
+      // The mean of many windows is normal.
+      marginal: averaged ? "normal" : MARGINAL,
     };
-    return machine;
   }
 
   private angularFrequency(): number {
@@ -314,9 +322,9 @@ class Page {
   private move() {
     const { values } = this;
     const machine = this.machine();
-    if (!machine) return;
     // The last runs are of another machine.
-    this.drawn = undefined;
+    [this.moving, this.ensemble] = [machine, undefined];
+    if (!machine) return this.stand("The friction of the surface is unknown.", "portrait", "probability", "reattachment");
     this.portray();
     this.motion.call(
       { what: "limits", settings: JSON.stringify({ machine }) },
@@ -324,9 +332,16 @@ class Page {
         this.limits = result;
         this.showVerdict();
       },
-      (message) => this.report(message, "portrait"),
+      () => {
+        this.limits = undefined;
+        this.showVerdict();
+      },
     );
     this.stale("probability", "reattachment");
+    const least = LEAST_PERIODS / Number(values.frequency);
+    const short = `Runs shorter than ${LEAST_PERIODS} natural periods, ${quantity(least, "s", 3)}, do not show whether vibration persists.`;
+    if (machine.friction_std === 0) return this.stand(ALIKE, "probability", "reattachment");
+    if (si(values, "duration") < least) return this.stand(short, "probability", "reattachment");
     const request = {
       machine,
       trajectories: values.trajectories,
@@ -336,35 +351,45 @@ class Page {
     this.runs.call(
       { what: "ensemble", settings: JSON.stringify(request) },
       (result) => {
+        if (this.moving !== machine) return;
         this.ensemble = result;
-        this.drawn = result;
         this.showEnsemble(result);
       },
-      (message) => {
-        this.ensemble = undefined;
-        this.report(message, "probability", "reattachment");
-        this.showVerdict();
-      },
+      (message) => this.moving === machine && this.stand(message, "probability", "reattachment"),
     );
+  }
+
+  /** Shows on cards why the machine has no runs. */
+  private stand(why: string, ...cards: Card[]) {
+    this.ensemble = null;
+    this.report(why, ...cards);
+    this.showVerdict();
   }
 
   /** Computes the cycle, and draws it with the runs of its ensemble. */
   private portray() {
-    const machine = this.machine();
+    const machine = this.moving;
     if (!machine) return;
     this.motion.call(
-      { what: "cycle", settings: JSON.stringify({ machine }), runs: this.drawn?.arrays },
+      { what: "cycle", settings: JSON.stringify({ machine }), runs: this.ensemble?.arrays },
       (result) => {
+        if (!this.moving) return;
         this.cycle = result;
         this.showMotion();
       },
-      (message) => this.report(message, "portrait"),
+      (message) => {
+        this.cycle = undefined;
+        this.report(message, "portrait");
+        this.showVerdict();
+      },
     );
   }
 
   private cancel() {
     for (const lane of [this.motion, this.surface, this.strips, this.runs]) lane.cancel();
     this.opened = false;
+    this.ensemble ??= null;
+    this.showVerdict();
     for (const card of CARDS) {
       if (element(card).classList.contains("stale")) part(card, ".note, .problem").textContent = "Cancelled; the card shows earlier parameters.";
     }
@@ -392,18 +417,18 @@ class Page {
     controls.reveal("pressure", values.control === "pressure");
     controls.reveal("penetration", values.control === "penetration");
     controls.reveal("hardness", !values.elastic);
-    for (const key of ["static_friction", "friction_length"] as const) controls.reveal(key, !values.from_surface);
+    for (const key of ["static_friction", "variability", "friction_length"] as const) controls.reveal(key, !values.from_surface);
+    controls.reveal("upscaling", values.from_surface);
     this.showLinked();
   }
 
   private showLinked() {
-    const { mean, correlation_length_m, std, area_std } = this.friction?.numbers ?? {};
-    const text =
-      mean === undefined
-        ? ""
-        : `The surface gives μ = ${digits(mean, 3)} with a correlation length of ${quantity(correlation_length_m ?? NaN, "m", 3)}. ` +
-          `One window varies by ${percent(std / mean)}, the whole nominal area by ${percent(area_std / mean)}.`;
-    element("linked").textContent = this.values.from_surface ? text : "";
+    const { mean, correlation_length_m, std, area_std, nominal_area_m2 } = this.friction?.numbers ?? {};
+    const varies = () =>
+      `Its standard deviation is ${percent(std / mean)} over one window, ${percent(area_std / mean)} over the nominal area of ` +
+      `${digits(nominal_area_m2 * 1e6, 3)} mm²; it correlates over ${quantity(correlation_length_m ?? NaN, "m", 3)}.`;
+    const text = mean === undefined ? "" : `The surface gives μ = ${digits(mean, 3)}. ${std > 0 ? varies() : "It does not fluctuate."}`;
+    element("linked").textContent = this.values.from_surface ? text : "The machine has the friction below, not that of the surface.";
   }
 
   private showStatus() {
@@ -432,15 +457,19 @@ class Page {
   /** Marks a card as current, with a sentence below. */
   private settle(card: Card, note = "") {
     this.current(card);
+    element(card).classList.remove("failed");
     part(card, ".problem").hidden = true;
     const sentence = element(card).querySelector(".note");
     if (sentence) sentence.textContent = note;
   }
 
-  /** Shows an error on cards, whose earlier results stay. */
+  /** Shows an error on cards in place of their earlier results. */
   private report(message: string, ...cards: Card[]) {
+    this.current(...cards);
     for (const card of cards) {
+      element(card).classList.add("failed");
       const problem = part(card, ".problem");
+      problem.classList.toggle("fact", message === ALIKE);
       problem.textContent = message;
       problem.hidden = false;
     }
@@ -461,10 +490,9 @@ class Page {
     this.settle(card, note);
   }
 
-  private showSurface({ numbers, arrays }: Result) {
-    const values = arrays.heights_m as Float64Array;
-    this.map.show({ ...numbers, values, unit: "m", name: "heights" });
+  private showSurface(result: Result) {
     const { scan } = this;
+    const { numbers } = result;
     element("scan").hidden = element("scale").hidden = !scan;
     element("stated").hidden = Boolean(scan);
     this.controls.reveal("size", !scan);
@@ -473,10 +501,20 @@ class Page {
     const channels: string[] = numbers.channels ?? [];
     element("channel-field").hidden = channels.length < 2;
     channel.replaceChildren(...channels.map((name, at) => new Option(name, String(at + 1), false, name === numbers.channel)));
-    const { statistics, warnings } = numbers;
-    const missing = statistics.missing_points / (numbers.nx * numbers.ny);
-    this.settle("map", [missing > 0 ? `${percent(missing)} of the heights are missing (grey).` : "", ...warnings].join(" ").trim());
-    this.showStatistics(statistics);
+    part("map", "h2").textContent = scan ? `Surface: ${scan.name}` : "Stated surface";
+    this.draw("map", result, this.mapNote(result));
+    this.showStatistics(numbers.statistics);
+  }
+
+  /** Returns the size of the map and the warnings about it. */
+  private mapNote({ numbers: { warnings } }: Result): string {
+    const { nx, ny, dx_m, dy_m, statistics, warnings: own = [] } = this.described?.numbers ?? {};
+    const missing = statistics.missing_points;
+    return [
+      `${quantity(nx * dx_m, "m", 3)} × ${quantity(ny * dy_m, "m", 3)}, ${nx} × ${ny} points.`,
+      missing > 0 ? `${missing} heights (${percent(missing / (nx * ny))}) are missing; the contact fills them.` : "",
+      ...new Set([...own, ...warnings]),
+    ].join(" ");
   }
 
   private showStatistics(statistics: Record<string, unknown>) {
@@ -492,27 +530,22 @@ class Page {
       return line;
     });
     part("statistics", "tbody").replaceChildren(...rows);
+    part("statistics", "table").classList.toggle("plain", rows.every(({ lastChild }) => lastChild?.textContent === ""));
     this.settle("statistics");
   }
 
-  private showTwin({ numbers, arrays }: Result) {
-    const heights = this.described?.arrays.heights_m;
-    const values = arrays.heights_m as Float64Array;
-    const range = heights && extremes(heights);
-    this.twin.show({ ...numbers, values, unit: "m", name: this.scan ? "random twin" : "second random map", ...(range && { range }) });
-  }
-
-  private showContact({ numbers, arrays }: Result) {
-    element("twin").hidden = true;
-    this.pressure.show({ ...numbers, values: arrays.pressure_pa as Float64Array, unit: "Pa", name: "pressure" });
-    const { contact_fraction_corrected: area, plastic_fraction: plastic, contact_fraction, mean_pressure_pa, penetration_m, whole } = numbers;
+  private showContact(result: Result) {
+    const { numbers } = result;
+    const { contact_fraction_corrected: area, plastic_fraction: plastic, contact_fraction, mean_pressure_pa, penetration_m, whole, filled_points } = numbers;
     const yielded = this.values.elastic ? "" : ` (${percent(contact_fraction > 0 ? plastic / contact_fraction : 0)} of it at the hardness)`;
-    this.settle(
+    const filled = filled_points > 0 ? ` ${filled_points} missing heights were filled with random ones that continue the map.` : "";
+    this.draw(
       "pressure",
+      result,
       `Contact on ${percent(area)} of the area${yielded} at a mean pressure of ${quantity(mean_pressure_pa, "Pa")} and a penetration of ` +
-        `${quantity(penetration_m, "m")}.${whole ? "" : " The centre of the map was pressed."}`,
+        `${quantity(penetration_m, "m")}.${whole ? "" : " The centre of the map was pressed."}${filled}`,
     );
-    Object.assign(part("pressure", ".note").dataset, { numbers: JSON.stringify(numbers) });
+    Object.assign(part("pressure", ".note").dataset, { numbers: JSON.stringify({ ...numbers, svg: undefined }) });
   }
 
   private showFriction(result: Result) {
@@ -563,25 +596,28 @@ class Page {
   }
 
   private showVerdict() {
-    const { cycle, limits, ensemble } = this;
-    if (!cycle) return;
+    const { moving, cycle, limits, ensemble } = this;
     const verdict = element("verdict");
     const bold = (text: string) => Object.assign(document.createElement("b"), { textContent: text });
-    const { numbers } = cycle;
-    const share: number | undefined = ensemble?.numbers.sustained_share;
-    const vibrates = share === undefined ? numbers.limit_cycle : share >= 0.5;
-    verdict.className = `verdict ${vibrates ? "vibrates" : "quiet"}`;
-    if (share === undefined) verdict.replaceChildren("Without fluctuation the machine ", bold(vibrates ? "vibrates." : "slides steadily."));
-    else verdict.replaceChildren("Vibration persists in ", bold(`${percent(share)} of runs`), " from standstill.");
-    const sentences = [
-      numbers.limit_cycle ? `Without fluctuation it vibrates at ${quantity(1 / (numbers.period * numbers.time_s), "Hz", 3)}.` : "Without fluctuation it slides steadily.",
-    ];
-    const limit = limits?.numbers.limit_damping_ratio;
-    if (typeof limit === "number") {
-      sentences.push(`Vibration ends at a damping ratio of ${digits(limit, 3)}; this machine has ${digits(Number(this.values.damping), 3)}.`);
-    }
-    element("sub").textContent = sentences.join(" ");
+    const limit: number | undefined = (moving && limits?.numbers.limit_damping_ratio) ?? undefined;
+    this.controls.markLimit(limit, `limit of vibration ${digits(limit ?? NaN, 4)}`);
     Object.assign(element("sub").dataset, { numbers: JSON.stringify(limits?.numbers ?? {}) });
+    element("sub").textContent = "";
+    verdict.className = "verdict";
+    if (!moving || !cycle) return verdict.replaceChildren("The motion of the machine is unknown.");
+    const { limit_cycle, period, time_s } = cycle.numbers;
+    const share: number | undefined = ensemble?.numbers.sustained_share;
+    if (ensemble === undefined) verdict.replaceChildren("Computing the runs with fluctuating friction …");
+    else {
+      const vibrates = share === undefined ? limit_cycle : share >= 0.5;
+      verdict.classList.add(vibrates ? "vibrates" : "quiet");
+      if (share === undefined) verdict.replaceChildren("The machine ", bold(vibrates ? "vibrates" : "slides steadily"), " with constant friction.");
+      else verdict.replaceChildren("Fluctuating friction: ", bold(`${percent(share)} of runs vibrate.`));
+    }
+    const end = digits(limit ?? 0, 4);
+    const stops = limit ? `, which a damping ratio above ${end} stops` : "";
+    const starts = limit ? `; vibration at damping ratios below ${end}` : "";
+    element("sub").textContent = `Constant friction: ${limit_cycle ? `vibration at ${quantity(1 / (period * time_s), "Hz", 3)}${stops}` : `steady sliding${starts}`}.`;
   }
 }
 
@@ -589,10 +625,9 @@ declare const WORKER: string;
 declare const VERSION: string;
 
 element("version").textContent = VERSION;
-compiled(element("module").textContent ?? "").then(
-  (module) => new Page(workers(WORKER, module)),
-  (error: Error) => {
-    element("verdict").textContent = `This browser cannot run the explorer: ${error.message}`;
-  },
-);
+const start = workers(WORKER, element("module").textContent ?? "");
+new Page(start);
+start.catch((error: Error) => {
+  element("verdict").textContent = `This browser cannot run the explorer: ${error.message}`;
+});
 

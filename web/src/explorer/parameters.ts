@@ -3,7 +3,7 @@
 import { accepted, type Choice, type Entry, type Parameter, type Slider, type Switch, type Value } from "../controls";
 
 /** Inputs of a study, by `section.name`: their names for readers, and their defaults. */
-declare const INPUTS: Record<string, { label: string; default: number | null }>;
+declare const INPUTS: Record<string, { label: string; default: number | string | null }>;
 
 /** Returns the label of an input of a study, or of a parameter that has its own. */
 function named(name: string): { label: string; input?: string } {
@@ -22,7 +22,7 @@ const slider = (name: string, unit: string, si: number, low: number, high: numbe
   value,
 });
 
-const entry = (name: string, unit: string, si: number, low: number, high: number, value = INPUTS[name]?.default ?? NaN): Entry => ({
+const entry = (name: string, unit: string, si: number, low: number, high: number, value = Number(INPUTS[name]?.default ?? NaN)): Entry => ({
   kind: "number",
   ...named(name),
   unit,
@@ -32,9 +32,12 @@ const entry = (name: string, unit: string, si: number, low: number, high: number
   value,
 });
 
+/** Words for a machine whose friction varies like that of one window; it is the upscaling of stated friction. */
+const ONE_WINDOW = "one window carries all";
+
 /** Groups of parameters in the order of the page. Those of `more` are shown on request. */
 export const PARAMETERS = {
-  rms_height: slider("surface.rms_height", "µm", 1e-6, 0.05, 20, 1),
+  rms_height: slider("surface.rms_height", "µm", 1e-6, 0.05, 20, 0.2),
   length_x: slider("surface.correlation_length[0]", "µm", 1e-6, 2, 100, 20),
   length_y: slider("surface.correlation_length[1]", "µm", 1e-6, 2, 100, 20),
   hurst: slider("surface.hurst", "", 1, 0.05, 0.95, 0.8, false),
@@ -63,15 +66,23 @@ export const PARAMETERS = {
   penetration: slider("Penetration below the highest point", "µm", 1e-6, 0.02, 20, 1),
   hardness: slider("material.hardness", "GPa", 1e9, 0.02, 20, 2),
   elastic: { kind: "switch", label: "Elastic: no hardness", value: false } as Switch,
-  press_twin: { kind: "switch", label: "Press the random twin instead of the map", value: false } as Switch,
   youngs_modulus: entry("material.youngs_modulus", "GPa", 1e9, 0.001, 2000, 210),
   poisson_ratio: entry("material.poisson_ratio", "", 1, 0, 0.5),
   shear_strength: entry("material.shear_strength", "MPa", 1e6, 0.01, 10000, 385),
   belt_velocity: slider("vibration.belt_velocity", "mm/s", 1e-3, 0.5, 5000, 23.7),
   damping: slider("vibration.damping_ratio", "", 1, 0, 0.8, 0.17, false),
-  variability: slider("Variability of friction", "%", 1e-2, 0.01, 20, 1),
   from_surface: { kind: "switch", label: "Friction of the surface", value: true } as Switch,
+  upscaling: {
+    kind: "choice",
+    ...named("vibration.upscaling"),
+    options: [
+      ["area", "mean over the area"],
+      ["paper", ONE_WINDOW],
+    ],
+    value: INPUTS["vibration.upscaling"]?.default,
+  } as Choice,
   static_friction: slider("vibration.static_friction", "", 1, 0.01, 1.5, 0.1, false),
+  variability: slider(`Variability of friction, ${ONE_WINDOW}`, "%", 1e-2, 0, 20, 1, false),
   friction_length: slider("vibration.friction_correlation_length", "µm", 1e-6, 5, 5000, 250),
   normal_force: entry("vibration.normal_force", "N", 1, 0.001, 1e7, 2500),
   mass: entry("vibration.mass", "kg", 1, 1e-6, 1e6, 1),

@@ -1,8 +1,10 @@
 // Writes the parameters as a study file for `asperity run`.
 
 import { type Parameter } from "../controls";
-import { type Key, PARAMETERS, si, type Values } from "./parameters";
+import { fragment, type Key, PARAMETERS, si, type Values } from "./parameters";
 
+/** Standardised distribution of the friction of one window: figure 3 of the paper. */
+export const MARGINAL = "beta:2.1,5";
 /** Points of a strip, and of the window that slides along it. */
 export const STRIP_POINTS: [number, number] = [1024, 128];
 export const WINDOW_POINTS = 96;
@@ -39,12 +41,13 @@ function float(value: number): string {
   return /[.e]/.test(text) ? text : `${text}.0`;
 }
 
-/** States the parameters that are inputs, each with its unit in ASCII. */
+/** States the parameters that are inputs, numbers with their unit in ASCII. */
 function inputs(values: Values, ...keys: Key[]): string[] {
   return keys.map((key) => {
     const { input = key, unit = "" } = PARAMETERS[key] as Parameter & { input?: string; unit?: string };
     const name = input.slice(input.indexOf(".") + 1);
-    return `${name} = ${unit ? quoted(`${values[key]} ${unit.replace("µ", "u")}`) : float(Number(values[key]))}`;
+    const value = values[key];
+    return `${name} = ${unit || typeof value === "string" ? quoted(`${value} ${unit.replace("µ", "u")}`.trim()) : float(Number(value))}`;
   });
 }
 
@@ -56,6 +59,7 @@ export function study(values: Values, { scan, pitch_m: [dx, dy], boundary, mean_
   const pressed = values.control === "penetration" ? `penetration = ${um(si(values, "penetration"))}` : `mean_pressure = "${values.pressure} MPa"`;
   const lines = [
     "# Made by the surface explorer of asperity. Check it with `asperity check`, compute it with `asperity run`.",
+    `# Address of the page: #${fragment(values)}`,
     `seed = ${values.seed}`,
     "",
     "[surface]",
@@ -102,11 +106,11 @@ export function study(values: Values, { scan, pitch_m: [dx, dy], boundary, mean_
     ...inputs(values, "mass", "frequency", "damping", "normal_force", "belt_velocity", "stribeck"),
     `nominal_area = "${Number(((si(values, "normal_force") / (mean_pressure_pa ?? si(values, "pressure"))) * 1e6).toPrecision(12))} mm^2"`,
     ...(values.from_surface
-      ? []
+      ? inputs(values, "upscaling")
       : [
           ...inputs(values, "static_friction", "friction_length"),
           `friction_std = ${float(Number((Number(values.static_friction) * si(values, "variability")).toPrecision(12)))}`,
-          'friction_marginal = "beta:2.1,5"',
+          `friction_marginal = ${quoted(MARGINAL)}`,
           'upscaling = "paper"',
         ]),
     `trajectories = ${values.trajectories}`,

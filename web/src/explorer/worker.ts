@@ -9,7 +9,7 @@ let surface: Surface | undefined;
 function open(next: Surface): Result {
   surface?.free();
   surface = next;
-  return taken(next.describe());
+  return { numbers: {}, arrays: {} };
 }
 
 function run(call: Call): Result {
@@ -22,10 +22,12 @@ function run(call: Call): Result {
       return open(Surface.from_file(new Uint8Array(call.bytes), call.name, call.settings));
     case "state":
       return open(Surface.stated(call.settings));
+    case "describe":
+      return taken(own().describe(call.columns));
     case "spectrum":
       return taken(own().spectrum());
     case "twin":
-      return taken(own().twin());
+      return taken(own().twin(call.columns));
     case "contact":
       return taken(own().contact(call.settings));
     case "friction":

@@ -1,7 +1,7 @@
 // The machine of a report, which the reader moves with sliders.
 
 import { control, type Control, type Slider } from "../controls";
-import { compiled, Lane, workers } from "../engine";
+import { Lane, workers } from "../engine";
 import { Figure } from "../figure";
 import { digits, percent, quantity } from "../format";
 import type { Call, Result } from "../messages";
@@ -74,7 +74,7 @@ class Page {
   constructor(
     private readonly host: HTMLElement,
     private readonly machine: Machine,
-    start: () => Worker,
+    start: Promise<() => Worker>,
   ) {
     const { parameters, process, length_m, time_s } = machine;
     const unit = length_m / time_s;
@@ -225,10 +225,11 @@ export function start() {
   const text = (id: string) => document.getElementById(id)?.textContent ?? "";
   const data = host?.querySelector("script")?.textContent;
   if (!host || !data) return;
-  compiled(text("module")).then(
-    (module) => {
+  const start = workers(text("worker"), text("module"));
+  start.then(
+    () => {
       document.querySelector(".without-script")?.remove();
-      return new Page(host, JSON.parse(data), workers(text("worker"), module));
+      return new Page(host, JSON.parse(data), start);
     },
     (error: Error) => {
       const note = document.querySelector(".without-script");

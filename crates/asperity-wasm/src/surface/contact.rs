@@ -5,13 +5,20 @@ use asperity::contact::{
     Boundary, ContactProblem, Control, Elastic, HalfSpace, Solution, Solver, SolverStop, Substrate,
 };
 use asperity::map::{BoundaryKind, Grid, HeightMap};
+use asperity::random;
+use asperity::study::Field;
+use asperity::surface::{FillOptions, Filling, RandomSurface};
+use asperity_report::live;
 use ndarray::s;
 use serde::Deserialize;
 use serde_json::json;
 
-use super::{Surface, with_size};
+use super::{Origin, Surface, with_size};
 use crate::answer::{Answer, Failure, read};
 use crate::monitor::Progress;
+
+/// Largest number of points along a side of a pressed map.
+const PRESSED_POINTS: usize = 256;
 
 /// Elastic body, hardness, and the prescribed position or load: exactly one of `penetration_m` and `mean_pressure_pa`.
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -50,10 +57,6 @@ impl Press {
 /// Request for a contact solution.
 #[derive(Debug, Deserialize)]
 struct Request {
-    /// Whether the twin is pressed instead of the map.
-    twin: bool,
-    /// Largest number of points along a side.
-    points: usize,
     boundary: ByName<BoundaryKind>,
     tolerance: Option<f64>,
     #[serde(flatten)]
@@ -61,39 +64,49 @@ struct Request {
 }
 
 impl Surface {
-    /// Solves the contact of the map or of its twin.
+    /// Solves the contact of the map.
     pub(super) fn pressed(&self, request: &str) -> Result<Answer, Failure> {
-        let Request { twin, points, boundary: ByName(boundary), tolerance, press } = read(request)?;
-        let whole = if twin { &self.drawn_twin()?.0 } else { &self.map };
-        let map = central(whole, points)?;
+        let Request { boundary: ByName(boundary), tolerance, press } = read(request)?;
+        let (map, filled) = self.complete_part()?;
         let half_space = press.half_space(map.grid(), boundary)?;
         let problem = ContactProblem::new(&half_space, map.heights_m(), press.control()?, press.hardness_pa)?;
         let mut solver = Solver::default();
         solver.tolerance = tolerance.unwrap_or(solver.tolerance);
         let solution = solver.solve_from(&problem, None, &mut half_space.workspace(), &Progress)?;
         require_convergence(&solution, solver.tolerance)?;
-        let compliance = match solution.boundary() {
-            Boundary::Free => None,
-            Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
-        };
         let numbers = json!({
-            "whole": map.grid() == whole.grid(),
+            "whole": map.grid() == self.map.grid(),
+            "filled_points": filled,
             "contact_fraction": solution.contact_fraction(),
             "contact_fraction_corrected": solution.corrected_contact_fraction(),
             "plastic_fraction": solution.plastic_fraction(),
             "mean_pressure_pa": solution.mean_pressure_pa(),
-            "load_n": solution.load_n(),
-            "max_pressure_pa": solution.max_pressure_pa(),
             "mean_gap_m": solution.mean_gap_m(),
-            "separation_m": solution.separation_m(),
             "penetration_m": solution.penetration_m(),
-            "mean_compliance_m_per_pa": compliance,
-            "iterations": solution.iterations(),
-            "residual": solution.residual().worst(),
             "tolerance": solver.tolerance,
         });
-        let answer = Answer::new(&with_size(map.grid(), numbers))?;
-        Ok(answer.with("pressure_pa", solution.into_fields().0.into_raw_vec_and_offset().0))
+        let mut numbers = with_size(map.grid(), numbers);
+        let pitch_m = [map.grid().dx_m(), map.grid().dy_m()];
+        numbers["svg"] = live::pressure(&Field::new(pitch_m, "Pa", solution.into_fields().0))?.into();
+        Answer::new(&numbers)
+    }
+
+    /// Returns the central part of the map without missing heights, and how many were filled in; fills them at the first call.
+    fn complete_part(&self) -> Result<&(HeightMap, usize), Failure> {
+        if let Some(part) = self.pressed.get() {
+            return Ok(part);
+        }
+        let part = central(&self.map, PRESSED_POINTS)?;
+        let complete = match &self.origin {
+            Origin::Scan { settings, .. } if part.missing_points() > 0 => {
+                let options = FillOptions { level: settings.level, ..FillOptions::default() };
+                let filling = Filling::new(&part, options, &Progress)?;
+                let mut stream = random::stream(self.seed, "fill", 0);
+                (filling.generate(&random::standard_normal(&mut stream, filling.xi_len())), filling.filled_points())
+            }
+            _ => (part, 0),
+        };
+        Ok(self.pressed.get_or_init(|| complete))
     }
 }
 

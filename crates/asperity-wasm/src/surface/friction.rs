@@ -13,6 +13,7 @@ use asperity::friction::window::Window;
 use asperity::map::{BoundaryKind, Grid};
 use asperity::stats::{Interval, Layout, ProcessEstimate, ProcessMoments};
 use asperity::surface::model::XiOrder;
+use asperity::vibration::CONSTANT_STD;
 use asperity_report::live;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -65,15 +66,11 @@ impl Surface {
         Answer::new(&json!({
             "mean": friction.mean,
             "mean_interval": interval(friction.moments.mean),
-            "std": friction.moments.moments.std,
-            "std_interval": interval(friction.moments.std),
+            "std": friction.std,
             "correlation_length_m": friction.length_m,
             "nominal_area_m2": nominal_area_m2,
             "area_std": friction.area_std(window, nominal_area_m2),
             "mean_pressure_pa": strips.mean_pressure_pa,
-            "penetration_m": strips.penetration_m,
-            "contact_fraction": strips.contact_fraction,
-            "plastic_fraction": strips.plastic_fraction(),
             "window_m": window.length_m(),
             "window_width_m": window.width_m(),
             "warnings": generated.warnings,
@@ -85,12 +82,14 @@ impl Surface {
 /// Friction of windows at the mean load.
 struct WindowProcess {
     mean: f64,
+    /// Standard deviation; 0 if it is a rounding error.
+    std: f64,
     moments: ProcessMoments,
     records: Vec<Record>,
     /// Correlation length, which contains the effect of the window; `None` if friction does not vary.
     length_m: Option<f64>,
-    /// Correlation length without the window; `None` if the fit fails.
-    own_length_m: Option<f64>,
+    /// Correlation length without the window; 0 if the fit fails.
+    own_length_m: f64,
 }
 
 impl WindowProcess {
@@ -116,15 +115,17 @@ impl WindowProcess {
         let fitted = RecordCorrelation::estimate(&series, window.step_m(), lags)
             .and_then(|estimate| fit_record(&estimate, RecordModel::Exponential));
         let moments = ProcessMoments::new(&series, Layout { periodic: true, tracks });
-        let own_length_m = own.ok().map(|own| own.length_m);
-        Ok(Self { mean, moments, length_m: fitted.ok().map(|fit| fit.length_m), own_length_m, records })
+        let std = Some(moments.moments.std).filter(|std| *std >= CONSTANT_STD).unwrap_or_default();
+        let length_m = fitted.ok().map(|fit| fit.length_m).filter(|_| std > 0.0);
+        // Without a correlation of their own, windows are independent.
+        let own_length_m = own.map_or(0.0, |own| own.length_m);
+        Ok(Self { mean, std, moments, length_m, own_length_m, records })
     }
 
     /// Returns the standard deviation over a nominal area.
-    fn area_std(&self, window: &Window, area_m2: f64) -> Option<f64> {
-        let correlation = exponential(self.own_length_m?);
-        let reduction = variance_reduction(window.length_m(), window.width_m(), area_m2, &correlation);
-        Some(self.moments.moments.std * reduction.sqrt())
+    fn area_std(&self, window: &Window, area_m2: f64) -> f64 {
+        let correlation = exponential(self.own_length_m);
+        self.std * variance_reduction(window.length_m(), window.width_m(), area_m2, &correlation).sqrt()
     }
 }
 

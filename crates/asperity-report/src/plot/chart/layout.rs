@@ -1,26 +1,28 @@
 //! Figures of several charts.
 
 use super::Chart;
-use super::legend::Legend;
+use super::legend::{Legend, PRINTED_ROW};
 use crate::plot::canvas::{Rect, draw};
 use crate::plot::image::ColourBar;
 
 /// Room for the colour bar with its labels in pixels.
 const BAR: f64 = 98.0;
 
-/// Width of a figure in print: the pixels in which it is laid out, and millimetres.
+/// Width of a figure: the pixels in which it is laid out, and millimetres in print.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Width {
     pub(crate) px: f64,
     pub(crate) mm: f64,
+    /// Height of one row of the legend in pixels.
+    pub(crate) row: f64,
 }
 
 /// Two columns of a paper.
-pub(crate) const TWO_COLUMNS: Width = Width { px: 640.0, mm: 170.0 };
+pub(crate) const TWO_COLUMNS: Width = Width { px: 640.0, mm: 170.0, row: PRINTED_ROW };
 /// One column of a paper.
-pub(crate) const ONE_COLUMN: Width = Width { px: 400.0, mm: 85.0 };
-/// Part of a page.
-pub(crate) const SCREEN: Width = Width { px: 480.0, mm: 127.0 };
+pub(crate) const ONE_COLUMN: Width = Width { px: 400.0, mm: 85.0, row: PRINTED_ROW };
+/// Part of a page; a finger can touch the entries of its legend.
+pub(crate) const SCREEN: Width = Width { px: 480.0, mm: 127.0, row: 34.0 };
 
 /// Charts of a figure in columns, row by row, with one legend above them and one colour bar for all of their maps.
 #[derive(Debug, Clone)]
@@ -47,7 +49,7 @@ impl Layout {
 
     /// Draws the figure as an SVG document.
     pub(crate) fn svg(&self, title: &str, description: &str, width: Width) -> String {
-        let legend = Legend::new(self.charts.iter().flat_map(|chart| &chart.series), 72.0, width.px - 76.0);
+        let legend = Legend::new(self.charts.iter().flat_map(|chart| &chart.series), 72.0, width.px - 76.0, width.row);
         let (places, height) = self.places(width.px, legend.height());
         draw((width.px, height), width.mm, title, description, |canvas| {
             legend.draw(canvas, 0.0);

@@ -1,18 +1,20 @@
 //! Legend of one or several charts.
 
 use super::mark::{DISC, Mark, SYMBOL, Series};
-use crate::plot::canvas::{Align, Canvas, Pen, Rect, TEXT, THIN, text_width};
+use crate::plot::canvas::{Align, Canvas, Pen, Rect, TEXT, THIN, WHITE, text_width};
 
-/// Height of one row of the legend in pixels.
-const ROW: f64 = 21.0;
+/// Height of one row in print, in pixels.
+pub(super) const PRINTED_ROW: f64 = 21.0;
 
 /// The named series of several charts, each name once, in rows that fit a width.
 pub(super) struct Legend<'a> {
     rows: Vec<Vec<(f64, &'a Series)>>,
+    /// Height of one row in pixels.
+    row: f64,
 }
 
 impl<'a> Legend<'a> {
-    pub(super) fn new(all: impl IntoIterator<Item = &'a Series>, left: f64, width: f64) -> Self {
+    pub(super) fn new(all: impl IntoIterator<Item = &'a Series>, left: f64, width: f64, row: f64) -> Self {
         let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
         let mut seen: Vec<&str> = vec![""];
         let mut x = f64::INFINITY;
@@ -30,18 +32,23 @@ impl<'a> Legend<'a> {
             rows.last_mut().into_iter().for_each(|row| row.push((x, series)));
             x += length;
         }
-        Self { rows }
+        Self { rows, row }
     }
 
     pub(super) fn height(&self) -> f64 {
-        if self.rows.is_empty() { 0.0 } else { ROW * self.rows.len() as f64 + 6.0 }
+        if self.rows.is_empty() { 0.0 } else { self.row * self.rows.len() as f64 + 6.0 }
     }
 
     pub(super) fn draw(&self, canvas: &mut Canvas, top: f64) {
         for (row, entries) in self.rows.iter().enumerate() {
-            let y = top + ROW * (row as f64 + 0.5) + 4.0;
+            let y = top + self.row * (row as f64 + 0.5) + 4.0;
             for (x, series) in entries {
                 canvas.group(&[("data-entry", &series.name)], |canvas| {
+                    if self.row > PRINTED_ROW {
+                        // The area of a button; paper has none.
+                        let width = 38.0 + text_width(&series.name, TEXT);
+                        canvas.fill(Rect::new(*x, y - 0.5 * self.row, width, self.row), WHITE, 0.0);
+                    }
                     draw_sample(canvas, (*x, y), &series.mark);
                     canvas.text((*x + 38.0, y), &series.name, TEXT, Align::Start);
                 });
