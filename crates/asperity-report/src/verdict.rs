@@ -13,6 +13,9 @@ pub(crate) const RARE: f64 = 1e-3;
 /// Effect of an unknown value on the probability, relative to the largest, below which it is not named.
 const LITTLE: f64 = 0.1;
 
+/// Change of the probability that turns the answer into its opposite.
+const REVERSAL: f64 = 0.5;
+
 /// The verdict in one sentence of three parts.
 pub(crate) struct Headline {
     pub(crate) before: String,
@@ -29,6 +32,16 @@ impl Headline {
 
     /// Returns the verdict. `interval` writes the interval of a number behind it.
     fn with_intervals(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
+        let mut headline = Self::as_stated(verdict, interval);
+        if let Some(assumed) = reversing(verdict).filter(|_| !verdict.friction_unresolved) {
+            let (label, value) = (named(&assumed.input), Dimension::None.show(assumed.value));
+            let stated = headline.after.trim_end_matches('.');
+            headline.after = format!("{stated}, if the {label} is {value}, which the study does not state.");
+        }
+        headline
+    }
+
+    fn as_stated(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let noun = noun(verdict);
         if verdict.friction_unresolved {
             let after = ": the friction coefficient is not resolved, or the random strips do not stand for the scan; the warnings say what \
@@ -49,7 +62,7 @@ impl Headline {
             let after = format!(
                 ": fewer than 1 in 1,000 machines like this one {event}; the number rests on the assumed tails."
             );
-            return Self { before, answer: "very improbable".into(), after };
+            return Self { before, answer: "extremely unlikely".into(), after };
         }
         let own = sampled(verdict.probability, verdict.probability_interval, interval);
         let (word, machines, after) = match range {
@@ -119,6 +132,12 @@ impl Headline {
     }
 }
 
+/// Returns a number that the study does not state and that may turn the answer into its opposite.
+fn reversing(verdict: &VerdictResult) -> Option<&Assumed> {
+    let reverses = |other: &f64| (other - verdict.probability).abs() > REVERSAL;
+    verdict.assumed.iter().find(|assumed| assumed.probability_at.iter().any(reverses))
+}
+
 /// Returns a ratio as a part or a multiple, before the whole.
 fn part_of(ratio: f64) -> String {
     match ratio {
@@ -131,11 +150,11 @@ fn part_of(ratio: f64) -> String {
 /// Returns the word for a probability.
 fn word(probability: f64) -> &'static str {
     match probability {
-        p if p < 0.05 => "improbable",
-        p if p < 0.35 => "unlikely",
-        p if p < 0.65 => "as likely as not",
-        p if p < 0.95 => "likely",
-        _ => "almost certain",
+        p if p < 0.05 => "very unlikely",
+        p if p < 0.45 => "unlikely",
+        p if p <= 0.55 => "as likely as not",
+        p if p <= 0.95 => "likely",
+        _ => "very likely",
     }
 }
 
@@ -168,7 +187,7 @@ pub(crate) fn largest_error(verdict: &VerdictResult) -> Option<String> {
         count => format!("Largest of {count} errors"),
     };
     Some(format!(
-        "{which} of the probability: {}, ±{} percentage points; to reduce it, {}.",
+        "{which} of the probability: {}, up to {} percentage points; to reduce it, {}.",
         source.words(),
         significant(100.0 * half_width, 2),
         source.remedy()

@@ -134,7 +134,7 @@ impl ErrorCause {
 pub struct ErrorSource {
     /// Its cause.
     pub source: ErrorCause,
-    /// Half width of the interval if this were its only cause.
+    /// Distance from the probability to the farther end of the interval if this were its only cause.
     pub half_width: f64,
 }
 

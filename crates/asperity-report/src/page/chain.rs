@@ -13,6 +13,8 @@ use crate::words::between;
 /// Size of a picture.
 const WIDTH: f64 = 100.0;
 const HEIGHT: f64 = 40.0;
+/// Excess of friction over the least that the hardness allows, below which roughness hardly matters.
+const SATURATED: f64 = 0.05;
 /// Largest number of points of a curve.
 const POINTS: usize = 120;
 
@@ -115,7 +117,10 @@ fn friction(run: &Run) -> Option<Link> {
     Some(Link {
         section: "friction",
         number: number(point.mean),
-        words: format!("± {} from window to window", significant(point.std, 2)),
+        words: match point.saturation {
+            Some(excess) if excess < SATURATED => "close to τ/H: roughness hardly matters".into(),
+            _ => format!("± {} from window to window", significant(point.std, 2)),
+        },
         picture,
     })
 }

@@ -146,8 +146,12 @@ fn vibration(verdict: &VerdictResult) -> Option<Html> {
         true => String::new(),
         false => format!(", with amplitudes of {}", amplitudes.join(" and ")),
     };
-    let (when, ranges) =
-        if is_exact(verdict) { ("It vibrates at", "") } else { ("If it vibrates:", "; ranges hold 90 %") };
+    let (when, ranges) = match (verdict.friction_fluctuates, is_exact(verdict)) {
+        // The cycles are those of machines with constant friction.
+        (true, exact) => ("Its cycle without the fluctuation:", if exact { "" } else { "; ranges hold 90 %" }),
+        (false, true) => ("It vibrates at", ""),
+        (false, false) => ("If it vibrates:", "; ranges hold 90 %"),
+    };
     Some(html!("{} <strong>{}</strong>{}{}{}.", when, hertz, wide, amplitudes, unbroken(ranges)))
 }
 

@@ -174,7 +174,8 @@ impl Contact {
     ) -> Result<Self, StudyError> {
         let (scan, mean_errors) = (ScanErrors::default(), &window.mean_errors);
         let mut points = ContactPoints { study: whole, surface, central: &study.central, scan, mean_errors, monitor };
-        if study.scan_errors {
+        // A machine of exact values has the scan's errors in those of its mean friction, without further solutions.
+        if study.scan_errors && !study.places.is_empty() {
             points.scan = ScanErrors::new(&points, output)?;
         }
         let scan_error = if study.scan_errors && points.scan.inputs.is_empty() { mean_errors.scan } else { 0.0 };

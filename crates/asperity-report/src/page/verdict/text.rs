@@ -64,7 +64,7 @@ fn advice(verdict: &VerdictResult) -> Vec<String> {
 
 /// Returns the parts of the error of the probability.
 fn computation(verdict: &VerdictResult) -> String {
-    let part = |source: ErrorCause, half_width: f64| format!("{source} ±{}", significant(100.0 * half_width, 2));
+    let part = |source: ErrorCause, half_width: f64| format!("{source} up to {}", significant(100.0 * half_width, 2));
     let parts: Vec<String> = verdict.error_sources.iter().map(|error| part(error.source, error.half_width)).collect();
     let mut text = format!("{} machines", count(verdict.evaluations));
     if verdict.model == MachineModel::StickSlip {

@@ -49,7 +49,7 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
         file.surface.as_ref().is_some_and(|surface| surface.file.is_some()),
         file.counterface.as_ref().is_some_and(|counterface| counterface.file.is_some()),
     ];
-    let counts = friction.is_some() && study.scan_errors;
+    let counts = friction.is_some() && study.scan_errors && !study.places.is_empty();
     let scans = if counts { scanned.into_iter().filter(|is_scanned| *is_scanned).count() } else { 0 };
     // The parts of a rough slider differ.
     let parts = usize::from(friction.is_some_and(|friction| friction.body != RoughBody::Track));

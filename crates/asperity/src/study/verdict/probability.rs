@@ -29,7 +29,7 @@ pub(super) struct Event {
     pub(super) by_margin: bool,
 }
 
-/// Probability with its 95 % interval, and the half widths that its causes have alone.
+/// Probability with its 95 % interval, and how far it would reach from the probability with each cause alone.
 #[derive(Debug, Clone)]
 pub(super) struct Probability {
     pub(super) value: f64,
@@ -105,7 +105,7 @@ impl Estimator<'_> {
             };
             (value, interval, small)
         };
-        let of_machines = 0.5 * (interval.high - interval.low);
+        let of_machines = (interval.high - value).max(value - interval.low);
         let mut sources = if of_machines > 0.0 { vec![(ErrorCause::Machines, of_machines)] } else { Vec::new() };
         for (cause, error) in self.independent_errors() {
             // A bound holds for any friction near this one.
@@ -116,7 +116,7 @@ impl Estimator<'_> {
             for (shifted, sign) in shifted.iter_mut().zip([-1.0, 1.0]) {
                 *shifted = self.shifted(event, value, small.as_ref(), (sign * NORMAL_95 * error).exp())?;
             }
-            sources.push((cause, 0.5 * (shifted[1] - shifted[0]).abs()));
+            sources.push((cause, farthest(value, shifted)));
             interval = widened(interval, value, shifted, small.is_some());
         }
         for (cause, factors) in self.machines.mean_errors().computational() {
@@ -127,7 +127,7 @@ impl Estimator<'_> {
             for (shifted, factor) in shifted.iter_mut().zip(factors).filter(|(_, factor)| *factor != 1.0) {
                 *shifted = self.shifted(event, value, small.as_ref(), factor)?;
             }
-            sources.push((cause, 0.5 * (shifted[1] - shifted[0]).abs()));
+            sources.push((cause, farthest(value, shifted)));
             interval = extended(interval, value, shifted, small.is_some());
         }
         sources.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -226,6 +226,11 @@ impl<'a> LimitState<'a> {
         let machine = self.machines.at(variables).and_then(|machine| Evaluated::constant_friction(&machine));
         machine.map(|machine| self.sign * (self.margin)(&machine.margins)).map_err(NoAnswer)
     }
+}
+
+/// Returns the distance from a probability to the farther of two others.
+fn farthest(probability: f64, others: [f64; 2]) -> f64 {
+    others.map(|other| (other - probability).abs()).into_iter().fold(0.0, f64::max)
 }
 
 /// Returns the interval of a probability extended by a bias of the friction, given the probabilities at both ends of the bias. A bias of
