@@ -98,6 +98,9 @@ pub struct MemberAnswers {
     pub probability: Option<f64>,
     /// Its 95 % interval: the error of the computation.
     pub probability_interval: Option<Pair>,
+    /// Its 90 % range over the values that are not known.
+    #[serde(default)]
+    pub probability_range: Option<Pair>,
     /// Number of warnings.
     pub warnings: Option<usize>,
 }

@@ -300,9 +300,22 @@ fn probabilities(results: &CampaignResults) -> Option<Answer> {
         }
         _ => String::new(),
     };
+    let ranges = results.members.iter().filter_map(|member| member.answers.probability_range);
+    let widest = ranges.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    let unknown = widest.map_or_else(String::new, |[low, high]| {
+        format!(
+            " The values that are not known alone move the probability of a member between {} and {}.",
+            probability(low),
+            probability(high)
+        )
+    });
     let determined =
         if open.is_empty() { "" } else { " Intervals that contain nearly every probability are not determined." };
-    Some(Answer { question: "How probable is vibration?", answer, detail: format!("{detail}{determined}") })
+    Some(Answer {
+        question: "How probable is vibration?",
+        answer,
+        detail: format!("{detail}{unknown}{determined}").trim_start().to_owned(),
+    })
 }
 
 /// Answers how the friction coefficient differs.

@@ -1,7 +1,7 @@
 //! The table of the members: answers first, then the values that differ.
 
 use asperity_results::choice::Choice;
-use asperity_results::{CampaignResults, InputValue, MemberResult};
+use asperity_results::{CampaignResults, InputValue, MemberResult, Pair};
 
 use crate::campaign::words::{
     SOURCE, capitalised, is_undetermined, key_in_words, number, probability, shown, unit_of, verdict,
@@ -119,11 +119,13 @@ fn probability_cell(member: &MemberResult) -> Html {
     if is_undetermined(member) {
         return "not determined".into();
     }
-    let ends = member.answers.probability_interval.map(|ends| ends.map(probability));
-    match ends.filter(|[low, high]| low != high) {
-        Some([low, high]) => html!("{}<small>{} to {}</small>", probability(own), low, high),
-        None => probability(own).into(),
-    }
+    let part = |ends: Option<Pair>, words: &str| {
+        let [low, high] = ends.map(|ends| ends.map(probability)).filter(|[low, high]| low != high)?;
+        Some(html!("<small>{} to {}{}</small>", low, high, words))
+    };
+    let of_values = part(member.answers.probability_range, " over the unknown values");
+    let parts = [part(member.answers.probability_interval, ""), of_values];
+    html!("{}{}", probability(own), parts.into_iter().flatten().collect::<Html>())
 }
 
 /// Returns the columns of the scans and of the keys.

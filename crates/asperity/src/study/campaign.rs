@@ -551,6 +551,7 @@ fn answers(results: &Results, window: Option<&WindowFriction>, damping: Option<f
         (found.kind, found.vibrates) = (Some(nominal.kind), Some(nominal.vibrates));
         found.probability = Some(verdict.probability);
         found.probability_interval = Some(verdict.probability_interval);
+        found.probability_range = verdict.probability_range;
     } else if let Some(vibration) = &results.vibration {
         found.limit_damping_ratio = vibration.limit_damping_ratio;
         (found.kind, found.vibrates) = (Some(vibration.kind), Some(vibration.kind != MotionKind::None));
