@@ -245,7 +245,7 @@ fn a_run_prints_the_sentence_of_its_verdict() {
     assert!(lines.len() == 1 && lines[0].starts_with("Not stated"), "{shown:?}");
     let [.., error, report] = &shown.stdout.lines().collect::<Vec<_>>()[..] else { panic!("{shown:?}") };
     let machines = 100.0 * found["error_sources"][0]["half_width"].as_f64().unwrap();
-    assert!(error.contains(&format!("the number of machines, ±{machines:.2} ")), "{error}");
+    assert!(error.contains(&format!("the number of machines, up to {machines:.2} ")), "{error}");
     assert!(error.contains("lower `half_width`") && report.starts_with("Report: run/report.html"), "{shown:?}");
 }
 
