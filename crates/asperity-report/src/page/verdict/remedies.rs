@@ -136,6 +136,7 @@ fn row(remedy: &Remedy, with_friction: bool) -> Html {
 fn cells(remedy: &Remedy) -> Vec<String> {
     let dimension = Dimension::of_unit(&remedy.unit);
     let value = |reach: &Reach| match reach.value {
+        Some(value) if value == remedy.now => "as it is".into(),
         Some(value) => shown(dimension, value, reach.value_interval),
         None => "not in the range".into(),
     };
