@@ -22,7 +22,7 @@ use crate::monitor::{Terminal, duration};
 use crate::output::{Answer, columns, print};
 use crate::provenance;
 use crate::resources::{limit_memory, require_disk, require_memory};
-use crate::run_folder::{begin_folder, load_failure, store_failure};
+use crate::run_folder::{begin_default_folder, begin_folder, load_failure, store_failure};
 
 /// Study or campaign to compute.
 pub(super) struct Computation {
@@ -137,7 +137,7 @@ impl Computation {
         let kept = Arc::clone(blocks);
         monitor.before_exit(move || {
             // The program ends; an error would have no reader.
-            let _ = kept.flush();
+            kept.flush().is_ok() && has_blocks(&kept)
         });
         let outcome = match self.own.compute(Some(blocks), monitor) {
             Err(StudyError::Incomplete) => Ok(None),
@@ -148,6 +148,7 @@ impl Computation {
                     let message = format!("stopped after {limit}; the same command goes on from the finished blocks");
                     Err(Failure::new(Kind::Resources, message))
                 }
+                None if error.kind() == FailureKind::Cancelled => Err(Failure::cancelled(has_blocks(blocks))),
                 None => {
                     let reason = Answer::default().with("reason", error.to_string());
                     Err(self.failure(&error).print(reason, json)?)
@@ -185,7 +186,11 @@ impl Computation {
         }
         (provenance.seconds, provenance.stages) = (monitor.seconds(), monitor.stages());
         self.own.write(&staging, computed, &provenance).map_err(|e| store_failure(&e))?;
-        let written = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)))?;
+        let committed = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)));
+        let written = committed.map_err(|failure| match failure.kind() {
+            Kind::Cancelled => Failure::cancelled(has_blocks(blocks)),
+            _ => failure,
+        })?;
         blocks.finish().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
         Ok(written)
@@ -246,12 +251,18 @@ pub(super) fn open(run: &Path, record: RunRecord, share: Share) -> Result<Arc<Ru
     RunBlocks::open(run, record, share).map(Arc::new).map_err(|e| store_failure(&e))
 }
 
+/// Returns whether a run has finished blocks, from which it goes on.
+fn has_blocks(blocks: &RunBlocks) -> bool {
+    blocks.rounds().iter().any(|round| round.done > 0)
+}
+
 /// Removes an unfinished folder if a signal ends the program.
 pub(super) fn removed_at_exit(staging: &Staging, monitor: &Terminal) {
     let partial = staging.partial().to_path_buf();
     monitor.before_exit(move || {
         // The next command beside it removes what stays.
         let _ = std::fs::remove_dir_all(partial);
+        false
     });
 }
 
@@ -353,7 +364,8 @@ impl Options {
         // Check the folder before a long computation.
         let inputs = computation.inputs();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        let staging = begin_folder("--out", &destination, self.force, &inputs)?;
+        let begin = if self.out.is_some() { begin_folder } else { begin_default_folder };
+        let staging = begin("--out", &destination, self.force, &inputs)?;
         removed_at_exit(&staging, monitor);
         computation.require_disk(&destination)?;
         let blocks = open(&destination, computation.record(None)?, Share::All)?;

@@ -8,7 +8,7 @@ use asperity_report::{verdict_summary, vibration_answer};
 use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
-use crate::output::{Answer, print_sentences};
+use crate::output::{Answer, print_sentences, with_bold_probability};
 
 /// Results of a finished folder.
 pub(super) enum Found<'a> {
@@ -24,7 +24,10 @@ impl Found<'_> {
         {
             let report = folder.join("report.html");
             let more = format!("Report: {}; all numbers: {}", report.display(), folder.join("results.json").display());
-            return print_sentences(&[verdict_summary(verdict), vec![more]].concat());
+            let mut sentences = verdict_summary(verdict);
+            sentences.iter_mut().take(1).for_each(|first| *first = with_bold_probability(first));
+            sentences.push(more);
+            return print_sentences(&sentences);
         }
         let answer = match self {
             Self::Run(results) if json => Answer::new(results)?,
