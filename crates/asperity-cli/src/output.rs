@@ -375,6 +375,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_probability_of_a_verdict_is_its_first_percentage_or_range() {
+        for (sentence, wanted) in [
+            ("uncertain: 31 % to 94 % of machines", Some("31 % to 94 %")),
+            ("almost certain: more than 99.9 % of machines; 12 %", Some("99.9 %")),
+            ("31 % to at most 94 %", Some("31 %")),
+            ("The machine vibrates.", None),
+        ] {
+            assert_eq!(probability(sentence).map(|place| &sentence[place]), wanted);
+        }
+    }
+
+    #[test]
     fn an_undefined_number_is_null_in_json_and_undefined_in_the_table() {
         let answer = Answer::default().with("period", f64::NAN).with("limit_cycle", false);
         assert_eq!(serde_json::to_string(&answer).unwrap(), r#"{"period":null,"limit_cycle":false}"#);

@@ -1,6 +1,7 @@
 //! Computation of a study or a campaign into its folder, with its stored blocks.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use std::time::Duration;
 use asperity::quantity::Time;
 use asperity::study::{
     Campaign, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging,
-    StoredCampaign, StoredRun, StudyError, Work, folder_of, is_finished, require_unchanged, resolved_study,
+    StoredCampaign, StoredRun, Study, StudyError, Work, folder_of, is_finished, require_unchanged, resolved_study,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -68,7 +69,7 @@ impl Computation {
     /// Returns the default folder.
     pub(super) fn destination(&self) -> PathBuf {
         match self.own.work() {
-            Work::Study { .. } => default_destination(&self.file),
+            Work::Study { study, .. } => default_destination(&self.file, study),
             Work::Campaign(_) => Path::new("campaigns").join(self.name()),
         }
     }
@@ -241,9 +242,10 @@ impl Computation {
     }
 }
 
-/// Returns the default folder of a run.
-pub(super) fn default_destination(study: &Path) -> PathBuf {
-    Path::new("runs").join(study.file_stem().unwrap_or_default())
+/// Returns the default folder of the run of a study in `file`.
+pub(super) fn default_destination(file: &Path, study: &Study) -> PathBuf {
+    let stated = study.file().name.as_ref().map(OsStr::new);
+    Path::new("runs").join(stated.or(file.file_stem()).unwrap_or_default())
 }
 
 /// Opens the blocks of a run.
@@ -315,8 +317,8 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
 /// Flags of a computation.
 #[derive(Debug, Args)]
 pub(super) struct Options {
-    /// Folder to write. When left out, a study is written to runs/NAME and a campaign to campaigns/NAME, where NAME is the name of
-    /// the file. The folder appears complete or not at all.
+    /// Folder to write. When left out, a study is written to runs/NAME and a campaign to campaigns/NAME, where NAME is the `name` that the
+    /// study states, or the name of the file. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed to use instead of the file's.

@@ -1,6 +1,7 @@
 //! Creation of an example study, or of a study of a scan.
 
 use std::borrow::Cow;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -79,6 +80,7 @@ impl Init {
             Some(scan) => self.pieces_of_scan(scan, monitor)?,
             None => self.example.pieces(),
         };
+        let pieces = self.named(pieces);
         // Write nothing unless all files can be written. An existing file may contain someone's work.
         if let Some((name, _)) = pieces.iter().find(|(name, _)| self.dir.join(&**name).exists()) {
             let path = self.dir.join(&**name);
@@ -93,6 +95,20 @@ impl Init {
         let study = self.dir.join(&*pieces[0].0);
         monitor.note(&format!("next: asperity run {}", shown(&study)));
         Ok(())
+    }
+
+    /// Returns the pieces with the name of the folder in the study, so that its run has this name too; unchanged if the file has it already.
+    fn named(&self, mut pieces: Vec<Piece>) -> Vec<Piece> {
+        let (file, bytes) = &mut pieces[0];
+        let folder = self.dir.file_name().and_then(|name| name.to_str()).filter(|name| !name.contains('\\'));
+        if let Some(folder) = folder.filter(|folder| Path::new(&**file).file_stem() != Some(OsStr::new(folder)))
+            && let Ok(text) = std::str::from_utf8(bytes)
+        {
+            let name = toml::Value::from(folder);
+            let line = format!("{:<COMMENT$}# of the run: runs/{folder}\n", format!("name = {name}"));
+            *bytes = text.replacen("\nseed = ", &format!("\n{line}seed = "), 1).into_bytes().into();
+        }
+        pieces
     }
 
     /// Returns the study of a scan, and the scan unless it is in the folder.

@@ -52,10 +52,10 @@ fn an_example_is_complete_valid_and_never_overwritten() {
         assert_eq!((found.code, found.stdout.as_str()), (0, ""), "{found:?}");
         assert!(found.stderr.contains(&format!("asperity run {example}/{example}.toml")), "{found:?}");
         assert_eq!(listing(&folder.path().join(example)), wanted);
-        let check = run_in(folder.path(), &format!("check {example}/{example}.toml"));
+        let check = run_in(folder.path(), &format!("check {example}/{example}.toml --show"));
         assert_eq!(check.code, 0, "{check:?}");
         assert!(check.stdout.contains("contact solutions") && check.stdout.contains("MB"), "{check:?}");
-        // `check` prints the same study with all defaults filled in.
+        // `check --show` prints the same study with all defaults filled in.
         fs::write(folder.path().join(example).join("resolved.toml"), &check.stdout).unwrap();
         let again = run_in(folder.path(), &format!("check {example}/resolved.toml --json")).json(0);
         let first = run_in(folder.path(), &format!("check {example}/{example}.toml --json")).json(0);
@@ -76,6 +76,12 @@ fn an_example_is_complete_valid_and_never_overwritten() {
     fs::write(folder.path().join("scan.bin"), [0xff, 0xfe]).unwrap();
     run_in(folder.path(), "run scan.bin").refuses(2, &["scan.bin", "TOML"]);
     run_in(folder.path(), "init --example papr").refuses(2, &["papr", "paper"]);
+    // The run of the study has the name of the folder.
+    assert_eq!(run_in(folder.path(), "init brake").code, 0);
+    let text = fs::read_to_string(folder.path().join("brake/quickstart.toml")).unwrap();
+    let line = "name = \"brake\"                           # of the run: runs/brake\n";
+    let original = fs::read_to_string(studies.join("quickstart.toml")).unwrap();
+    assert!(text.contains(line) && text.replace(line, "") == original, "{text}");
 }
 
 #[test]
@@ -504,7 +510,10 @@ fn init_writes_the_study_of_a_scan() {
     for (name, heights_m) in [("bent.x3p", wave(64, 64)), ("small.x3p", wave(4, 64))] {
         fs::write(folder.path().join(name), write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6)))).unwrap()).unwrap();
     }
-    assert_eq!(run_in(folder.path(), "init bent --scan bent.x3p").code, 0);
+    let found = run_in(folder.path(), "init bent --scan bent.x3p");
+    assert_eq!(found.code, 0, "{found:?}");
+    assert_eq!(run_in(folder.path(), "run bent/study.toml --only surface").code, 0);
+    assert!(folder.path().join("runs/bent/COMPLETE").is_file());
     let text = fs::read_to_string(folder.path().join("bent/study.toml")).unwrap();
     let comment = "# with \"plane\" the correlation of the heights does not fall to 1/e within half of the scan\nlevel = \"quadratic\" ";
     assert!(text.contains(comment), "{text}");

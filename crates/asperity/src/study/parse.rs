@@ -320,6 +320,8 @@ mod tests {
             ("seed = 2016", "seed = ", 2, ""),
             ("[pressure]", "[presure]", 10, "did you mean `pressure`?"),
             ("marginal = \"normal\"", "marginal = \"norml\"", 5, "norml"),
+            ("seed = 2016", "seed = 2016\nname = \"a/b\"", 3, "expected the name of a folder"),
+            ("seed = 2016", "seed = 2016\nname = \"..\"", 3, "expected the name of a folder"),
             ("seed = 2016", "seed = 2.5", 2, "`2.5` is not a whole number from 0 on"),
             ("seed = 2016", "seed = 99999999999999999999", 2, "99999999999999999999"),
             ("seed = 2016", "seed = 9223372036854775808", 2, "above 9223372036854775807 is out of range"),

@@ -157,8 +157,14 @@ pub(super) struct Point {
 impl Point {
     /// Returns the central values of a study.
     pub(super) fn central(file: &StudyFile) -> Self {
-        let file =
-            StudyFile { unstated: Vec::new(), uncertainty: None, verdict: None, uncertain: Vec::new(), ..file.clone() };
+        let file = StudyFile {
+            name: None,
+            unstated: Vec::new(),
+            uncertainty: None,
+            verdict: None,
+            uncertain: Vec::new(),
+            ..file.clone()
+        };
         Self { file, latent: Vec::new() }
     }
 
