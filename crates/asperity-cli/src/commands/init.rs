@@ -151,7 +151,11 @@ impl Init {
                 study.check_scans(folder).map_err(failure)?.iter().for_each(|warning| monitor.warn(warning));
             }
             match monitor.killable(|| study.scan_sizes(folder))? {
-                Err(StudyError::NoCorrelationLength) if self.level.is_none() => {}
+                Err(StudyError::NoCorrelationLength) if self.level.is_none() => {
+                    monitor.note(&format!(
+                        "With level = \"{level}\" the correlation of the heights does not fall to 1/e."
+                    ));
+                }
                 sizes => return Ok((text, sizes.map_err(failure)?)),
             }
         }
