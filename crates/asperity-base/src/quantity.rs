@@ -218,6 +218,17 @@ const COMPLIANCE: Dimension = Dimension {
     ],
 };
 
+/// Returns the number of a percentage, .03 for `3 %`.
+#[doc(hidden)]
+pub fn percentage(text: &str) -> Option<f64> {
+    let number = text.trim().strip_suffix('%')?.trim();
+    // The decimal point moves, so that no digit changes.
+    match number.contains(['e', 'E']) {
+        true => number.parse().ok().map(|percent: f64| percent / 100.0),
+        false => format!("{number}e-2").parse().ok(),
+    }
+}
+
 impl Dimension {
     /// Returns the dimension of an SI unit; that of Hz is a frequency, not an angular one.
     pub fn of_unit(si: &str) -> Option<&'static Self> {

@@ -92,6 +92,8 @@ pub fn small_probability<E: Send>(
     settings.check(variables)?;
     let task = Task::new(monitor, "small probability", settings.most_evaluations);
     let (mut probabilities, mut replicates, mut evaluations) = (Vec::new(), Vec::new(), 0);
+    // Evaluations that are not needed end the progress.
+    let end = |evaluations: usize| task.advance(settings.most_evaluations.saturating_sub(evaluations));
     loop {
         let mut draws = stream(settings.seed, "chaos/rare/subset", probabilities.len() as u64);
         let found = descend(variables, &mut draws, &mut |points| {
@@ -99,6 +101,7 @@ pub fn small_probability<E: Send>(
             values(g, points, &task)
         })?;
         if probabilities.is_empty() && found.probability == 0.0 {
+            end(evaluations);
             let interval = Interval { low: 0.0, high: found.bound() };
             return Ok(SmallProbability { probability: 0.0, interval, evaluations, replicates: vec![found] });
         }
@@ -110,6 +113,7 @@ pub fn small_probability<E: Send>(
         let coefficient_of_variation = relative_error(&probabilities);
         let is_accurate = count >= LEAST_REPLICATES && coefficient_of_variation <= settings.coefficient_of_variation;
         if is_accurate || (count > 1 && evaluations >= settings.most_evaluations) {
+            end(evaluations);
             let factor = (student_95(count) * coefficient_of_variation).exp();
             let interval = Interval { low: mean / factor, high: mean * factor };
             return Ok(SmallProbability { probability: mean, interval, evaluations, replicates });

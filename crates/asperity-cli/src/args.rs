@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use asperity::choice::Choice;
 use asperity::keys::Key;
+use asperity::quantity::percentage;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
 
@@ -170,6 +171,9 @@ fn finite(text: &str) -> Result<f64, Refusal> {
     }
 }
 
+const POSITIVE: &str = "it must be above 0";
+const NOT_NEGATIVE: &str = "it must not be negative";
+
 /// Parses a finite dimensionless number.
 pub(crate) fn number(text: &str) -> Result<f64, Refusal> {
     finite(text)
@@ -177,24 +181,31 @@ pub(crate) fn number(text: &str) -> Result<f64, Refusal> {
 
 /// Parses a dimensionless number above zero.
 pub(crate) fn positive(text: &str) -> Result<f64, Refusal> {
-    within(finite(text)?, |x| x > 0.0, "it must be above 0")
+    within(finite(text)?, |x| x > 0.0, POSITIVE)
 }
 
 /// Parses a dimensionless number of zero or more.
 pub(crate) fn non_negative(text: &str) -> Result<f64, Refusal> {
-    within(finite(text)?, |x| x >= 0.0, "it must not be negative")
+    within(finite(text)?, |x| x >= 0.0, NOT_NEGATIVE)
 }
 
-/// Parses a dimensionless number within the bounds of an input of a study.
+/// Parses a dimensionless number within the bounds of an input of a study, or a percentage where the study takes one.
 pub(crate) fn of_input(input: &str) -> impl Fn(&str) -> Result<f64, Refusal> + Clone + Send + Sync + 'static {
     // The coefficient of which the input is a share is positive.
-    let bounds = Key::find(input).filter(|key| key.coefficient.is_none()).and_then(|key| key.bounds);
-    move |text| match bounds {
-        Some(bounds) if (bounds.low, bounds.high) != (0.0, f64::INFINITY) => {
-            within(finite(text)?, |x| bounds.contain(x), &format!("expected {}", bounds.expected))
+    let own = Key::find(input).filter(|key| key.coefficient.is_none());
+    let (bounds, takes_percentage) = (own.and_then(|key| key.bounds), own.is_some_and(|key| key.percentage));
+    move |text| {
+        let number = match percentage(text).filter(|number| takes_percentage && number.is_finite()) {
+            Some(number) => number,
+            None => finite(text)?,
+        };
+        match bounds {
+            Some(bounds) if (bounds.low, bounds.high) != (0.0, f64::INFINITY) => {
+                within(number, |x| bounds.contain(x), &format!("expected {}", bounds.expected))
+            }
+            Some(bounds) if bounds.contain(0.0) => within(number, |x| x >= 0.0, NOT_NEGATIVE),
+            Some(_) | None => within(number, |x| x > 0.0, POSITIVE),
         }
-        Some(bounds) if bounds.contain(0.0) => non_negative(text),
-        Some(_) | None => positive(text),
     }
 }
 
@@ -283,6 +294,10 @@ mod tests {
         assert!(percent("100").is_ok() && percent("100.1").is_err());
         let poisson_ratio = of_input("material.poisson_ratio");
         assert!(poisson_ratio("0.5").is_ok() && poisson_ratio("0.51").is_err() && poisson_ratio("-1").is_err());
+        let damping = of_input("vibration.damping_ratio");
+        assert_eq!((damping("5.5%").unwrap(), damping("5.5 %").unwrap()), (0.055, 0.055));
+        assert!(damping("-1 %").is_err() && damping("x%").is_err() && damping("1e999 %").is_err());
+        assert!(of_input("vibration.friction_std")("3 %").is_err());
         assert!(tolerance("1e-300").is_ok() && tolerance("1").is_err() && tolerance("0").is_err());
         assert!(non_negative_quantity::<Length>("-1um").is_err() && non_negative_quantity::<Length>("0um").is_ok());
         assert!(positive_quantity::<Pressure>("0 Pa").is_err());

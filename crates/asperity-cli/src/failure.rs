@@ -93,6 +93,12 @@ impl Failure {
         Self::new(kind, format!("{what}: {}", refusal(cause)))
     }
 
+    /// Returns the end of a command by the user; `goes_on` states whether the same command goes on from finished blocks.
+    pub(crate) fn cancelled(goes_on: bool) -> Self {
+        let rest = if goes_on { "; the same command goes on from the finished blocks" } else { "" };
+        Self::new(Kind::Cancelled, format!("cancelled{rest}"))
+    }
+
     pub(crate) fn message(&self) -> &str {
         &self.message
     }
@@ -125,7 +131,7 @@ impl fmt::Display for Failure {
 
 impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
-        Self::new(Kind::Cancelled, "cancelled")
+        Self::cancelled(false)
     }
 }
 

@@ -24,8 +24,9 @@ const FORCE_EXIT_AFTER: Duration = Duration::from_millis(500);
 /// Time after a signal at which the program ends, although blocks are not finished.
 const EXIT_AFTER: Duration = Duration::from_millis(1200);
 
-/// Work that a signal must do before it ends the program; `None` once the result is at its destination.
-type Last = Option<Vec<Box<dyn FnOnce() + Send>>>;
+/// Work that a signal must do before it ends the program, and whether the same command goes on from what it stored; `None` once the result
+/// is at its destination.
+type Last = Option<Vec<Box<dyn FnOnce() -> bool + Send>>>;
 
 /// Progress display on stderr, timer of tasks, and receiver of Ctrl-C and SIGTERM.
 pub(crate) struct Terminal {
@@ -140,8 +141,9 @@ impl Terminal {
         })
     }
 
-    /// Adds what is left to do if a signal ends the program before its blocks are finished.
-    pub(crate) fn before_exit(&self, work: impl FnOnce() + Send + 'static) {
+    /// Adds what is left to do if a signal ends the program before its blocks are finished. The work returns whether the same command
+    /// goes on from what it stored.
+    pub(crate) fn before_exit(&self, work: impl FnOnce() -> bool + Send + 'static) {
         if let Some(last) = self.last.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
             last.push(Box::new(work));
         }
@@ -268,7 +270,7 @@ impl Monitor for Terminal {
             Display::Lines => {
                 if task.last_line.elapsed() >= LINE_INTERVAL && !task.finished() {
                     task.last_line = Instant::now();
-                    print_message(&line(what, task.done, total, task.started.elapsed()));
+                    print_message(&line(what, task.before, [task.done, total], task.started.elapsed()));
                 }
             }
         }
@@ -284,8 +286,8 @@ fn exit_soon(last: &Mutex<Last>) {
     std::thread::sleep(EXIT_AFTER);
     // A result that is on its way to its destination comes first.
     let Some(work) = last.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
-    work.into_iter().for_each(|work| work());
-    print_message(&Failure::from(Cancelled).to_string());
+    let goes_on = work.into_iter().fold(false, |goes_on, work| work() | goes_on);
+    print_message(Failure::cancelled(goes_on).message());
     std::process::exit(i32::from(Kind::Cancelled.exit_code()));
 }
 
@@ -316,18 +318,23 @@ fn on_signal(handle: impl FnMut() + Send + 'static) -> io::Result<()> {
     ctrlc::set_handler(handle).map_err(io::Error::other)
 }
 
-fn line(what: &str, done: usize, total: usize, elapsed: Duration) -> String {
+/// Returns a progress line: steps of this round and of the `before` ones of finished rounds, so that a task never goes backwards.
+fn line(what: &str, before: usize, [done, total]: [usize; 2], elapsed: Duration) -> String {
+    let steps = format!("{what}: {} of {}", before + done, before + total);
     if done == 0 {
-        return format!("{what}: 0 of {total}");
+        return steps;
     }
-    let left = elapsed.as_secs_f64() * (total - done) as f64 / done as f64;
-    format!("{what}: {done} of {total}, about {} left", duration(left))
+    match elapsed.as_secs_f64() * (total - done) as f64 / done as f64 {
+        left if left < 1.0 => format!("{steps}, almost done"),
+        left => format!("{steps}, about {} left", duration(left)),
+    }
 }
 
-/// Writes the time that a bar needs to its end; nothing before its first step.
+/// Writes the time that a bar needs to its end; nothing before its first step and in its last second.
 fn left(state: &ProgressState, writer: &mut dyn Write) {
-    if state.pos() > 0 {
-        let _ = write!(writer, "{} left", duration(state.eta().as_secs_f64()));
+    let seconds = state.eta().as_secs_f64();
+    if state.pos() > 0 && seconds >= 1.0 {
+        let _ = write!(writer, "{} left", duration(seconds));
     }
 }
 
@@ -359,9 +366,15 @@ mod tests {
 
     #[test]
     fn the_remaining_time_is_proportional_to_the_remaining_blocks() {
-        assert_eq!(line("paths", 0, 9, Duration::from_secs(10)), "paths: 0 of 9");
-        assert_eq!(line("paths", 25, 100, Duration::from_secs(10)), "paths: 25 of 100, about 30 s left");
-        assert_eq!(line("paths", 1, 61, Duration::from_secs(10)), "paths: 1 of 61, about 10 min left");
-        assert_eq!(line("paths", 1, 721, Duration::from_secs(10)), "paths: 1 of 721, about 2.0 h left");
+        for (before, done, total, wanted) in [
+            (0, 0, 9, "paths: 0 of 9"),
+            (0, 25, 100, "paths: 25 of 100, about 30 s left"),
+            (0, 1, 61, "paths: 1 of 61, about 10 min left"),
+            (0, 1, 721, "paths: 1 of 721, about 2.0 h left"),
+            (0, 63, 64, "paths: 63 of 64, almost done"),
+            (192, 96, 192, "paths: 288 of 384, about 10 s left"),
+        ] {
+            assert_eq!(line("paths", before, [done, total], Duration::from_secs(10)), wanted);
+        }
     }
 }

@@ -1,15 +1,17 @@
 //! Output of commands: answers as JSON or tables on stdout, messages on stderr, atomic replacement of files.
 
+use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use asperity::sentence;
 use asperity::study::folder_of;
 use asperity_formats::check_writable;
-use console::Term;
+use console::{Style, StyledObject, Term, style};
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
@@ -22,12 +24,48 @@ const WARNINGS_KEY: &str = "warnings";
 
 /// Writes one message to stderr. Ignores a closed stderr.
 pub(crate) fn print_message(message: &str) {
-    let _ = writeln!(io::stderr().lock(), "{}", wrapped(message, &Term::stderr()));
+    let _ = writeln!(io::stderr().lock(), "{}", wrapped(&coloured(message, StyledObject::for_stderr), &Term::stderr()));
+}
+
+/// Colours the first word of an error or a warning, where the output takes colours.
+fn coloured<'a>(message: &'a str, of_output: fn(StyledObject<&'a str>) -> StyledObject<&'a str>) -> Cow<'a, str> {
+    let first = message.find(": ").map_or("", |end| &message[..=end]);
+    let style = match first {
+        "error:" | "internal error:" | "problem:" => Style::new().red().bold(),
+        "warning:" => Style::new().yellow().bold(),
+        _ => return message.into(),
+    };
+    format!("{}{}", of_output(style.apply_to(first)), &message[first.len()..]).into()
+}
+
+/// Returns the sentence of a verdict with its probability in bold type, where stdout takes it.
+pub(crate) fn with_bold_probability(sentence: &str) -> String {
+    match probability(sentence) {
+        Some(place) => {
+            let bold = style(&sentence[place.clone()]).bold();
+            format!("{}{bold}{}", &sentence[..place.start], &sentence[place.end..])
+        }
+        None => sentence.into(),
+    }
+}
+
+/// Returns the place of the first percentage of a sentence, or of the first two with `to` between them.
+fn probability(sentence: &str) -> Option<Range<usize>> {
+    const UNIT: &str = " %";
+    let mut end = sentence.find(UNIT)? + UNIT.len();
+    let start = sentence[..end - UNIT.len()].rfind(' ').map_or(0, |space| space + 1);
+    if let Some(more) = sentence[end..].strip_prefix(" to ")
+        && let Some(number) = more.find(UNIT)
+        && more[..number].parse::<f64>().is_ok()
+    {
+        end = sentence.len() - more.len() + number + UNIT.len();
+    }
+    Some(start..end)
 }
 
 /// Prints sentences to stdout, each on lines of its own.
 pub(crate) fn print_sentences(sentences: &[String]) -> Result<(), Failure> {
-    let lines = sentences.iter().map(|sentence| wrapped(sentence, &Term::stdout()) + "\n");
+    let lines = sentences.iter().map(|sentence| wrapped(&coloured(sentence, |text| text), &Term::stdout()) + "\n");
     print(&lines.collect::<String>())
 }
 
@@ -335,6 +373,18 @@ pub(crate) fn write_failure(path: &Path, error: &io::Error) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_probability_of_a_verdict_is_its_first_percentage_or_range() {
+        for (sentence, wanted) in [
+            ("uncertain: 31 % to 94 % of machines", Some("31 % to 94 %")),
+            ("almost certain: more than 99.9 % of machines; 12 %", Some("99.9 %")),
+            ("31 % to at most 94 %", Some("31 %")),
+            ("The machine vibrates.", None),
+        ] {
+            assert_eq!(probability(sentence).map(|place| &sentence[place]), wanted);
+        }
+    }
 
     #[test]
     fn an_undefined_number_is_null_in_json_and_undefined_in_the_table() {

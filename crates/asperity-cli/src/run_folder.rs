@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use asperity::study::{Staging, StoreError};
+use asperity::study::{Staging, StoreError, is_finished};
 
 use crate::failure::{Failure, Kind, chain};
 use crate::output::write_failure;
@@ -44,14 +44,38 @@ pub(crate) fn store_failure(error: &StoreError) -> Failure {
 
 /// Opens the output folder of a command; `argument` names the flag that chose it.
 pub(crate) fn begin_folder(argument: &str, folder: &Path, force: bool, inputs: &[&Path]) -> Result<Staging, Failure> {
+    begin_default_folder(argument, folder, force, inputs).map_err(|failure| match failure.kind() {
+        Kind::Usage => Failure::usage(format_args!("{argument} {}", failure.message())),
+        _ => failure,
+    })
+}
+
+/// Opens the output folder of a command that the flag `argument` could have chosen, but did not.
+pub(crate) fn begin_default_folder(
+    argument: &str,
+    folder: &Path,
+    force: bool,
+    inputs: &[&Path],
+) -> Result<Staging, Failure> {
     Staging::open(folder, force, inputs).map_err(|error| {
         let is_misnamed = matches!(&error, StoreError::Io { source, .. }
             if matches!(source.kind(), io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename));
         match store_failure(&error) {
-            failure if is_misnamed || failure.kind() == Kind::Usage => {
-                Failure::usage(format_args!("{argument} {}", failure.message()))
-            }
+            _ if matches!(error, StoreError::NotEmpty { .. }) => not_empty(argument, folder),
+            failure if is_misnamed => Failure::usage(failure.message()),
             failure => failure,
         }
     })
+}
+
+/// Returns the error of a folder that is not empty, with both ways out.
+fn not_empty(argument: &str, folder: &Path) -> Failure {
+    let (content, replaced) = match is_finished(folder) {
+        true => (": a run is already there", "it"),
+        false => ("", "a folder that asperity wrote"),
+    };
+    Failure::usage(format_args!(
+        "{} is not empty{content}; `--force` replaces {replaced}, `{argument} DIR` writes elsewhere",
+        folder.display()
+    ))
 }

@@ -11,6 +11,7 @@ use self::words::{SOURCE, members_in_words};
 use crate::Report;
 use crate::format::count;
 use crate::page::Page;
+use crate::page::answer::Answer;
 use crate::page::section::Section;
 
 /// Script that sorts the table.
@@ -64,6 +65,14 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         machine: None,
     };
     page.render()
+}
+
+/// Returns the answers of the page of a campaign, each with its question in one line.
+pub fn campaign_summary(results: &CampaignResults) -> Vec<String> {
+    let lines = answers::answers(results).into_iter().map(|Answer { question, answer, detail }| {
+        format!("{question} {answer}{}", if answer.ends_with('.') { "" } else { "." }) + " " + &detail
+    });
+    lines.map(|line| line.trim_end().replace('\u{a0}', " ")).collect()
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ mod twin;
 mod verdict;
 mod words;
 
-pub use campaign::{CampaignRun, render_campaign};
+pub use campaign::{CampaignRun, campaign_summary, render_campaign};
 pub use error::ReportError;
 pub use figures::Figure;
 pub use motion::{CoupledModes, VibrationFigures, render_vibration};

@@ -53,7 +53,7 @@ impl Check {
         for stage in &stages {
             problems.extend(require_memory(stage.memory_bytes, &format!("the {} stage", stage.stage.name())).err());
         }
-        let destination = default_destination(&self.study);
+        let destination = default_destination(&self.study, &study);
         problems.extend(require_disk(study.disk_bytes(), &destination, "the run").err());
         monitor.check()?;
         if self.json {

@@ -1,6 +1,7 @@
 //! Computation of a study or a campaign into its folder, with its stored blocks.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use std::time::Duration;
 use asperity::quantity::Time;
 use asperity::study::{
     Campaign, Computed, FailureKind, Provenance, RoundState, RunBlocks, RunRecord, Share, Stage, Staging,
-    StoredCampaign, StoredRun, StudyError, Work, folder_of, is_finished, require_unchanged, resolved_study,
+    StoredCampaign, StoredRun, Study, StudyError, Work, folder_of, is_finished, require_unchanged, resolved_study,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -22,7 +23,7 @@ use crate::monitor::{Terminal, duration};
 use crate::output::{Answer, columns, print};
 use crate::provenance;
 use crate::resources::{limit_memory, require_disk, require_memory};
-use crate::run_folder::{begin_folder, load_failure, store_failure};
+use crate::run_folder::{begin_default_folder, begin_folder, load_failure, store_failure};
 
 /// Study or campaign to compute.
 pub(super) struct Computation {
@@ -68,7 +69,7 @@ impl Computation {
     /// Returns the default folder.
     pub(super) fn destination(&self) -> PathBuf {
         match self.own.work() {
-            Work::Study { .. } => default_destination(&self.file),
+            Work::Study { study, .. } => default_destination(&self.file, study),
             Work::Campaign(_) => Path::new("campaigns").join(self.name()),
         }
     }
@@ -137,7 +138,7 @@ impl Computation {
         let kept = Arc::clone(blocks);
         monitor.before_exit(move || {
             // The program ends; an error would have no reader.
-            let _ = kept.flush();
+            kept.flush().is_ok() && has_blocks(&kept)
         });
         let outcome = match self.own.compute(Some(blocks), monitor) {
             Err(StudyError::Incomplete) => Ok(None),
@@ -148,6 +149,7 @@ impl Computation {
                     let message = format!("stopped after {limit}; the same command goes on from the finished blocks");
                     Err(Failure::new(Kind::Resources, message))
                 }
+                None if error.kind() == FailureKind::Cancelled => Err(Failure::cancelled(has_blocks(blocks))),
                 None => {
                     let reason = Answer::default().with("reason", error.to_string());
                     Err(self.failure(&error).print(reason, json)?)
@@ -185,7 +187,11 @@ impl Computation {
         }
         (provenance.seconds, provenance.stages) = (monitor.seconds(), monitor.stages());
         self.own.write(&staging, computed, &provenance).map_err(|e| store_failure(&e))?;
-        let written = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)))?;
+        let committed = monitor.commit(|| staging.commit().map_err(|e| store_failure(&e)));
+        let written = committed.map_err(|failure| match failure.kind() {
+            Kind::Cancelled => Failure::cancelled(has_blocks(blocks)),
+            _ => failure,
+        })?;
         blocks.finish().map_err(|e| store_failure(&e))?;
         monitor.note(&format!("wrote {}", written.join("report.html").display()));
         Ok(written)
@@ -236,14 +242,20 @@ impl Computation {
     }
 }
 
-/// Returns the default folder of a run.
-pub(super) fn default_destination(study: &Path) -> PathBuf {
-    Path::new("runs").join(study.file_stem().unwrap_or_default())
+/// Returns the default folder of the run of a study in `file`.
+pub(super) fn default_destination(file: &Path, study: &Study) -> PathBuf {
+    let stated = study.file().name.as_ref().map(OsStr::new);
+    Path::new("runs").join(stated.or(file.file_stem()).unwrap_or_default())
 }
 
 /// Opens the blocks of a run.
 pub(super) fn open(run: &Path, record: RunRecord, share: Share) -> Result<Arc<RunBlocks>, Failure> {
     RunBlocks::open(run, record, share).map(Arc::new).map_err(|e| store_failure(&e))
+}
+
+/// Returns whether a run has finished blocks, from which it goes on.
+fn has_blocks(blocks: &RunBlocks) -> bool {
+    blocks.rounds().iter().any(|round| round.done > 0)
 }
 
 /// Removes an unfinished folder if a signal ends the program.
@@ -252,6 +264,7 @@ pub(super) fn removed_at_exit(staging: &Staging, monitor: &Terminal) {
     monitor.before_exit(move || {
         // The next command beside it removes what stays.
         let _ = std::fs::remove_dir_all(partial);
+        false
     });
 }
 
@@ -304,8 +317,8 @@ pub(super) fn missing(rounds: &[RoundState]) -> String {
 /// Flags of a computation.
 #[derive(Debug, Args)]
 pub(super) struct Options {
-    /// Folder to write. When left out, a study is written to runs/NAME and a campaign to campaigns/NAME, where NAME is the name of
-    /// the file. The folder appears complete or not at all.
+    /// Folder to write. When left out, a study is written to runs/NAME and a campaign to campaigns/NAME, where NAME is the `name` that the
+    /// study states, or the name of the file. The folder appears complete or not at all.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed to use instead of the file's.
@@ -353,7 +366,8 @@ impl Options {
         // Check the folder before a long computation.
         let inputs = computation.inputs();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        let staging = begin_folder("--out", &destination, self.force, &inputs)?;
+        let begin = if self.out.is_some() { begin_folder } else { begin_default_folder };
+        let staging = begin("--out", &destination, self.force, &inputs)?;
         removed_at_exit(&staging, monitor);
         computation.require_disk(&destination)?;
         let blocks = open(&destination, computation.record(None)?, Share::All)?;

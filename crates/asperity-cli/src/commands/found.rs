@@ -4,11 +4,11 @@ use std::path::Path;
 
 use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{CampaignResults, Computed};
-use asperity_report::{verdict_summary, vibration_answer};
+use asperity_report::{campaign_summary, verdict_summary, vibration_answer};
 use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
-use crate::output::{Answer, print_sentences};
+use crate::output::{Answer, print, print_sentences, with_bold_probability};
 
 /// Results of a finished folder.
 pub(super) enum Found<'a> {
@@ -24,7 +24,10 @@ impl Found<'_> {
         {
             let report = folder.join("report.html");
             let more = format!("Report: {}; all numbers: {}", report.display(), folder.join("results.json").display());
-            return print_sentences(&[verdict_summary(verdict), vec![more]].concat());
+            let mut sentences = verdict_summary(verdict);
+            sentences.iter_mut().take(1).for_each(|first| *first = with_bold_probability(first));
+            sentences.push(more);
+            return print_sentences(&sentences);
         }
         let answer = match self {
             Self::Run(results) if json => Answer::new(results)?,
@@ -32,6 +35,12 @@ impl Found<'_> {
             Self::Campaign(results) if json => Answer::new(results)?,
             Self::Campaign(results) => of_campaign(results, folder),
         };
+        if let Self::Campaign(results) = self
+            && !json
+        {
+            print_sentences(&campaign_summary(results))?;
+            print("\n")?;
+        }
         answer.print(json)?;
         match self {
             Self::Campaign(results) => require_answer(results),

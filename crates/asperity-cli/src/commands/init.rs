@@ -1,10 +1,11 @@
 //! Creation of an example study, or of a study of a scan.
 
 use std::borrow::Cow;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{ScanSizes, Study};
+use asperity::study::{ScanSizes, Study, StudyError};
 use asperity::surface::level::Level;
 use clap::{Args, ValueEnum};
 
@@ -27,9 +28,10 @@ pub(crate) struct Init {
     /// from the shortest wave that it resolves. Copies the scan into the folder. Material and machine are those of the quickstart.
     #[arg(long, value_name = "FILE", conflicts_with = "example")]
     scan: Option<PathBuf>,
-    /// Form to remove from the scan: none, mean, plane, quadratic, polynomial:N, cylinder or sphere.
-    #[arg(long, value_name = "FORM", default_value = "plane", requires = "scan")]
-    level: Level,
+    /// Form to remove from the scan: none, mean, plane, quadratic, polynomial:N, cylinder or sphere. When left out, the first of plane,
+    /// quadratic and polynomial:4 with which the correlation of the heights falls to 1/e within half of the scan.
+    #[arg(long, value_name = "FORM", requires = "scan")]
+    level: Option<Level>,
     #[command(flatten)]
     options: ScanOptions,
 }
@@ -47,6 +49,8 @@ type Piece = (Cow<'static, str>, Cow<'static, [u8]>);
 
 const SCAN: &str = "brake_disc.x3p";
 const STUDY: &str = "study.toml";
+/// Forms to remove from a scan, in the order in which they are tried.
+const LEVELS: [Level; 3] = [Level::Plane, Level::Quadratic, Level::Polynomial(4)];
 /// Column of the comments of a study.
 const COMMENT: usize = 41;
 const QUICKSTART: &str = include_str!("init/quickstart.toml");
@@ -76,6 +80,7 @@ impl Init {
             Some(scan) => self.pieces_of_scan(scan, monitor)?,
             None => self.example.pieces(),
         };
+        let pieces = self.named(pieces);
         // Write nothing unless all files can be written. An existing file may contain someone's work.
         if let Some((name, _)) = pieces.iter().find(|(name, _)| self.dir.join(&**name).exists()) {
             let path = self.dir.join(&**name);
@@ -92,6 +97,20 @@ impl Init {
         Ok(())
     }
 
+    /// Returns the pieces with the name of the folder in the study, so that its run has this name too; unchanged if the file has it already.
+    fn named(&self, mut pieces: Vec<Piece>) -> Vec<Piece> {
+        let (file, bytes) = &mut pieces[0];
+        let folder = self.dir.file_name().and_then(|name| name.to_str()).filter(|name| !name.contains('\\'));
+        if let Some(folder) = folder.filter(|folder| Path::new(&**file).file_stem() != Some(OsStr::new(folder)))
+            && let Ok(text) = std::str::from_utf8(bytes)
+        {
+            let name = toml::Value::from(folder);
+            let line = format!("{:<COMMENT$}# of the run: runs/{folder}\n", format!("name = {name}"));
+            *bytes = text.replacen("\nseed = ", &format!("\n{line}seed = "), 1).into_bytes().into();
+        }
+        pieces
+    }
+
     /// Returns the study of a scan, and the scan unless it is in the folder.
     fn pieces_of_scan(&self, scan: &Path, monitor: &Terminal) -> Result<Vec<Piece>, Failure> {
         let name = scan.file_name().and_then(|name| name.to_str()).map(str::to_owned);
@@ -100,19 +119,13 @@ impl Init {
             fs::read(scan).map_err(|e| Failure::io(Kind::Data, format_args!("cannot read {}", scan.display()), &e))?;
         let folder = scan.parent().unwrap_or(Path::new(""));
         let mut text = with_value(QUICKSTART, "surface", "file", &toml::Value::from(name.as_str()));
-        text = with_value(&text, "surface", "level", &toml::Value::from(self.level.to_string()));
         text = text.replacen("synthetic scan; put your own here", "your scan", 1);
         for (key, value) in self.options.study_keys() {
             text = text.replacen("\nlevel = ", &format!("\n{key} = {value}\nlevel = "), 1);
         }
-        let study = Study::parse(&text, STUDY).map_err(|e| Failure::usage(e.to_string()))?;
-        let failure = |error| study_file::failure(scan, None, &error);
-        for warning in study.check_scans(folder).map_err(failure)? {
-            monitor.warn(&warning);
-        }
-        let sizes = monitor.killable(|| study.scan_sizes(folder))?.map_err(failure)?;
+        let (text, sizes) = self.levelled(&text, scan, folder, monitor)?;
         monitor.note(&sizes.to_string());
-        text = with_sizes(&text, &name, &sizes);
+        let text = with_sizes(&text, &name, &sizes);
         let mut pieces = vec![(STUDY.into(), text.into_bytes().into())];
         let is_there = fs::canonicalize(folder).ok() == fs::canonicalize(&self.dir).ok();
         if !is_there {
@@ -120,6 +133,54 @@ impl Init {
         }
         Ok(pieces)
     }
+
+    /// Returns the text of the study of a scan with the form to remove, and the sizes that follow.
+    fn levelled(
+        &self,
+        text: &str,
+        scan: &Path,
+        folder: &Path,
+        monitor: &Terminal,
+    ) -> Result<(String, ScanSizes), Failure> {
+        let failure = |error| study_file::failure(scan, None, &error);
+        let levels = self.level.as_ref().map_or(&LEVELS[..], std::slice::from_ref);
+        for (place, level) in levels.iter().enumerate() {
+            let text = with_level(text, *level, &levels[..place]);
+            let study = Study::parse(&text, STUDY).map_err(|e| Failure::usage(e.to_string()))?;
+            if place == 0 {
+                study.check_scans(folder).map_err(failure)?.iter().for_each(|warning| monitor.warn(warning));
+            }
+            match monitor.killable(|| study.scan_sizes(folder))? {
+                Err(StudyError::NoCorrelationLength) if self.level.is_none() => {
+                    monitor.note(&format!(
+                        "With level = \"{level}\" the correlation of the heights does not fall to 1/e."
+                    ));
+                }
+                sizes => return Ok((text, sizes.map_err(failure)?)),
+            }
+        }
+        let tried = levels.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        Err(Failure::new(
+            Kind::Data,
+            format!(
+                "{}: the correlation of the heights does not fall to 1/e within half of the scan, whichever form is removed ({tried}); \
+                 take a larger scan, or state another form by `--level`",
+                scan.display()
+            ),
+        ))
+    }
+}
+
+/// Returns the text of a study with this form, and with a comment on the `others` that were tried before.
+fn with_level(text: &str, level: Level, others: &[Level]) -> String {
+    let text = with_value(text, "surface", "level", &toml::Value::from(level.to_string()));
+    if others.is_empty() {
+        return text;
+    }
+    let others = others.iter().map(|level| format!("\"{level}\"")).collect::<Vec<_>>().join(" or ");
+    let comment =
+        format!("# with {others} the correlation of the heights does not fall to 1/e within half of the scan");
+    text.replacen("\nlevel = ", &format!("\n{comment}\nlevel = "), 1)
 }
 
 /// Returns the text of a study with another value of a key that it states. Comments stay where they are.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use asperity::quantity::Time;
 use clap::Args;
 
-use super::computation::{Computation, default_destination};
+use super::computation::Computation;
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
@@ -49,13 +49,14 @@ pub(crate) struct Slurm {
 
 impl Slurm {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
-        let name = Computation::study(&self.study, None, None)?.name();
+        let computation = Computation::study(&self.study, None, None)?;
+        let name = computation.name();
         let script = PathBuf::from(format!("{name}.slurm.sh"));
         if script.exists() && !self.force {
             let script = script.display();
             return Err(Failure::usage(format_args!("{script} exists already; --force replaces it")));
         }
-        let text = self.script()?;
+        let text = self.script(&computation)?;
         let verb = write_verb(&script);
         replace_file(&script, |file| file.write_all(text.as_bytes()))?;
         monitor.note(&format!("{verb} {}; next: sh {}", script.display(), shell_word(&script)?));
@@ -63,10 +64,10 @@ impl Slurm {
     }
 
     /// Returns the text of the script.
-    fn script(&self) -> Result<String, Failure> {
+    fn script(&self, computation: &Computation) -> Result<String, Failure> {
         const SECONDS_PER_MINUTE: f64 = 60.0;
         const BYTES_PER_MEBIBYTE: f64 = 1_048_576.0;
-        let run = self.out.clone().unwrap_or_else(|| default_destination(&self.study));
+        let run = self.out.clone().unwrap_or_else(|| computation.destination());
         let asperity = std::env::current_exe().map_err(|e| Failure::io(Kind::Runtime, "the program file", &e))?;
         let mut text = format!("#!/bin/sh\n#SBATCH --cpus-per-task={}\n", self.cpus);
         // Slurm counts limits in whole minutes and, with M, in mebibytes.

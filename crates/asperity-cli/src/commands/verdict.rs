@@ -11,7 +11,7 @@ use super::study_file;
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::{Answer, check_target, print, replace_file, write_verb};
+use crate::output::{Answer, check_target, print, print_sentences, replace_file, with_bold_probability, write_verb};
 
 /// Computes how probable vibration is, what decides it, and what changes it.
 ///
@@ -64,6 +64,12 @@ impl Verdict {
             let answer = Answer::default().with("sentence", verdict_sentence(verdict));
             return answer.and(Answer::new(verdict)?).print(true);
         }
-        print(&verdict_text(verdict))
+        // Sentences, then tables, whose lines stay whole.
+        let text = verdict_text(verdict);
+        let (sentences, tables) = text.split_once("\n\n").unwrap_or((&text, ""));
+        let mut sentences: Vec<String> = sentences.lines().map(str::to_owned).collect();
+        sentences.iter_mut().take(1).for_each(|first| *first = with_bold_probability(first));
+        print_sentences(&sentences)?;
+        if tables.is_empty() { Ok(()) } else { print(&format!("\n{tables}")) }
     }
 }

@@ -375,6 +375,7 @@ fn a_signal_or_the_time_limit_ends_a_run_soon_and_keeps_its_blocks() {
     for signal in ["-INT", "-TERM"] {
         let (found, time) = run_and_signal(at, "run study.toml --out runs/long", signal);
         assert!(found.code == 130 && time < Duration::from_secs(2), "{time:?}: {found:?}");
+        assert!(found.stderr.contains("cancelled; the same command goes on from the finished blocks"), "{found:?}");
         assert_eq!(whole_listing(&at.join("runs")), [BLOCKS]);
         assert!(!block_files(&at.join("runs").join(BLOCKS)).is_empty());
     }

@@ -85,6 +85,11 @@ fn force_on_the_folder_of_all_runs_keeps_every_run() {
     let at = folder.path();
     assert_eq!(run_in(at, "run study.toml --out runs/one").code, 0);
     assert_eq!(run_in(at, "run study.toml --out runs/two").code, 0);
+    // Nobody typed `--out` for the folder of the study.
+    assert_eq!(run_in(at, "run study.toml").code, 0);
+    let there =
+        "error: runs/study is not empty: a run is already there; `--force` replaces it, `--out DIR` writes elsewhere";
+    run_in(at, "run study.toml").refuses(2, &[there]);
     run_in(at, "run study.toml --out runs --force").refuses(2, &["--out runs", "asperity did not write it"]);
     run_in(at, "run study.toml --out spec.toml/a").refuses(2, &["--out", "spec.toml/a", "give a folder"]);
     run_in(at, &format!("run study.toml --out {}", "n".repeat(256))).refuses(2, &["--out", "too long"]);

@@ -52,10 +52,10 @@ fn an_example_is_complete_valid_and_never_overwritten() {
         assert_eq!((found.code, found.stdout.as_str()), (0, ""), "{found:?}");
         assert!(found.stderr.contains(&format!("asperity run {example}/{example}.toml")), "{found:?}");
         assert_eq!(listing(&folder.path().join(example)), wanted);
-        let check = run_in(folder.path(), &format!("check {example}/{example}.toml"));
+        let check = run_in(folder.path(), &format!("check {example}/{example}.toml --show"));
         assert_eq!(check.code, 0, "{check:?}");
         assert!(check.stdout.contains("contact solutions") && check.stdout.contains("MB"), "{check:?}");
-        // `check` prints the same study with all defaults filled in.
+        // `check --show` prints the same study with all defaults filled in.
         fs::write(folder.path().join(example).join("resolved.toml"), &check.stdout).unwrap();
         let again = run_in(folder.path(), &format!("check {example}/resolved.toml --json")).json(0);
         let first = run_in(folder.path(), &format!("check {example}/{example}.toml --json")).json(0);
@@ -76,6 +76,12 @@ fn an_example_is_complete_valid_and_never_overwritten() {
     fs::write(folder.path().join("scan.bin"), [0xff, 0xfe]).unwrap();
     run_in(folder.path(), "run scan.bin").refuses(2, &["scan.bin", "TOML"]);
     run_in(folder.path(), "init --example papr").refuses(2, &["papr", "paper"]);
+    // The run of the study has the name of the folder.
+    assert_eq!(run_in(folder.path(), "init brake").code, 0);
+    let text = fs::read_to_string(folder.path().join("brake/quickstart.toml")).unwrap();
+    let line = "name = \"brake\"                           # of the run: runs/brake\n";
+    let original = fs::read_to_string(studies.join("quickstart.toml")).unwrap();
+    assert!(text.contains(line) && text.replace(line, "") == original, "{text}");
 }
 
 #[test]
@@ -216,7 +222,7 @@ fn a_missing_or_unusable_input_is_a_data_error_not_a_usage_error() {
     let scan = |heights_m: Array2<f64>| write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6)))).unwrap();
     let whole = scan(Array2::from_shape_fn((16, 16), |(row, column)| 1e-8 * ((row * 7 + column * 3) % 5) as f64));
     for (bytes, words) in [
-        (None, vec!["scan.x3p"]),
+        (None, vec!["study.toml:3: [surface] file: ", "scan.x3p", "no such file"]),
         (Some(whole[..whole.len() / 2].to_vec()), vec!["scan.x3p"]),
         (Some(scan(Array2::from_elem((16, 16), f64::NAN))), vec!["scan.x3p", "missing"]),
         (Some(scan(Array2::from_elem((1, 1), 0.0))), vec!["scan.x3p", "1 × 1"]),
@@ -480,7 +486,8 @@ fn init_writes_the_study_of_a_scan() {
     let [scan, copy] =
         ["example", "mine"].map(|name| fs::read(folder.path().join(name).join("brake_disc.x3p")).unwrap());
     assert!(scan == copy);
-    assert_eq!(run_in(folder.path(), "check mine/study.toml").code, 0);
+    assert_eq!(run_in(folder.path(), "run mine/study.toml --only surface").code, 0);
+    assert!(folder.path().join("runs/mine/COMPLETE").is_file());
 
     // The scan stays where it is if it is in the folder, and options of the file are keys of the study.
     fs::create_dir(folder.path().join("other")).unwrap();
@@ -492,6 +499,27 @@ fn init_writes_the_study_of_a_scan() {
     assert!(text.contains("\npixel_size = [\"2 um\", \"2 um\"]\nheight_unit = \"m\"\nlevel = "), "{text}");
     assert_eq!(run_in(folder.path(), "check other/study.toml").code, 0);
 
+    // The first form with which the correlation falls to 1/e: half a wave along x bends more than the roughness.
+    let wave = |ny: usize, nx: usize| {
+        Array2::from_shape_fn((ny, nx), |(row, column)| {
+            let (x, y) = (column as f64 / nx as f64, row as f64);
+            1e-6 * (20.0 * x * x
+                + (2.4 * column as f64).sin() * (1.9 * y).cos()
+                + (0.7 * column as f64 + 0.6 * y).sin())
+        })
+    };
+    for (name, heights_m) in [("bent.x3p", wave(64, 64)), ("small.x3p", wave(4, 64))] {
+        fs::write(folder.path().join(name), write_x3p(&Scan::new(heights_m, Some((1e-6, 1e-6)))).unwrap()).unwrap();
+    }
+    let found = run_in(folder.path(), "init bent --scan bent.x3p");
+    assert_eq!(found.code, 0, "{found:?}");
+    let text = fs::read_to_string(folder.path().join("bent/study.toml")).unwrap();
+    let comment = "# with \"plane\" the correlation of the heights does not fall to 1/e within half of the scan\nlevel = \"quadratic\" ";
+    assert!(text.contains(comment), "{text}");
+    let words = ["bent.x3p", "`level = \"quadratic\"`", "`l_filter`"];
+    run_in(folder.path(), "init third --scan bent.x3p --level plane").refuses(3, &words);
+    run_in(folder.path(), "init third --scan small.x3p")
+        .refuses(3, &["small.x3p", "64 × 4 points", "at least 32 × 32"]);
     run_in(folder.path(), "init third --scan absent.x3p").refuses(3, &["absent.x3p"]);
     run_in(folder.path(), "init third --pixel-size 1um").refuses(2, &["--scan"]);
     run_in(folder.path(), "init third --example paper --scan mine/brake_disc.x3p").refuses(2, &["--example"]);

@@ -26,6 +26,17 @@ fn a_wrong_command_or_flag_is_a_usage_error_with_the_nearest_right_one() {
 }
 
 #[test]
+fn errors_and_warnings_have_colours_where_they_are_asked_for() {
+    let refused = |variables: &[(&str, &str)]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asperity"));
+        command.args(["run", "absent.toml"]).env_remove("CLICOLOR_FORCE");
+        String::from_utf8(command.envs(variables.iter().copied()).output().unwrap().stderr).unwrap()
+    };
+    assert!(refused(&[]).starts_with("error: absent.toml"));
+    assert!(refused(&[("CLICOLOR_FORCE", "1")]).starts_with("\u{1b}[31m\u{1b}[1merror:\u{1b}[0m absent.toml"));
+}
+
+#[test]
 fn thousands_of_threads_in_the_environment_are_refused() {
     let formats = |threads: &str| {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asperity"));

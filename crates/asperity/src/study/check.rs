@@ -70,6 +70,10 @@ impl StudyFile {
             |fraction| fraction > 0.0 && fraction <= 1.0,
             "a fraction above 0, at most 1",
         )?;
+        let is_no_folder = |name: &str| name.trim_matches(['.', ' ']).is_empty() || name.contains(['/', '\\', '\0']);
+        if let Some(name) = self.name.as_deref().filter(|name| is_no_folder(name)) {
+            return Err(invalid("", "name", format!("found {name:?}, expected the name of a folder, without `/`")));
+        }
         self.check_numbers()?;
         let surface = self.check_surface()?;
         let counterface = self.check_counterface()?;

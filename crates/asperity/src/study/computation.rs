@@ -87,8 +87,13 @@ impl Computation {
         &self.work
     }
 
-    /// Returns the name of the file without its extension.
+    /// Returns the name that the study states, or that of the file without its extension.
     pub fn name(&self) -> String {
+        if let Work::Study { study, .. } = &self.work
+            && let Some(name) = &study.file().name
+        {
+            return name.clone();
+        }
         let stem = self.file.as_deref().and_then(Path::file_stem);
         stem.map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned())
     }

@@ -57,9 +57,18 @@ pub enum StudyError {
     Surface(#[from] SurfaceModelError),
     /// The scan is too small for its correlation length.
     #[error(
-        "the correlation of the heights does not fall to 1/e within half of the scan; take a larger scan, or remove more form (`level`)"
+        "the correlation of the heights does not fall to 1/e within half of the scan; in [surface], remove more form by \
+         `level = \"quadratic\"` or `level = \"polynomial:4\"`, or long waves by an `l_filter`, or take a larger scan"
     )]
     NoCorrelationLength,
+    /// The scan has too few points for a study.
+    #[error("the scan has {} × {} points; a study needs at least {least} × {least}", found[0], found[1])]
+    FewPoints {
+        /// Points (x, y) of the scan.
+        found: [usize; 2],
+        /// Least number of points along either axis.
+        least: usize,
+    },
     /// A stated distribution is invalid.
     #[error("{0}")]
     Distribution(#[from] DistributionError),
@@ -215,7 +224,8 @@ impl StudyError {
     pub fn message_in(&self, file: &str, text: Option<&str>) -> String {
         match (self, text.and_then(|text| self.line_in(text))) {
             // The error of a scan already names its file.
-            (Self::Scan(_) | Self::Map { .. }, _) => self.to_string(),
+            (Self::Scan(_) | Self::Map { .. }, Some(line)) => format!("{file}:{line}: [surface] file: {self}"),
+            (Self::Scan(_) | Self::Map { .. }, None) => self.to_string(),
             (_, Some(line)) => format!("{file}:{line}: {self}"),
             (_, None) => format!("{file}: {self}"),
         }
@@ -231,6 +241,7 @@ impl StudyError {
         match self {
             Self::Invalid(value) => Some((value.section, value.key)),
             Self::OneOf { error, .. } => error.key(),
+            Self::Scan(_) | Self::Map { .. } => Some(("surface", "file")),
             Self::Counterface(error) => error.key().map(|(_, key)| ("counterface", key)),
             Self::NoInterval { key, .. } => Some(("friction.uncertainty", key)),
             Self::FrictionProcess { .. } => Some(("vibration", "friction_process")),
@@ -252,6 +263,7 @@ impl StudyError {
             | Self::Heights(_)
             | Self::NoInterval { .. }
             | Self::NoCorrelationLength
+            | Self::FewPoints { .. }
             | Self::Changed(_)
             | Self::Blocks(StoreError::Input { .. })
             | Self::FrictionProcess { .. } => FailureKind::Input,

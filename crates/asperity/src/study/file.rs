@@ -35,6 +35,9 @@ pub use vibration::{MapSection, Stribeck, VibrationSection};
 pub struct StudyFile {
     /// Seed of every random draw.
     pub seed: u64,
+    /// Name of the study, of which its run folder gets its name; that of the file when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Least fraction of valid samples of each kind, above 0, at most 1; statistics of fewer are refused.
     #[serde(default = "least_valid_share", skip_serializing_if = "is_least_valid_share")]
     pub valid_share: f64,

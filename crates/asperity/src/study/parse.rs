@@ -211,6 +211,10 @@ fn wrong_type(message: &str) -> Option<String> {
             "map" => "a table".into(),
             found => found.strip_prefix("string ").unwrap_or(found).into(),
         });
+    let text = found.strip_prefix('"').and_then(|found| found.strip_suffix('"'));
+    if let Some(number) = text.filter(|text| expected.contains("number") && text.trim().parse::<f64>().is_ok()) {
+        return Some(format!("{found} is text; write {} without quotation marks", number.trim()));
+    }
     let is_too_large = message.contains("` as i128");
     Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {expected}") })
 }
@@ -263,6 +267,9 @@ mod tests {
             ("8 Gpa", "`Gpa` is not a unit of pressure, did you mean `GPa`?"),
             ("1 .. 2 Gpa", "did you mean `GPa`?"),
             ("8 %", "`%` is not a unit of pressure"),
+            ("1-2 GPa", "`1-2 GPa` is no value; write the range as \"1 .. 2 GPa\""),
+            ("900 MPa - 2 GPa", "write the range as \"900 MPa .. 2 GPa\""),
+            ("5e-05 Gpa", "did you mean `GPa`?"),
         ] {
             let error = hardness(value).unwrap_err();
             assert!(error.line == 9 && error.message.contains(expected), "{value}: {error}");
@@ -313,10 +320,19 @@ mod tests {
             ("seed = 2016", "seed = ", 2, ""),
             ("[pressure]", "[presure]", 10, "did you mean `pressure`?"),
             ("marginal = \"normal\"", "marginal = \"norml\"", 5, "norml"),
+            ("seed = 2016", "seed = 2016\nname = \"a/b\"", 3, "expected the name of a folder"),
+            ("seed = 2016", "seed = 2016\nname = \"..\"", 3, "expected the name of a folder"),
             ("seed = 2016", "seed = 2.5", 2, "`2.5` is not a whole number from 0 on"),
             ("seed = 2016", "seed = 99999999999999999999", 2, "99999999999999999999"),
             ("seed = 2016", "seed = 9223372036854775808", 2, "above 9223372036854775807 is out of range"),
             ("percentile = 50.0", "percentile = \"50 %\"", 13, "\"50 %\" is not a number"),
+            (
+                "percentile = 50.0",
+                "percentile = \"-0.05\"",
+                13,
+                "\"-0.05\" is text; write -0.05 without quotation marks",
+            ),
+            ("[64, 64]", "[64, '32']", 12, "\"32\" is text; write 32 without quotation marks"),
             ("[64, 64]", "[64, [2]]", 12, "a list is not a whole number"),
         ] {
             let error = error(from, to);

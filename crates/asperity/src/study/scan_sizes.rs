@@ -21,6 +21,8 @@ const NARROWEST: f64 = 4.0;
 const WINDOW: f64 = 30.0;
 const WINDOWS: f64 = 10.0;
 const SHORTEST: f64 = 60.0;
+/// Least points of a scan along either axis, from which sizes follow.
+const LEAST_POINTS: usize = 32;
 /// Least points across a strip, and points of a strip: as many as a study of minutes solves.
 const ACROSS: f64 = 32.0;
 const POINTS: f64 = 260_000.0;
@@ -60,9 +62,16 @@ impl Study {
     /// of the strips. Windows are tens of correlation lengths long, and strips contain ten of them where a study of minutes allows it.
     ///
     /// # Errors
-    /// The study has no scan, or the scan cannot be read or has no correlation length.
+    /// The study has no scan, or the scan cannot be read, has few points or no correlation length.
     pub fn scan_sizes(&self, folder: &Path) -> Result<ScanSizes, StudyError> {
-        ScanSizes::of(self.surface.as_ref().ok_or(StudyError::NoStage("surface"))?, folder)
+        let surface = self.surface.as_ref().ok_or(StudyError::NoStage("surface"))?;
+        for (_, scan) in surface.read_scans(folder)? {
+            let (ny, nx) = scan.heights_m.dim();
+            if nx.min(ny) < LEAST_POINTS {
+                return Err(StudyError::FewPoints { found: [nx, ny], least: LEAST_POINTS });
+            }
+        }
+        ScanSizes::of(surface, folder)
     }
 }
 

@@ -16,7 +16,7 @@ use asperity_results::keys::{Key, LATENT};
 
 use self::keys::{Access, find, show};
 pub(super) use self::keys::{needs, numbers, parse};
-use self::stated::{Stated, StatedDistribution};
+use self::stated::{Stated, StatedDistribution, hyphenated_range};
 use crate::chaos::{InputError, UncertainInput};
 use crate::distribution::Marginal;
 use crate::quantity::Dimension;
@@ -157,8 +157,14 @@ pub(super) struct Point {
 impl Point {
     /// Returns the central values of a study.
     pub(super) fn central(file: &StudyFile) -> Self {
-        let file =
-            StudyFile { unstated: Vec::new(), uncertainty: None, verdict: None, uncertain: Vec::new(), ..file.clone() };
+        let file = StudyFile {
+            name: None,
+            unstated: Vec::new(),
+            uncertainty: None,
+            verdict: None,
+            uncertain: Vec::new(),
+            ..file.clone()
+        };
         Self { file, latent: Vec::new() }
     }
 
@@ -228,7 +234,13 @@ pub(super) fn uncertain_value(
 fn refuse_other_forms(section: &str, name: &str, value: &Value) -> Result<(), String> {
     const OTHERS: [&str; 5] = ["unknown", "±", "..", "–", "?"];
     let (Value::String(text), Some((key, _))) = (value, find(section, name, value)) else { return Ok(()) };
-    if parse(key, value).is_ok() || !OTHERS.iter().any(|mark| text.contains(mark)) {
+    if parse(key, value).is_ok() {
+        return Ok(());
+    }
+    if let Some(range) = hyphenated_range(text) {
+        return Err(format!("`{text}` is no value; write the range as \"{range}\""));
+    }
+    if !OTHERS.iter().any(|mark| text.contains(mark)) {
         return Ok(());
     }
     Err(format!(
@@ -239,7 +251,7 @@ fn refuse_other_forms(section: &str, name: &str, value: &Value) -> Result<(), St
 /// Returns the number that a percentage such as `"3 %"` states at a key of a number without unit.
 pub(super) fn percentage(section: &str, name: &str, value: &Value) -> Option<f64> {
     find(section, name, &Value::Float(0.0)).filter(|(key, _)| key.unit.is_empty() && key.percentage)?;
-    stated::percentage(value.as_str()?)
+    crate::quantity::percentage(value.as_str()?)
 }
 
 /// Truncates a distribution to the possible values of an input.

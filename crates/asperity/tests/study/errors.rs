@@ -46,7 +46,7 @@ fn errors_name_their_line_in_any_layout() {
     for (from, to, line, wanted) in [
         // Arrays over several lines, inline tables, dotted keys.
         ("[\"20 um\", \"12 um\"]", "[\n\"20 um\",\n\"12\"\n]", line_of("correlation_length") + 2, "no unit"),
-        ("[60.0, 20.0]", "[\n60.0,\n\"20\"]", line_of("percentiles") + 2, "is not a number"),
+        ("[60.0, 20.0]", "[\n60.0,\n\"20\"]", line_of("percentiles") + 2, "write 20 without quotation marks"),
         ("[60.0, 20.0]", "[60.0, 60.0]", line_of("percentiles"), "60 twice"),
         ("[60.0, 20.0]", "[]", line_of("percentiles"), "at least one"),
         ("points = [21, 17]", "points = [21]", line_of("points = [21"), "found 1 value, expected 2"),

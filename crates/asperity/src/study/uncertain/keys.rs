@@ -4,10 +4,10 @@ use asperity_results::keys::{KEYS, Key};
 use asperity_results::study_keys;
 use toml::Value;
 
-use super::stated::percentage;
 use crate::friction::law::WindowLawKind;
 use crate::quantity::{
     AngularFrequency, Area, Dimension, Force, InverseVelocity, Length, Mass, Pressure, QuantityError, Velocity,
+    percentage,
 };
 use crate::study::StudyFile;
 use crate::study::file::{ContactSpring, Stribeck};

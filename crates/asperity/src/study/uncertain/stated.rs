@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use asperity_results::keys::{RANGES, SPREADS};
 use toml::{Table, Value};
 
+use crate::quantity::percentage;
+
 /// Uncertain value as stated; quantities keep their units.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stated {
@@ -125,6 +127,16 @@ impl Stated {
     }
 }
 
+/// Returns the range that a text with a hyphen between two positive numbers seems to state, `80 .. 150 MPa` for `80-150 MPa`.
+pub(super) fn hyphenated_range(text: &str) -> Option<String> {
+    let (low, high) = text.split_once('-')?;
+    let is_positive = |number: &str| number.starts_with(|c: char| c.is_ascii_digit());
+    let [low, high] = [low.trim(), high.trim()];
+    // The hyphen of `5e-05 Pa` belongs to the number.
+    let is_exponent = low.ends_with(['e', 'E']) && unit_of(low).len() == 1;
+    (is_positive(low) && is_positive(high) && !is_exponent).then(|| format!("{low} .. {high}"))
+}
+
 /// Returns the numbers of a distribution.
 fn list<const N: usize>(name: &str, value: &Value, what: &str) -> Result<[Value; N], String> {
     let values = value.as_array().and_then(|list| <[Value; N]>::try_from(list.clone()).ok());
@@ -150,16 +162,6 @@ fn number_of(text: &str, unit: &str) -> f64 {
 fn value_of(text: &str) -> Value {
     let text = text.trim();
     percentage(text).or_else(|| text.parse().ok()).map_or_else(|| Value::String(text.into()), Value::Float)
-}
-
-/// Returns the number of a percentage, .03 for `3 %`.
-pub(super) fn percentage(text: &str) -> Option<f64> {
-    let number = text.trim().strip_suffix('%')?.trim();
-    // The decimal point moves, so that no digit changes.
-    match number.contains(['e', 'E']) {
-        true => number.parse().ok().map(|percent: f64| percent / 100.0),
-        false => format!("{number}e-2").parse().ok(),
-    }
 }
 
 #[cfg(test)]

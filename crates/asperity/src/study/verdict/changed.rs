@@ -42,11 +42,13 @@ fn paired(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Pair>, Cancelled> {
     let mut pairs: Vec<Pair> = Vec::new();
+    let task = Task::new(monitor, "verdict: changed machines", most);
     for (from, to) in [(0, first), (first, most)] {
-        let task = Task::new(monitor, "verdict: changed machines", to - from);
         let found = task.map(to - from, |place| Ok::<_, Cancelled>(answers(from + place)))?;
         pairs.extend(found.into_iter().enumerate().filter_map(|(place, pair)| Some((from + place, pair?))));
         if pairs.windows(2).all(|two| two[0].1[0].vibrates == two[1].1[0].vibrates) {
+            // The other machines are not needed.
+            task.advance(most - to);
             break;
         }
     }
