@@ -1748,7 +1748,7 @@ class ErrorSource(Record):
     source: ErrorCause
     """Its cause."""
     half_width: float
-    """Half width of the interval if this were its only cause."""
+    """Distance from the probability to the farther end of the interval if this were its only cause."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2190,6 +2190,8 @@ class MemberResult(Record):
     """Probability of vibration over the uncertain values."""
     probability_interval: list[float] | None
     """Its 95 % interval: the error of the computation."""
+    probability_range: list[float] | None
+    """Its 90 % range over the values that are not known."""
     warnings: int | None
     """Number of warnings."""
 
