@@ -195,6 +195,8 @@ pub enum InputKind {
     Unknown,
     /// Default of asperity; the study file leaves the key out.
     Default,
+    /// Value of the template `asperity init`, in a study of another scan.
+    Example,
 }
 
 /// Quantiles of a distribution.

@@ -59,6 +59,9 @@ pub mod fuzzing {
     pub use asperity_runs::read_blocks;
 }
 
+/// Template of a study: a brake, of which a scan of the disc belongs to it.
+pub const QUICKSTART: &str = include_str!("study/quickstart.toml");
+
 pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
 pub use check::{InvalidValue, Study};
 pub use computation::{Computation, Computed, Work, folder_of};

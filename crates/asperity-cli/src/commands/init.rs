@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{ScanSizes, Study, StudyError};
+use asperity::study::{QUICKSTART, ScanSizes, Study, StudyError};
 use asperity::surface::level::Level;
 use clap::{Args, ValueEnum};
 
@@ -53,7 +53,6 @@ const STUDY: &str = "study.toml";
 const LEVELS: [Level; 3] = [Level::Plane, Level::Quadratic, Level::Polynomial(4)];
 /// Column of the comments of a study.
 const COMMENT: usize = 41;
-const QUICKSTART: &str = include_str!("init/quickstart.toml");
 
 impl Example {
     fn pieces(self) -> Vec<Piece> {

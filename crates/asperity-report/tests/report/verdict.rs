@@ -440,7 +440,14 @@ fn names_and_values_of_inputs_are_escaped() {
     verdict.remedies[0].input = EVIL.into();
     verdict.guesses[0].input = EVIL.into();
     verdict.assumed[0].input = EVIL.into();
-    for kind in [InputKind::Measured, InputKind::Stated, InputKind::Uncertain, InputKind::Unknown, InputKind::Default] {
+    for kind in [
+        InputKind::Measured,
+        InputKind::Stated,
+        InputKind::Uncertain,
+        InputKind::Unknown,
+        InputKind::Default,
+        InputKind::Example,
+    ] {
         let value = InputValue::Name(EVIL.into());
         verdict.rests_on.push(RestsOn { input: EVIL.into(), value, unit: EVIL.into(), kind });
     }

@@ -25,10 +25,11 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     let chip = |class: &str, text: String| html!("<li class=\"chip {}\">{}</li>\n", class, text);
     let mut chips: Vec<Html> = of(InputKind::Measured).map(|input| chip("measured", scans(input))).collect();
     let with_value = |input: &RestsOn| format!("{} {}", named(&input.input), value(input));
-    let origins: [(InputKind, &str, &str, Words<'_>); 4] = [
+    let origins: [(InputKind, &str, &str, Words<'_>); 5] = [
         (InputKind::Stated, "stated", "stated", &|input| named(&input.input)),
         (InputKind::Uncertain, "uncertain", "uncertain", &with_value),
         (InputKind::Unknown, "guessed", "unknown", &with_value),
+        (InputKind::Example, "guessed", "example values, not yours", &with_value),
         (InputKind::Default, "guessed", "not stated", &default),
     ];
     for (kind, class, word, text) in origins {
@@ -90,6 +91,7 @@ pub(super) fn table(inputs: &[RestsOn]) -> DataTable {
             InputKind::Uncertain => (value(input), "uncertain"),
             InputKind::Unknown => (value(input), "unknown"),
             InputKind::Default => (value(input), "default"),
+            InputKind::Example => (value(input), "example value, not yours"),
         };
         vec![named(&input.input), text, origin.into()]
     };

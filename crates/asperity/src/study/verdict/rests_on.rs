@@ -1,5 +1,7 @@
 //! Inputs of the verdict with their origin: measured, stated, uncertain, unknown, or a default.
 
+use std::path::PathBuf;
+
 use asperity_results::keys::{DefaultValue, KEYS, Key, KeyDefault, Link};
 use toml::{Table, Value};
 
@@ -7,7 +9,7 @@ use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
 use crate::study::result::{InputKind, InputValue, Pair, RestsOn};
 use crate::study::uncertain::{Place, Point, needs};
-use crate::study::{Study, StudyFile};
+use crate::study::{QUICKSTART, Study, StudyFile};
 
 /// Returns the inputs that a study file may leave out.
 fn defaults() -> impl Iterator<Item = (&'static Key, KeyDefault)> {
@@ -125,7 +127,29 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
         inputs.retain(|input| input.input != replaced.input);
         inputs.push(replaced);
     }
+    mark_examples(file, &mut inputs);
     inputs
+}
+
+/// Marks the values of a study of an own scan that are still those of the template.
+fn mark_examples(file: &StudyFile, inputs: &mut [RestsOn]) {
+    let example = StudyFile::parse(QUICKSTART, "").ok().and_then(|example| Some((example.to_table().ok()?, example)));
+    let (Ok(own), Some((template, example))) = (file.to_table(), example) else { return };
+    let scans = |file: &StudyFile| -> Vec<PathBuf> {
+        let files = file.surface.iter().flat_map(|surface| surface.files().iter());
+        files.map(|file| file.file_name().map_or_else(PathBuf::new, PathBuf::from)).collect()
+    };
+    if scans(file).is_empty() || scans(file) == scans(&example) {
+        return;
+    }
+    let is_own = |kind: InputKind| matches!(kind, InputKind::Stated | InputKind::Uncertain | InputKind::Unknown);
+    for input in inputs.iter_mut().filter(|input| is_own(input.kind)) {
+        let name = input.input.split('[').next().unwrap_or_default().split_once('.');
+        let value = |table: &Table| Some(table.get(name?.0)?.get(name?.1)?.clone());
+        if value(&own).is_some_and(|value_of_own| Some(value_of_own) == value(&template)) {
+            input.kind = InputKind::Example;
+        }
+    }
 }
 
 fn entry(name: &str, value: InputValue, unit: &str, kind: InputKind) -> RestsOn {
@@ -325,5 +349,18 @@ pub(super) mod tests {
         assert_eq!(origins("[friction]"), [elastic(), None]);
         assert_eq!(origins("[counterface]\nhardness = \"2 GPa\"\n[friction]"), [None, None]);
         assert_eq!(origins("[counterface]\nyoungs_modulus = \"100 GPa\"\n[friction]"), [elastic(), usual()]);
+    }
+
+    #[test]
+    fn values_of_the_template_are_marked_in_a_study_of_another_scan() {
+        let kinds = |text: &str| {
+            let study = Study::parse(text, "study.toml").unwrap();
+            let found = rests_on(&study, study.verdict.as_ref().unwrap(), &computed_window(None), false);
+            let kind = move |name: &str| found.iter().find(|input| input.input == name).unwrap().kind;
+            ["material.youngs_modulus", "material.hardness", "vibration.stribeck", "vibration.kinetic_share"].map(kind)
+        };
+        let own = QUICKSTART.replace("brake_disc.x3p", "disc.sur").replace("\"100 MPa\"", "\"120 MPa\"");
+        assert_eq!(kinds(&own), [InputKind::Example, InputKind::Stated, InputKind::Example, InputKind::Default]);
+        assert_eq!(kinds(QUICKSTART), [InputKind::Stated, InputKind::Stated, InputKind::Unknown, InputKind::Default]);
     }
 }
