@@ -5,7 +5,7 @@ use asperity_results::keys::STATIC_FRICTION;
 use asperity_results::{Assumed, ErrorSource, Guess, InputValue, MachineModel, MotionKind, VerdictResult};
 
 use crate::format::{Dimension, significant};
-use crate::words::named;
+use crate::words::{between, named};
 
 /// Probability below which a number rests on the tails of the assumed distributions.
 pub(crate) const RARE: f64 = 1e-3;
@@ -51,7 +51,12 @@ impl Headline {
         if is_exact(verdict) {
             return Self::of_one_machine(verdict, noun, interval);
         }
-        let before = format!("{noun} is ");
+        // The cycles of machines with fluctuating friction are those without the fluctuation.
+        let hertz = verdict.if_vibrating.as_ref().filter(|_| !verdict.friction_fluctuates).and_then(|m| m.frequency_hz);
+        let hertz = hertz.map_or_else(String::new, |hertz| {
+            format!(" at {}", between(Dimension::Frequency, hertz).0.replace('\u{a0}', " "))
+        });
+        let before = format!("{noun}{hertz} is ");
         let coupled = verdict.model == MachineModel::ModeCoupling;
         let event =
             if coupled { "flutter".into() } else { format!("{}, once started from standstill", vibrate(verdict)) };

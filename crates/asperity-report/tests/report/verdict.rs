@@ -82,7 +82,7 @@ fn the_sentence_states_the_probability_with_its_interval() {
     let likely = known();
     assert_eq!(
         verdict_sentence(&likely),
-        "Stick-slip is likely: 64 % (61 % to 67 %) of machines like this one vibrate, once started from standstill; 12 % from \
+        "Stick-slip at 312 Hz is likely: 64 % (61 % to 67 %) of machines like this one vibrate, once started from standstill; 12 % from \
          steady sliding."
     );
     let mut rare = likely.clone();
@@ -100,7 +100,9 @@ fn the_sentence_states_the_probability_with_its_interval() {
     (certain.probability, certain.probability_interval) = (0.9995, [0.994, 0.9999]);
     assert!(verdict_sentence(&certain).contains("more than 99.9 % (99.4 % to more than 99.9 %)"));
     (certain.probability, certain.probability_interval) = (0.99995, [0.9995, 0.99999]);
-    assert!(verdict_sentence(&certain).starts_with("Stick-slip is very likely: more than 99.9 % of machines"));
+    assert!(
+        verdict_sentence(&certain).starts_with("Stick-slip at 312 Hz is very likely: more than 99.9 % of machines")
+    );
     let mut exact = likely;
     (exact.evaluations, exact.if_vibrating, exact.probability_interval) = (1, None, [1.0; 2]);
     let sentence = verdict_sentence(&exact);
@@ -133,13 +135,13 @@ fn the_range_over_unknown_values_leads_where_it_is_wider_than_the_error_of_the_c
     let mut verdict = example::verdict::verdict();
     assert_eq!(
         verdict_sentence(&verdict),
-        "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
+        "Stick-slip at 312 Hz is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
          Stribeck coefficient; 64 % (61 % to 67 %) on average; 12 % from steady sliding."
     );
     verdict.probability_range = Some([0.57, 0.64]);
-    assert!(verdict_sentence(&verdict).starts_with("Stick-slip is likely: 57 % to 64 % of machines"));
+    assert!(verdict_sentence(&verdict).starts_with("Stick-slip at 312 Hz is likely: 57 % to 64 % of machines"));
     verdict.probability_range = Some([0.63, 0.65]);
-    assert!(verdict_sentence(&verdict).starts_with("Stick-slip is likely: 64 % (61 % to 67 %) of machines"));
+    assert!(verdict_sentence(&verdict).starts_with("Stick-slip at 312 Hz is likely: 64 % (61 % to 67 %) of machines"));
     assert!(verdict_text(&verdict).contains("Over the unknown Stribeck coefficient the probability lies between 63 %"));
 }
 
@@ -294,7 +296,7 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
     assert_eq!(html.matches("<li><span>").count(), 3, "three drivers");
     let words = plain(&html);
     for wanted in [
-        "Stick-slip is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
+        "Stick-slip at 312 Hz is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
          Stribeck coefficient; 64 % on average.",
         "Computed to ±3 percentage points. Largest of 2 errors of the probability: the number of machines, up to 2.6 percentage points; to \
          reduce it, lower half_width and, if needed, raise evaluations in [verdict]. Started from steady sliding: 12 %.",
