@@ -57,7 +57,7 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         intro: "One study with many values: report of a campaign by asperity.",
         first_screen: None,
         answers: answers::answers(results),
-        warnings: &results.warnings,
+        warnings: results.warnings.clone(),
         sections: sections.into_iter().flatten().collect(),
         details: Vec::new(),
         script: SORT,

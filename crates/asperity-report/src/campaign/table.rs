@@ -66,7 +66,13 @@ pub(super) fn table(results: &CampaignResults, shown: usize) -> Html {
     let cell = |column: &Column, row: usize| match &column.cells[row] {
         (text, Some(value)) => {
             let value = format!("{value:?}");
-            html!("<td class=\"{}\" data-name=\"{}\" data-value=\"{}\">{}</td>", column.class(), &column.title, value, text)
+            html!(
+                "<td class=\"{}\" data-value=\"{}\" data-name=\"{}\">{}</td>",
+                column.class(),
+                value,
+                &column.title,
+                text
+            )
         }
         (text, None) => html!("<td class=\"{}\" data-name=\"{}\">{}</td>", column.class(), &column.title, text),
     };

@@ -138,9 +138,11 @@ pub(super) fn unordered(texts: &[String]) -> Html {
 }
 
 fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
-    let sources = figure.sources.iter().enumerate().map(|(place, source)| {
-        html!("{}<code>{}</code>", if place == 0 { " Data: " } else { ", " }, source)
-    });
+    let sources = figure
+        .sources
+        .iter()
+        .enumerate()
+        .map(|(place, source)| html!("{}<code>{}</code>", if place == 0 { " Data: " } else { ", " }, source));
     let end = if figure.sources.is_empty() { "" } else { "." };
     html!(
         "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
