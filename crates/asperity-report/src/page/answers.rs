@@ -249,7 +249,7 @@ mod tests {
     use super::*;
 
     const VANISHES: &str = "Roughness has no effect at the scale of your machine";
-    use asperity_results::{CycleResult, OperatingPoint, Results};
+    use asperity_results::{CycleResult, OperatingPoint, Results, VerdictResult};
 
     fn vibration(damping: Vec<DampingResult>) -> VibrationResult {
         let area = EnsembleResult { damping, ..EnsembleResult::default() };
@@ -288,6 +288,19 @@ mod tests {
             entry(0.3, 0, -5.0, [-6.0, -4.0]),
         ];
         assert_eq!(answer(sweep.into()), "Roughness costs 20 of 99 cycles");
+    }
+
+    #[test]
+    fn the_cause_of_the_fluctuation_and_the_central_values_are_named() {
+        let vibration = vibration(vec![entry(0.17, 101, 29.8, [28.9, 30.1])]);
+        let verdict = VerdictResult { friction_fluctuates: true, evaluations: 64, ..VerdictResult::default() };
+        let run = Run { results: Results { verdict: Some(verdict), ..Results::default() }, ..Run::default() };
+        let words = of_vibration(&run, &vibration);
+        assert!(words.ends_with("The fluctuation of friction costs 29.8 of 101 cycles."), "{words}");
+        let centre = "With all uncertain values at their centres";
+        assert!(words.starts_with(&format!("{centre} and without the fluctuation of friction: No")), "{words}");
+        let words = of_mode_coupling(&run, &ModeCouplingResult::default());
+        assert!(words.starts_with(&format!("{centre}: No")), "{words}");
     }
 
     #[test]

@@ -265,6 +265,18 @@ mod tests {
     }
 
     #[test]
+    fn a_plastic_map_has_a_class_of_its_own_and_an_elastic_one_has_not() {
+        let plastic = Field::new([1.0, 1.0], "Pa", array![[0.0, 3e7, 3e7], [1e7, 0.0, 3e7]]);
+        let raster = Raster::new(&plastic, Kind::Pressure).unwrap().unwrap();
+        let (_, _, pixels) = decoded(&raster);
+        assert_eq!([pixels[1], pixels[2], pixels[5]], [HARDNESS_ENTRY; 3]);
+        assert!(pixels[3] > HARDNESS_ENTRY && pixels[0] == NO_CONTACT_ENTRY);
+        assert!(raster.chart().series.iter().any(|series| series.name == "at the hardness, 30\u{a0}MPa"));
+        let elastic = Field::new([1.0, 1.0], "Pa", array![[0.0, 1e7, 2e7], [1e7, 0.0, 3e7]]);
+        assert_eq!(Raster::new(&elastic, Kind::Pressure).unwrap().unwrap().hardness, None);
+    }
+
+    #[test]
     fn a_large_field_is_averaged_and_keeps_its_size_in_metre() {
         let (nx, ny) = (2000, 1000);
         let field = Field::new([1e-6, 2e-6], "m", Array2::from_shape_fn((ny, nx), |(_, column)| column as f64));

@@ -12,6 +12,9 @@ const NAME: &str = "cycles_over_damping";
 /// Smallest jump across a limit, as a fraction of the range of a quantity, through which no line is drawn.
 const JUMP: f64 = 0.3;
 
+/// Smallest change between neighbours, as a fraction of the range, through which no line is drawn elsewhere.
+const UNRESOLVED: f64 = 0.6;
+
 /// Name, colour and dash of an upscaling.
 type Style = (&'static str, Colour, Dash);
 
@@ -25,7 +28,8 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
                 the whole normal force.";
     let sustained = "Above: fraction of the trajectories that sustain vibration, i.e. vibrate for at least half of the second half of their time; the \
                      verdict counts machines by its own, lower threshold. Below: cycles \
-                     per natural period 2π/ω₀, over the whole time. Bands are 95 % intervals.";
+                     per natural period 2π/ω₀, over the whole time. Bands are 95 % intervals. No line is \
+                     drawn across a jump.";
     let counts = [Some(sweep.cycles()), Some(sweep.differences())];
     let vibration = [Some(sweep.sustained()), duration(run).and_then(|duration| sweep.rate(duration))];
     let drawn = [
@@ -106,8 +110,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Returns numbers of the entries, with an undefined one wherever the quantity `of` jumps across a limit: at damping ratios on both
-    /// sides of it and by a larger part of its range.
+    /// Returns numbers of the entries, with an undefined one wherever the quantity `of` jumps: across a limit between the damping ratios,
+    /// or by so much that the sweep does not resolve it.
     fn interrupted(
         &self,
         entries: &[DampingResult],
@@ -119,8 +123,9 @@ impl<'a> Sweep<'a> {
         for pair in entries.windows(2) {
             let [before, after] = pair else { continue };
             let between = before.damping_ratio..=after.damping_ratio;
-            let is_jump = (of(after) - of(before)).abs() > JUMP * span
-                && self.limits.iter().any(|(limit, _, _)| between.contains(limit));
+            let change = (of(after) - of(before)).abs();
+            let has_limit = self.limits.iter().any(|(limit, _, _)| between.contains(limit));
+            let is_jump = span > 0.0 && change > span * if has_limit { JUMP } else { UNRESOLVED };
             numbers.extend(is_jump.then_some(f64::NAN));
             numbers.push(number(after));
         }
