@@ -1,7 +1,7 @@
 //! The headline answers of a page.
 
 use asperity_results::{
-    DampingResult, EnsembleResult, FrictionResult, ModeCouplingResult, MotionKind, PressureResult, RoughBody,
+    DampingResult, EnsembleResult, FrictionResult, ModeCouplingResult, MotionKind, Pair, PressureResult, RoughBody,
     VibrationResult,
 };
 
@@ -135,15 +135,20 @@ pub(super) fn of_surface(run: &Run) -> Option<String> {
 pub(super) fn of_pressure(run: &Run, pressure: &PressureResult) -> String {
     let area = run.results.friction.as_ref().map_or_else(String::new, |friction| {
         let point = &friction.operating_point;
-        let fraction = shown(Dimension::None, point.contact_fraction, point.contact_fraction_interval);
+        let fraction = shown_percent(point.contact_fraction, point.contact_fraction_interval);
         format!("At the operating point ({}), {fraction} of the nominal area is in contact. ", place(point))
     });
     let point = format!(
         "Point of a random patch, {}: estimated probability of contact {}.",
         patch_level(run),
-        patch_probability(pressure)
+        shown_percent(pressure.contact_probability, pressure.contact_probability_interval)
     );
     area + &point
+}
+
+/// Formats a fraction with its interval in percent.
+fn shown_percent(fraction: f64, interval: Option<Pair>) -> String {
+    shown(Dimension::Other("%"), 100.0 * fraction, interval.map(|ends| ends.map(|end| 100.0 * end)))
 }
 
 /// Returns the friction coefficient at the operating point in a sentence.

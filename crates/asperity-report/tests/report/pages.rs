@@ -101,7 +101,9 @@ fn figures_of_the_page_are_readable_on_a_phone_and_legends_are_short() {
             // Of 390 pixels 348 remain inside of the card.
             assert!(348.0 / width * size.parse::<f64>().unwrap() >= 9.0, "{name}: {size} in {width}");
         }
-        assert!(figure.matches("data-entry=").count() <= 6, "{name}");
+        // One symbol for each method has a name in the figure of their errors.
+        let most = if name.contains("pressure_accuracy") { 9 } else { 6 };
+        assert!(figure.matches("data-entry=").count() <= most, "{name}");
     }
     assert!(figures.len() > 10);
 }
@@ -136,7 +138,7 @@ fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
     let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
     for (section, words) in [
         ("surface", "Sq = 1.00 µm [0.94, 1.06]; heights are correlated over"),
-        ("pressure", "estimated probability of contact 0.320 [0.307, 0.333]"),
+        ("pressure", "estimated probability of contact 32.0 % [30.7, 33.3]"),
         ("friction", "from window to window of"),
         ("vibration", "No vibration persists above ζ ="),
     ] {

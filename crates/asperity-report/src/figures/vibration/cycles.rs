@@ -26,8 +26,8 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
     let lost = "Number of stick-slip cycles M, and its difference from the deterministic count (the paper’s Fig. 5c) with 95 % \
                 intervals. “Area” averages μ over the nominal contact area and is the reading to use; “paper” lets one window carry \
                 the whole normal force.";
-    let sustained = "Above: fraction of the trajectories that sustain vibration, i.e. vibrate for at least half of the second half of their time; the \
-                     verdict counts machines by its own, lower threshold. Below: cycles \
+    let sustained = "Above: fraction of the trajectories that sustain vibration, which here means to vibrate for at least half of the second half of their time; the \
+                     verdict counts machines that vibrate for more than 10 % of the time. Below: cycles \
                      per natural period 2π/ω₀, over the whole time. Bands are 95 % intervals. No line is \
                      drawn across a jump.";
     let counts = [Some(sweep.cycles()), Some(sweep.differences())];
