@@ -58,7 +58,7 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         intro: "One study with many values: report of a campaign by asperity.",
         first_screen: None,
         answers: answers::answers(results),
-        warnings: &results.warnings,
+        warnings: results.warnings.clone(),
         sections: sections.into_iter().flatten().collect(),
         details: Vec::new(),
         script: SORT,
@@ -108,7 +108,7 @@ mod tests {
         let run = CampaignRun { name: "sweep".into(), results: campaign(), provenance: None };
         let Report { html, figures } = render_campaign(&run);
         assert_eq!(html.matches("<tr><td class=\"\" data-value=").count(), 6, "{html}");
-        assert!(html.contains("data-value=\"150000000.0\">150</td>") && html.contains("Hardness (MPa)"));
+        assert!(html.contains("data-value=\"150000000.0\" data-name=\"Hardness (MPa)\">150</td>"));
         assert!(html.contains("a &lt;reason&gt;") && html.contains("85 %") && !html.contains("Motion</th>"));
         let [figure] = figures.as_slice() else { panic!("{} figures", figures.len()) };
         for name in ["hardness 100", "hardness 150", "Damping ratio", "Probability of vibration"] {

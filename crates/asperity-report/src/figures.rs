@@ -8,7 +8,7 @@ pub(crate) mod vibration;
 
 use asperity_results::Table;
 
-use crate::plot::{Chart, ColourBar, Kind, Layout, ONE_COLUMN, Raster, TWO_COLUMNS};
+use crate::plot::{Chart, ColourBar, Kind, Layout, ONE_COLUMN, PAGE, Raster, TWO_COLUMNS};
 use crate::{ReportError, Run};
 
 /// A figure with its title, its caption and the files that hold its data.
@@ -58,6 +58,11 @@ impl CaptionedFigure {
     /// Draws the figure, two columns of a paper wide.
     pub(crate) fn svg(&self) -> String {
         self.layout.svg(&self.title, &self.caption, TWO_COLUMNS)
+    }
+
+    /// Draws the figure for a page, which scales it to the width of the screen.
+    pub(crate) fn svg_of_page(&self) -> String {
+        self.layout.svg(&self.title, &self.caption, PAGE)
     }
 }
 

@@ -91,7 +91,7 @@ impl Dimension {
             Self::Force => &[("µN", 1e-6), ("mN", 1e-3), ("N", 1.0), ("kN", 1e3), ("MN", 1e6)],
             Self::Mass => &[("g", 1e-3), ("kg", 1.0), ("t", 1e3)],
             Self::Wavenumber => &[("rad/m", 1.0), ("rad/mm", 1e3), ("rad/µm", 1e6)],
-            Self::AngularFrequency => &[("rad/s", 1.0), ("krad/s", 1e3)],
+            Self::AngularFrequency => &[("mHz", 2e-3 * PI), ("Hz", 2.0 * PI), ("kHz", 2e3 * PI)],
             Self::Frequency => &[("mHz", 1e-3), ("Hz", 1.0), ("kHz", 1e3)],
             Self::Velocity => &[("µm/s", 1e-6), ("mm/s", 1e-3), ("m/s", 1.0)],
             Self::Area => &[("µm²", 1e-12), ("mm²", 1e-6), ("m²", 1.0)],
@@ -140,7 +140,7 @@ impl Dimension {
             Some((low, high)) => {
                 let unit = self.unit(if value == 0.0 { high } else { value });
                 let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
-                let number = match decimals(high - low) {
+                let number = match shown_decimals(low, high) {
                     // A value far smaller than its interval is not rounded to 0.
                     Some(decimals) if value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) => {
                         significant(value, 2)
@@ -161,9 +161,15 @@ fn decimals(uncertainty: f64) -> Option<usize> {
     (uncertainty > 0.0 && (-4.0..=9.0).contains(&places)).then_some(places.max(0.0) as usize)
 }
 
+/// Returns the number of decimals of an interval: two digits of its width, but no more than four digits of its ends.
+fn shown_decimals(low: f64, high: f64) -> Option<usize> {
+    let four = 3.0 - low.abs().max(high.abs()).log10().floor();
+    decimals(high - low).map(|decimals| decimals.min(four.max(0.0) as usize))
+}
+
 /// Formats `[low, high]` with two digits of its width.
 pub(crate) fn show_range(low: f64, high: f64) -> String {
-    match decimals(high - low) {
+    match shown_decimals(low, high) {
         Some(decimals) => format!("[{},{NO_BREAK}{}]", rounded(low, decimals), rounded(high, decimals)),
         None => format!("[{},{NO_BREAK}{}]", significant(low, 3), significant(high, 3)),
     }
@@ -253,6 +259,8 @@ mod tests {
         assert_eq!(spaced(Dimension::Length.show_interval(2.5e-4, Some((2e-4, 3e-4)))), "250 µm [200, 300]");
         assert_eq!(spaced(Dimension::Length.show_interval(0.0, Some((0.0, 9.07e-6)))), "0 µm [0, 9.1]");
         assert_eq!(spaced(Dimension::None.show_interval(0.0621, Some((0.0, 19.0)))), "0.062 [0, 19]");
+        assert_eq!(spaced(Dimension::None.show_interval(0.400_019, Some((0.4, 0.400_067)))), "0.4000 [0.4000, 0.4001]");
+        assert_eq!(spaced(Dimension::AngularFrequency.show(628.3185)), "100 Hz");
         assert_eq!(spaced(Dimension::None.show_interval(25.9871, Some((23.49, 28.51)))), "26.0 [23.5, 28.5]");
         assert_eq!(
             spaced(Dimension::None.show_interval(0.005279, Some((0.00468, 0.00607)))),

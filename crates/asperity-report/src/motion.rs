@@ -83,7 +83,7 @@ pub fn render_vibration(
         intro: "Answer of one vibration command of asperity.",
         first_screen: None,
         answers: Vec::new(),
-        warnings,
+        warnings: warnings.to_vec(),
         sections: sections.into_iter().flatten().collect(),
         details: Vec::new(),
         script: "",

@@ -52,7 +52,7 @@ pub(crate) struct Page<'a> {
     /// The first screen of a run with a verdict; it takes the place of the introduction.
     pub(crate) first_screen: Option<Html>,
     pub(crate) answers: Vec<Answer>,
-    pub(crate) warnings: &'a [String],
+    pub(crate) warnings: Vec<String>,
     pub(crate) sections: Vec<Section>,
     /// Folded sections at the end.
     pub(crate) details: Vec<Section>,
@@ -78,11 +78,11 @@ impl Page<'_> {
             Some(screen) => (html!("<h1 class=\"small\">{}</h1>\n", &title), screen),
             None => (html!("<h1>{}</h1>\n<p>{}</p>\n", &title, intro), Html::default()),
         };
-        let warnings = match warnings {
+        let warnings = match warnings.as_slice() {
             [] => Html::default(),
             _ => html!(
                 "<div class=\"warnings\" role=\"note\"><strong>Warnings</strong>\n{}</div>\n",
-                unordered(warnings)
+                unordered(&warnings)
             ),
         };
         let draws = sections.iter().chain(&details).any(|section| !section.figures.is_empty());
@@ -120,6 +120,13 @@ impl Page<'_> {
     }
 }
 
+/// Returns warnings in the order of their weight: those on the quotient F/N of single windows last, because the vibration does not use it.
+fn ranked(warnings: &[String]) -> Vec<String> {
+    let concerns_answer = |warning: &&String| !["F/N", "contact cells"].iter().any(|words| warning.contains(words));
+    let (first, last): (Vec<_>, Vec<_>) = warnings.iter().partition(concerns_answer);
+    first.into_iter().chain(last).cloned().collect()
+}
+
 /// Arranges the page of a run.
 ///
 /// # Errors
@@ -143,8 +150,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         motion || results.vibration.is_some(),
         coupled,
     ];
-    let inputs = "The study with all defaults, and where each value comes from. Settings change the error of the computation, not the \
-                  machine.";
+    let inputs = "What was measured, stated or left to a default. study.toml has the settings of the computation, too.";
     let assumptions = "Conventions and defaults behind the results above.";
     let conditions = [
         Section::new(
@@ -175,7 +181,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         intro: "From the rough surface to friction and vibration: report of a study by asperity.",
         first_screen,
         answers: if results.verdict.is_some() { Vec::new() } else { answers::answers(run) },
-        warnings: &results.warnings,
+        warnings: ranked(&results.warnings),
         sections,
         details: details.into_iter().chain(conditions).flatten().collect(),
         script: "",

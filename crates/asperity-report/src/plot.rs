@@ -12,7 +12,7 @@ mod symbol;
 pub(crate) use axis::{Axis, range};
 pub(crate) use canvas::{Colour, Dash, Pen, WHITE};
 pub(crate) use chart::mark::Mark;
-pub(crate) use chart::{Backdrop, CURVES, Chart, Layout, ONE_COLUMN, SCREEN, TWO_COLUMNS, Width, stacked};
+pub(crate) use chart::{Backdrop, CURVES, Chart, Layout, ONE_COLUMN, PAGE, SCREEN, TWO_COLUMNS, Width, stacked};
 pub(crate) use image::{ColourBar, indexed, scale_palette, shade};
 pub(crate) use palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PLUM, PURPLE, SKY, VERMILION, pale, pen};
 pub(crate) use raster::{Kind, Raster};

@@ -51,7 +51,7 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
         intro: "Random maps with the same statistics as a measured one, compared with it.",
         first_screen: None,
         answers: [likeness(comparison), model(comparison), draws(comparison)].into_iter().flatten().collect(),
-        warnings: &comparison.warnings,
+        warnings: comparison.warnings.clone(),
         sections: sections.into_iter().flatten().collect(),
         details: Vec::new(),
         script: "",

@@ -89,7 +89,7 @@ pub(crate) fn distribution_name(fit: &DistributionResult) -> String {
 
 /// Describes window, strips and boundary in a sentence.
 pub(crate) fn conditions(friction: &FrictionResult) -> String {
-    let length = |metre: f64| Dimension::Length.show(metre);
+    let length = |metre: f64| Dimension::Length.show_short(metre);
     let boundary = match friction.mean_compliance_m_per_pa {
         Some(compliance) => {
             format!("periodic, of mean compliance {} under a fixed plane", Dimension::Compliance.show(compliance))
@@ -103,6 +103,12 @@ pub(crate) fn conditions(friction: &FrictionResult) -> String {
         friction.realisations,
         length(friction.strip_width_m)
     )
+}
+
+/// Returns a text with a capital first letter.
+pub(crate) fn capitalised(mut text: String) -> String {
+    text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
+    text
 }
 
 /// Keeps numbers and percent signs on one line.

@@ -46,9 +46,9 @@ function times(law: Law, factor: number): Law {
   return Object.fromEntries(Object.entries(law).map(of));
 }
 
-/** Returns a slider around the value of the machine. */
-function slider(label: string, unit: string, own: number, low: number, high: number, log = true): Slider {
-  const value = Number(own.toPrecision(4));
+/** Returns a slider around the value of the machine, which is shown with so many digits. */
+function slider(label: string, unit: string, own: number, low: number, high: number, log = true, digits = 4): Slider {
+  const value = Number(own.toPrecision(digits));
   return { kind: "slider", label, unit, si: 1, low: Math.min(low, value), high: Math.max(high, value), log, value };
 }
 
@@ -92,7 +92,7 @@ class Page {
       damping: slider("Damping ratio ζ", "", parameters.damping_ratio, 0, 1, false),
       belt_velocity: slider("Belt speed", "mm/s", speed, speed / 30, speed * 30),
       friction: slider("Mean friction coefficient μ", "", mu, mu / 3, 3 * mu),
-      ...(process && { variability: slider("Variability of friction", "%", (100 * process.std) / mu, 0.01, 20) }),
+      ...(process && { variability: slider("Variability of friction", "%", (100 * process.std) / mu, 0.01, 20, true, 2) }),
     };
     const watcher = {
       busy: () => this.showStatus(),

@@ -9,7 +9,7 @@ use crate::format::{Unit, count};
 use crate::plot::{Axis, BLUE, Chart, Colour, Mark, VERMILION, pen, range};
 
 /// Largest number of curves or colours.
-const MOST_CURVES: usize = 8;
+const MOST_CURVES: usize = 6;
 
 const PROBABILITY: &str = "Probability of vibration";
 const MARGIN: &str = "Margin of the damping ratio";

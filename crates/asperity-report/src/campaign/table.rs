@@ -4,7 +4,7 @@ use asperity_results::choice::Choice;
 use asperity_results::{CampaignResults, InputValue, MemberResult, Pair};
 
 use crate::campaign::words::{
-    SOURCE, capitalised, is_undetermined, key_in_words, number, probability, shown, unit_of, verdict,
+    capitalised, is_undetermined, key_in_words, number, probability, shown, unit_of, verdict,
 };
 use crate::cells::DASH;
 use crate::format::{Unit, significant};
@@ -65,9 +65,16 @@ pub(super) fn table(results: &CampaignResults, shown: usize) -> Html {
         .map(|column| html!("<th scope=\"col\" class=\"{}\" data-sort=\"\">{}</th>", column.class(), &column.title));
     let cell = |column: &Column, row: usize| match &column.cells[row] {
         (text, Some(value)) => {
-            html!("<td class=\"{}\" data-value=\"{}\">{}</td>", column.class(), format!("{value:?}"), text)
+            let value = format!("{value:?}");
+            html!(
+                "<td class=\"{}\" data-value=\"{}\" data-name=\"{}\">{}</td>",
+                column.class(),
+                value,
+                &column.title,
+                text
+            )
         }
-        (text, None) => html!("<td class=\"{}\">{}</td>", column.class(), text),
+        (text, None) => html!("<td class=\"{}\" data-name=\"{}\">{}</td>", column.class(), &column.title, text),
     };
     let rows = (0..shown).map(|row| {
         let cells = columns.iter().map(|column| cell(column, row));
@@ -75,11 +82,10 @@ pub(super) fn table(results: &CampaignResults, shown: usize) -> Html {
     });
     html!(
         "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"Members\">\n<table class=\"sortable\">\n<thead><tr class=\"group\">{}</tr>\n<tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n\
-         </table>\n<p class=\"source\">Source: <code>{}</code></p>\n</div>\n",
+         </table>\n</div>\n",
         groups.collect::<Html>(),
         headers.collect::<Html>(),
         rows.collect::<Html>(),
-        SOURCE,
     )
 }
 

@@ -6,6 +6,7 @@ use asperity_results::{CampaignResults, InputValue, MemberResult, VariedKey};
 
 use crate::cells::{DASH, percent};
 use crate::format::{Dimension, Unit, count};
+pub(super) use crate::words::capitalised;
 use crate::words::named;
 
 /// File with the numbers.
@@ -40,12 +41,6 @@ pub(super) fn key_in_words(key: &VariedKey) -> String {
         Some(of) => format!("standard deviation of {}", named(of)),
         None => named(&key.key),
     }
-}
-
-/// Returns the text of a value with its first letter in upper case.
-pub(super) fn capitalised(mut text: String) -> String {
-    text.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
-    text
 }
 
 /// Returns whether the members have several values of a key.

@@ -33,7 +33,7 @@ pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
             "Distribution of the friction coefficient",
             "Histogram of μ over all windows of the operating point, taken at the mean load, with the distributions fitted by \
              likelihood: the one ranked first by Akaike’s criterion, the Beta distribution of the paper with its bounds fitted too, \
-             and at most four others; the table has all.",
+             and at most three others; the table has all.",
             chart("friction_histogram", &|table| distribution::histogram(table, "windows", &first)),
         ),
         (

@@ -16,7 +16,7 @@ use crate::{ReportError, Run};
 /// The PNG encoder failed.
 pub(crate) fn figures(run: &Run) -> Result<Vec<CaptionedFigure>, ReportError> {
     let title = "Contact pressure on one realisation";
-    let caption = "Pressure on one realisation of the surface; white points are not in contact. The colours saturate \
+    let caption = "Pressure on one realisation of the surface; points without colour are not in contact. The colours saturate \
                    beyond the 99.9 % quantile.";
     let sample = field_map(run, "pressure_sample", Kind::Pressure, title, caption)?;
     let charts = [distribution::figure(run), intervals::figure(run), accuracy::figure(run)];

@@ -1,24 +1,24 @@
 //! The headline answers of a page.
 
 use asperity_results::{
-    DampingResult, EnsembleResult, FrictionResult, ModeCouplingResult, MotionKind, PressureResult, RoughBody,
+    DampingResult, EnsembleResult, FrictionResult, ModeCouplingResult, MotionKind, Pair, PressureResult, RoughBody,
     VibrationResult,
 };
 
 use crate::Run;
 use crate::cells::shown;
-use crate::format::{Dimension, significant, with_error};
+use crate::format::{Dimension, significant};
 use crate::page::answer::Answer;
 use crate::page::friction::place;
 use crate::page::{mode_coupling, parameters};
 use crate::verdict::is_exact;
+use crate::words::capitalised;
 
 /// Largest fraction of the deterministic cycles at which a resolved effect is called negligible.
 const NEGLIGIBLE: f64 = 0.01;
 /// Largest half width of an interval around zero, as a fraction of the deterministic cycles, at which there is no effect. A wider
 /// interval is inconclusive.
 const NARROW: f64 = 0.1;
-const VANISHES: &str = "Roughness has no effect at the scale of your machine";
 
 /// Returns the answers of a run without a verdict.
 pub(super) fn answers(run: &Run) -> Vec<Answer> {
@@ -41,8 +41,9 @@ fn contact(run: &Run) -> Option<Answer> {
     let pressure = run.results.pressure.as_ref();
     if let Some(friction) = &run.results.friction {
         let point = &friction.operating_point;
-        let also = pressure
-            .map_or(String::new(), |pressure| format!(" {}, it is {}.", patch_level(run), patch_probability(pressure)));
+        let also = pressure.map_or(String::new(), |pressure| {
+            format!(" At a point of a random patch, {}, it is {}.", patch_level(run), patch_probability(pressure))
+        });
         let probability = shown(Dimension::None, point.contact_fraction, point.contact_fraction_interval);
         return Some(Answer {
             question,
@@ -57,13 +58,17 @@ fn contact(run: &Run) -> Option<Answer> {
     Some(Answer {
         question,
         answer: format!("P(contact) = {}", patch_probability(pressure)),
-        detail: format!("{}, from {}; ± is one standard error.", patch_level(run), pressure.origin()),
+        detail: format!(
+            "At a point of a random patch, {}; from {}; brackets are the 95 % interval.",
+            patch_level(run),
+            pressure.origin()
+        ),
     })
 }
 
-/// Formats the contact probability of the pressure stage with its standard error.
+/// Formats the contact probability of the pressure stage with its 95 % interval.
 fn patch_probability(pressure: &PressureResult) -> String {
-    with_error(pressure.contact_probability, pressure.contact_probability_se.unwrap_or(f64::NAN))
+    shown(Dimension::None, pressure.contact_probability, pressure.contact_probability_interval)
 }
 
 /// Describes the level of the pressure stage.
@@ -73,11 +78,11 @@ fn patch_level(run: &Run) -> String {
         Some(input.value.trim().to_owned())
     };
     match (stated("percentile"), stated("penetration"), stated("mean_pressure")) {
-        (Some(percent), ..) if percent.parse() == Ok(50.0) => "With the plane at the median height".to_owned(),
-        (Some(percent), ..) => format!("With the plane below {percent} % of the heights"),
-        (_, Some(depth), _) => format!("With the plane {depth} below the highest point"),
-        (.., Some(pressure)) => format!("At a mean pressure of {pressure}"),
-        _ => "At the level of the pressure stage".to_owned(),
+        (Some(percent), ..) if percent.parse() == Ok(50.0) => "with the plane at the median height".to_owned(),
+        (Some(percent), ..) => format!("with the plane below {percent} % of the heights"),
+        (_, Some(depth), _) => format!("with the plane {depth} below the highest point"),
+        (.., Some(pressure)) => format!("pressed with {pressure}"),
+        _ => "at the level of the pressure stage".to_owned(),
     }
 }
 
@@ -104,7 +109,7 @@ fn friction(friction: &FrictionResult) -> Answer {
             "At the operating point ({}){brackets}.{of_scan} Standard deviation{parts}: {} for a window of {}, {} over the nominal area.",
             place(point),
             significant(point.std, 2),
-            Dimension::Length.show(friction.window_m),
+            Dimension::Length.show_short(friction.window_m),
             significant(point.std_nominal_area, 2)
         ),
     }
@@ -126,20 +131,30 @@ pub(super) fn of_surface(run: &Run) -> Option<String> {
     Some(format!("Sq = {height}{lengths}."))
 }
 
-/// Returns contact probability and mean pressure at a point in a sentence.
+/// Returns the contact area at the operating point, and the contact probability at a point of a patch, in two sentences.
 pub(super) fn of_pressure(run: &Run, pressure: &PressureResult) -> String {
-    let mean = shown(Dimension::Pressure, pressure.mean_pa, pressure.mean_interval);
-    format!(
-        "{}, a point of a patch is in contact with probability {}; its mean pressure is {mean}.",
+    let area = run.results.friction.as_ref().map_or_else(String::new, |friction| {
+        let point = &friction.operating_point;
+        let fraction = shown_percent(point.contact_fraction, point.contact_fraction_interval);
+        format!("At the operating point ({}), {fraction} of the nominal area is in contact. ", place(point))
+    });
+    let point = format!(
+        "Point of a random patch, {}: estimated probability of contact {}.",
         patch_level(run),
-        patch_probability(pressure)
-    )
+        shown_percent(pressure.contact_probability, pressure.contact_probability_interval)
+    );
+    area + &point
+}
+
+/// Formats a fraction with its interval in percent.
+fn shown_percent(fraction: f64, interval: Option<Pair>) -> String {
+    shown(Dimension::Other("%"), 100.0 * fraction, interval.map(|ends| ends.map(|end| 100.0 * end)))
 }
 
 /// Returns the friction coefficient at the operating point in a sentence.
 pub(super) fn of_friction(result: &FrictionResult) -> String {
     let point = &result.operating_point;
-    let window = Dimension::Length.show(result.window_m);
+    let window = Dimension::Length.show_short(result.window_m);
     let std = significant(point.std, 2);
     format!("{}; it differs by ± {std} from window to window of {window}.", friction(result).answer)
 }
@@ -149,20 +164,24 @@ pub(super) fn of_vibration(run: &Run, vibration: &VibrationResult) -> String {
     let is_centre = run.results.verdict.as_ref().is_some_and(|verdict| !is_exact(verdict));
     let fluctuates = run.results.verdict.as_ref().is_some_and(|verdict| verdict.friction_fluctuates);
     let values = match (is_centre, fluctuates) {
-        (true, _) => "With all uncertain values at their centres: ",
+        (true, true) => "With all uncertain values at their centres and without the fluctuation of friction: ",
+        (true, false) => "With all uncertain values at their centres: ",
         (false, true) => "Without the fluctuation of friction: ",
         (false, false) => "",
     };
     let limit = vibration
         .limit_damping_ratio
         .map_or(String::new(), |limit| format!(" No vibration persists above ζ = {}.", significant(limit, 4)));
-    let roughness = roughness(vibration).map_or(String::new(), |effect| format!(" {effect}."));
+    let cause = if run.results.friction.is_some() { "roughness" } else { "the fluctuation of friction" };
+    let roughness = roughness(vibration, cause).map_or(String::new(), |effect| format!(" {effect}."));
     format!("{values}{}.{limit}{roughness}", vibration_answer(vibration))
 }
 
 /// Returns whether steady sliding is stable in a sentence.
-pub(super) fn of_mode_coupling(result: &ModeCouplingResult) -> String {
-    format!("{}.", mode_coupling::answer(result))
+pub(super) fn of_mode_coupling(run: &Run, result: &ModeCouplingResult) -> String {
+    let is_centre = run.results.verdict.as_ref().is_some_and(|verdict| !is_exact(verdict));
+    let values = if is_centre { "With all uncertain values at their centres: " } else { "" };
+    format!("{values}{}.", mode_coupling::answer(result))
 }
 
 /// Answers whether the machine vibrates without fluctuation of friction, and what starts the vibration.
@@ -209,8 +228,8 @@ fn nearest(upscaling: &EnsembleResult, damping: f64) -> Option<&DampingResult> {
     upscaling.damping.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
-/// Returns what roughness does to the vibration at the damping ratio of the sweep that is nearest to the study's, in a phrase.
-fn roughness(vibration: &VibrationResult) -> Option<String> {
+/// Returns what the cause of the fluctuation, such as roughness, does to the vibration at the damping ratio of the sweep that is nearest to the study's, in a phrase.
+fn roughness(vibration: &VibrationResult, cause: &str) -> Option<String> {
     let own = vibration.of_study();
     let entry = nearest(own, vibration.damping_ratio)?;
     let (lost, [low, high]) = (entry.difference_mean, entry.difference_interval);
@@ -219,21 +238,23 @@ fn roughness(vibration: &VibrationResult) -> Option<String> {
     let unresolved = low <= 0.0 && high >= 0.0;
     let narrow = low.abs().max(high.abs()) <= NARROW * scale;
     Some(if unresolved && !narrow {
-        "No effect of roughness is resolved: more trajectories are needed".into()
+        format!("No effect of {cause} is resolved: more trajectories are needed")
     } else if unresolved || lost.abs() <= NEGLIGIBLE * scale {
-        VANISHES.into()
+        format!("{} has no effect at the scale of your machine", capitalised(cause.to_owned()))
     } else if lost < 0.0 {
-        format!("Roughness adds {} cycles", significant(-lost, 3))
+        format!("{} adds {} cycles", capitalised(cause.to_owned()), significant(-lost, 3))
     } else {
         let of = significant(entry.cycles_deterministic as f64, 4);
-        format!("Roughness costs {} of {of} cycles", significant(lost, 3))
+        format!("{} costs {} of {of} cycles", capitalised(cause.to_owned()), significant(lost, 3))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_results::{CycleResult, OperatingPoint, Results};
+
+    const VANISHES: &str = "Roughness has no effect at the scale of your machine";
+    use asperity_results::{CycleResult, OperatingPoint, Results, VerdictResult};
 
     fn vibration(damping: Vec<DampingResult>) -> VibrationResult {
         let area = EnsembleResult { damping, ..EnsembleResult::default() };
@@ -252,7 +273,7 @@ mod tests {
     }
 
     fn answer(damping: Vec<DampingResult>) -> String {
-        roughness(&vibration(damping)).unwrap()
+        roughness(&vibration(damping), "roughness").unwrap()
     }
 
     #[test]
@@ -272,6 +293,19 @@ mod tests {
             entry(0.3, 0, -5.0, [-6.0, -4.0]),
         ];
         assert_eq!(answer(sweep.into()), "Roughness costs 20 of 99 cycles");
+    }
+
+    #[test]
+    fn the_cause_of_the_fluctuation_and_the_central_values_are_named() {
+        let vibration = vibration(vec![entry(0.17, 101, 29.8, [28.9, 30.1])]);
+        let verdict = VerdictResult { friction_fluctuates: true, evaluations: 64, ..VerdictResult::default() };
+        let run = Run { results: Results { verdict: Some(verdict), ..Results::default() }, ..Run::default() };
+        let words = of_vibration(&run, &vibration);
+        assert!(words.ends_with("The fluctuation of friction costs 29.8 of 101 cycles."), "{words}");
+        let centre = "With all uncertain values at their centres";
+        assert!(words.starts_with(&format!("{centre} and without the fluctuation of friction: No")), "{words}");
+        let words = of_mode_coupling(&run, &ModeCouplingResult::default());
+        assert!(words.starts_with(&format!("{centre}: No")), "{words}");
     }
 
     #[test]
@@ -327,7 +361,7 @@ mod tests {
         };
         let pressure = PressureResult {
             contact_probability: 0.2202,
-            contact_probability_se: Some(0.0057),
+            contact_probability_interval: Some([0.209, 0.2314]),
             reference_samples: 5000,
             ..PressureResult::default()
         };
@@ -339,16 +373,19 @@ mod tests {
         let found = answers(&run);
         assert_eq!(plain(&found[0].answer), "P(contact) = 0.01430 [0.01400, 0.01460]");
         assert!(plain(&found[0].detail).contains("the nominal pressure, 3 MPa"), "{:?}", found[0]);
-        assert!(plain(&found[0].detail).contains("With the plane at the median height, it is 0.2202 ± 0.0057."));
+        assert!(
+            plain(&found[0].detail)
+                .contains("of a random patch, with the plane at the median height, it is 0.220 [0.209, 0.231].")
+        );
         assert_eq!(plain(&found[1].answer), "μ = 0.2041 [0.2027, 0.2055]");
         assert!(plain(&found[1].detail).contains("0.0087 for a window of 600 µm"), "{:?}", found[1]);
         // Without a friction stage the level of the patches is named.
         run.results.friction = None;
         let found = answers(&run);
-        assert_eq!(plain(&found[0].answer), "P(contact) = 0.2202 ± 0.0057");
+        assert_eq!(plain(&found[0].answer), "P(contact) = 0.220 [0.209, 0.231]");
         assert!(
             plain(&found[0].detail)
-                .starts_with("With the plane at the median height, from 5000 contact solutions of the reference run;"),
+                .starts_with("At a point of a random patch, with the plane at the median height; from 5000 contact solutions of the reference run;"),
             "{:?}",
             found[0]
         );

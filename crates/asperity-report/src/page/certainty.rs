@@ -45,7 +45,10 @@ fn of_pressure(pressure: &PressureResult) -> Vec<Row> {
     let why = pressure.origin();
     let probability = shown(Dimension::None, pressure.contact_probability, pressure.contact_probability_interval);
     let mean = shown(Dimension::Pressure, pressure.mean_pa, pressure.mean_interval);
-    vec![row("contact probability at a point", probability, why.clone()), row("mean pressure at a point", mean, why)]
+    vec![
+        row("contact probability at a point of a patch, estimated", probability, why.clone()),
+        row("mean pressure at a point of a patch, estimated", mean, why),
+    ]
 }
 
 fn of_friction(friction: &FrictionResult) -> Vec<Row> {
@@ -59,11 +62,15 @@ fn of_friction(friction: &FrictionResult) -> Vec<Row> {
     } else {
         format!("{strips}; their pitch")
     };
-    let mut rows = vec![row("friction coefficient μ", shown(Dimension::None, point.mean, point.mean_interval), whole)];
+    let mut rows = vec![row(
+        "friction coefficient μ, whole error",
+        shown(Dimension::None, point.mean, point.mean_interval),
+        whole,
+    )];
     rows.extend(of_scan);
     rows.extend([
         row(
-            "μ of the random surface",
+            "the same, error of sampling strips alone",
             shown(Dimension::None, point.mean, point.mean_sampling_interval),
             strips.clone(),
         ),

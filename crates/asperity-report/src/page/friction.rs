@@ -62,11 +62,15 @@ fn levels<T>(friction: &FrictionResult, of: fn(&LevelResult) -> &T) -> Vec<(Stri
 /// correlation families, and the quotient F/N of single windows.
 pub(super) fn tables(friction: &FrictionResult) -> Vec<DataTable> {
     let caption = "Friction at the mean load by level; a level of 5 % has 5 % of the heights above the plane; windows are weighted by the \
-                   load they carry; brackets are 95 % intervals";
+                   load they carry; brackets are 95 % intervals of the sampling of strips alone";
     let levels = levels(friction, |level| &level.process);
     // The fitted distribution has a table of its own.
     let mut tables = vec![
-        DataTable::of("Friction at the operating point; brackets are 95 % intervals", &friction.operating_point, all),
+        DataTable::of(
+            "Friction at the operating point; brackets are 95 % intervals, of μ̄ with its whole error",
+            &friction.operating_point,
+            all,
+        ),
         DataTable::beside(caption, &levels, |key| key != "at_mean_load.marginal.parameters"),
     ];
     tables.extend(friction.cutoff.iter().flat_map(cutoff::tables));
@@ -110,7 +114,7 @@ fn fitted(of: &str, marginal: Option<&DistributionResult>, intervals: &BTreeMap<
 fn quotient_tables(friction: &FrictionResult) -> Vec<DataTable> {
     let caption = format!(
         "Friction coefficient F/N by level for a window of {}; brackets are 95 % intervals",
-        Dimension::Length.show(friction.window_m)
+        Dimension::Length.show_short(friction.window_m)
     );
     let of_process = LevelProcess::fields();
     let keep =

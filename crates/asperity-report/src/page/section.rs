@@ -138,18 +138,21 @@ pub(super) fn unordered(texts: &[String]) -> Html {
 }
 
 fn figure_html(number: usize, figure: &CaptionedFigure) -> Html {
-    let sources = figure.sources.iter().enumerate().map(|(place, source)| {
-        let comma = if place == 0 { "" } else { ", " };
-        html!("{}<code>{}</code>", comma, source)
-    });
+    let sources = figure
+        .sources
+        .iter()
+        .enumerate()
+        .map(|(place, source)| html!("{}<code>{}</code>", if place == 0 { " Data: " } else { ", " }, source));
+    let end = if figure.sources.is_empty() { "" } else { "." };
     html!(
         "<figure id=\"figure-{0}\">\n<h3>Figure {1}. {2} <a class=\"permalink\" href=\"#figure-{0}\" aria-label=\"Link to figure {1}\">#</a></h3>\n\
-         <div class=\"drawing\" tabindex=\"0\">{3}</div>\n<figcaption>{4} Data: {5}.</figcaption>\n</figure>\n",
+         <div class=\"drawing\" tabindex=\"0\">{3}</div>\n<figcaption>{4}{5}{6}</figcaption>\n</figure>\n",
         figure.name,
         number.to_string(),
         &figure.title,
-        Html::from_markup(figure.svg()),
+        Html::from_markup(figure.svg_of_page()),
         &figure.caption,
         sources.collect::<Html>(),
+        end,
     )
 }

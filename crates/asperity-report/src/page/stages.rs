@@ -66,6 +66,6 @@ pub(super) fn coupled(run: &Run) -> Link {
     let found = run.results.mode_coupling.as_ref();
     let tables = found.map_or_else(Vec::new, mode_coupling::tables);
     let section = Section::new("mode-coupling", "Mode coupling", "", tables, figures::vibration::coupled_figures(run))
-        .map(|section| section.with_answer(found.map(answers::of_mode_coupling)));
+        .map(|section| section.with_answer(found.map(|found| answers::of_mode_coupling(run, found))));
     Section::folded(section, &["modes"], ("details-mode-coupling", "Mode coupling: numbers", ""))
 }

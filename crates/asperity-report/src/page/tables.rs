@@ -33,9 +33,9 @@ pub(super) fn methods(pressure: &PressureResult) -> DataTable {
     let estimated: Vec<_> = estimated.map(|method| (method.name.words(), method)).collect();
     let sites = if pressure.sites > 1 { format!(", each at {} sites", pressure.sites) } else { String::new() };
     let caption = match pressure.reference_samples {
-        0 => "Distribution of the pressure; brackets are 95 % intervals".to_owned(),
+        0 => "Estimated distribution of the pressure at a point of a patch; brackets are 95 % intervals".to_owned(),
         samples => format!(
-            "Methods for the distribution of the pressure; distances are from the reference of {samples} samples{sites}; brackets are \
+            "Methods for the distribution of the pressure at a point of a patch; distances are from the reference of {samples} samples{sites}; brackets are \
              95 % intervals"
         ),
     };
@@ -52,18 +52,18 @@ pub(super) fn scalars(pressure: &PressureResult) -> DataTable {
             found.map_or_else(|| DASH.into(), value)
         };
         let name = match name {
-            "contact_fraction" => "contact area over nominal area".into(),
+            "contact_fraction" => "contact area over nominal area of a patch, by cells".into(),
             other => other.replace('_', " "),
         };
         let mean = shown(dimension, scalar.mean, Some(scalar.mean_interval));
         vec![name, mean, dimension.show(scalar.std), quantile(0.1), quantile(0.5), quantile(0.9)]
     });
     let headers = ["Property of the contact", "Mean", "Std", "10 % quantile", "Median", "90 % quantile"];
-    let caption = "Distributions of properties of the whole contact; brackets are 95 % intervals";
+    let caption = "Distributions of properties of a whole patch, from patch to patch; brackets are 95 % intervals";
     DataTable::new(caption, &headers, rows.collect())
 }
 
-/// Returns the inputs with their origin, one table per section in the order of appearance.
+/// Returns the inputs with their origin, without the settings of the computation, one table per section in the order of appearance.
 pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
     let is_list = |input: &&Input| input.section == "study" && input.key == UNSTATED;
     let unstated: Vec<&str> =
@@ -71,7 +71,8 @@ pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
     let mut tables: Vec<DataTable> = Vec::new();
     for input in inputs.iter().filter(|input| !is_list(input)) {
         let Input { section, key, value } = input;
-        let row = vec![key.clone(), value.clone(), origin(input, &unstated).to_owned()];
+        let Some(origin) = origin(input, &unstated) else { continue };
+        let row = vec![key.clone(), value.clone(), origin.to_owned()];
         match tables.iter_mut().find(|table| table.caption == *section) {
             Some(table) => table.rows.push(row),
             None => tables.push(DataTable::new(section, &["Key", "Value", "Origin"], vec![row])),
@@ -83,8 +84,8 @@ pub(super) fn inputs(inputs: &[Input]) -> Vec<DataTable> {
 /// Key of the defaults that a resolved study lists.
 const UNSTATED: &str = "unstated";
 
-/// Returns where the value of an input comes from.
-fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static str {
+/// Returns where the value of an input comes from; `None` for a setting of the computation.
+fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> Option<&'static str> {
     let name = key.split('.').next().unwrap_or(key);
     let is_measured = match name {
         "file" => true,
@@ -94,14 +95,14 @@ fn origin(Input { section, key, value }: &Input, unstated: &[&str]) -> &'static 
     let path = format!("{section}.{name}");
     let known = Key::find(&path);
     let default = known.filter(|_| unstated.contains(&path.as_str())).and_then(|known| known.default);
-    match (section.as_str(), default) {
+    Some(match (section.as_str(), default) {
         ("surface" | "counterface", _) if is_measured => "measured",
         (_, Some(KeyDefault { of_paper: true, .. })) => "the paper’s default",
         (_, Some(_)) => "asperity’s default",
-        _ if known.is_none() => "setting",
+        _ if known.is_none() => return None,
         _ if key.contains('.') || SPREADS.iter().chain(&RANGES).any(|mark| value.contains(mark)) => "stated, uncertain",
         _ => "stated",
-    }
+    })
 }
 
 #[cfg(test)]
@@ -129,10 +130,8 @@ mod tests {
         let origins: Vec<String> =
             inputs(&all).into_iter().flat_map(|table| table.rows).filter_map(|row| row.last().cloned()).collect();
         let wanted = [
-            "setting",
             "measured",
             "the paper’s default",
-            "setting",
             "asperity’s default",
             "stated, uncertain",
             "stated, uncertain",

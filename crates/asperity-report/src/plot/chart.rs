@@ -5,7 +5,7 @@ mod layout;
 mod legend;
 pub(super) mod mark;
 
-pub(crate) use self::layout::{Layout, ONE_COLUMN, SCREEN, TWO_COLUMNS, Width, stacked};
+pub(crate) use self::layout::{Layout, ONE_COLUMN, PAGE, SCREEN, TWO_COLUMNS, Width, stacked};
 use self::mark::{DISC, Mark, SYMBOL, Series};
 use crate::plot::axis::Axis;
 use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Pen, Point, Rect, TEXT, THIN, WHITE, px, text_width};

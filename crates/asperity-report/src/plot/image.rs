@@ -5,17 +5,23 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::ReportError;
 use crate::plot::axis::Axis;
-use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Rect, TEXT, THIN, text_width};
-use crate::plot::palette::{MISSING, NO_CONTACT, colour_scale};
+use crate::plot::canvas::{Align, Canvas, Colour, LABEL, Rect, TEXT, THIN, WHITE, text_width};
+use crate::plot::palette::{HARDNESS, MISSING, NO_CONTACT, colour_scale};
 
-/// Palette entries below the colour scale: missing points, then points at exactly zero.
-const RESERVED: u8 = 2;
-const COLOURS: usize = 254;
+/// Palette entry of missing points.
+pub(crate) const MISSING_ENTRY: u8 = 0;
+/// Palette entry of pressures of exactly zero.
+pub(crate) const NO_CONTACT_ENTRY: u8 = 1;
+/// Palette entry of pressures at the hardness.
+pub(crate) const HARDNESS_ENTRY: u8 = 2;
+/// Number of palette entries below the colour scale.
+const RESERVED: u8 = 3;
+const COLOURS: usize = 253;
 
-/// Returns the palette of values: missing, no contact, then the colour scale.
+/// Returns the palette of values: missing, no contact, at the hardness, then the colour scale.
 pub(crate) fn scale_palette() -> Vec<Colour> {
     let scale = (0..COLOURS).map(|i| colour_scale(i as f64 / (COLOURS - 1) as f64));
-    [MISSING, NO_CONTACT].into_iter().chain(scale).collect()
+    [MISSING, NO_CONTACT, HARDNESS].into_iter().chain(scale).collect()
 }
 
 /// Returns the entry of [`scale_palette`] for a value in [0, 1]; values beyond saturate.
@@ -23,7 +29,8 @@ pub(crate) fn shade(t: f64) -> u8 {
     RESERVED + (t.clamp(0.0, 1.0) * (COLOURS - 1) as f64).round() as u8
 }
 
-/// Encodes `nx` × `ny` entries of a palette, row by row from the top, as the data URI of a PNG image.
+/// Encodes `nx` × `ny` entries of a palette, row by row from the top, as the data URI of a PNG image. White is transparent, so that maps
+/// have the background of the page.
 ///
 /// # Errors
 /// The PNG encoder failed.
@@ -33,6 +40,10 @@ pub(crate) fn indexed(nx: usize, ny: usize, indices: &[u8], palette: Vec<Colour>
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_palette(palette.iter().flat_map(|colour| [colour.0, colour.1, colour.2]).collect::<Vec<u8>>());
+    if let Some(last) = palette.iter().rposition(|colour| *colour == WHITE) {
+        let opacities = palette[..=last].iter().map(|colour| if *colour == WHITE { 0 } else { 255 });
+        encoder.set_trns(opacities.collect::<Vec<u8>>());
+    }
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(indices))

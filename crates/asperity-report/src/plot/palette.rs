@@ -38,6 +38,8 @@ pub(crate) fn pale(colour: Colour, fraction: f64) -> Colour {
 
 /// Colour of missing heights. The scale below has the opposite hue at its lightness.
 pub(crate) const MISSING: Colour = VERMILION;
+/// Colour of pressures at the hardness.
+pub(crate) const HARDNESS: Colour = VERMILION;
 /// Colour of points without contact.
 pub(crate) const NO_CONTACT: Colour = WHITE;
 

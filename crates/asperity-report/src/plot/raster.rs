@@ -7,8 +7,8 @@ use crate::format::Dimension;
 use crate::plot::axis::Axis;
 use crate::plot::chart::mark::Mark;
 use crate::plot::chart::{Backdrop, Chart};
-use crate::plot::image::{ColourBar, indexed, scale_palette, shade};
-use crate::plot::palette::{MISSING, NO_CONTACT};
+use crate::plot::image::{ColourBar, HARDNESS_ENTRY, MISSING_ENTRY, NO_CONTACT_ENTRY, indexed, scale_palette, shade};
+use crate::plot::palette::{HARDNESS, MISSING, NO_CONTACT};
 
 /// Larger fields are averaged over blocks before they are embedded; form has long waves.
 const MAX_POINTS: usize = 640 * 640;
@@ -42,6 +42,9 @@ impl Kind {
     }
 }
 
+/// Smallest number of equal largest pressures that are those at the hardness.
+const PLASTIC: usize = 3;
+
 /// A field as an image with its colour bar.
 #[derive(Debug, Clone)]
 pub(crate) struct Raster {
@@ -54,6 +57,8 @@ pub(crate) struct Raster {
     missing: usize,
     /// Whether a pixel is at zero pressure.
     no_contact: bool,
+    /// Hardness in Pa, if pixels are at it.
+    hardness: Option<f64>,
 }
 
 /// Averages the present points of blocks of k × k points. A block without a majority of present points is missing.
@@ -90,6 +95,8 @@ struct Pixels<'a> {
     block: usize,
     /// Ends of the field's own colour scale.
     scale: (f64, f64),
+    /// Largest pressure, if several pixels are at it as at a hardness.
+    hardness: Option<f64>,
 }
 
 impl<'a> Pixels<'a> {
@@ -127,14 +134,17 @@ impl<'a> Pixels<'a> {
             Kind::Probability if high <= low => (0.0, 1.0),
             _ => (low, high),
         };
-        Some(Self { field, kind, nx, ny, values, block, scale })
+        let at_largest = present.iter().rev().take_while(|value| **value >= largest * (1.0 - 1e-6)).count();
+        let hardness = Some(largest).filter(|_| kind == Kind::Pressure && largest > 0.0 && at_largest >= PLASTIC);
+        Some(Self { field, kind, nx, ny, values, block, scale, hardness })
     }
 
     fn coloured(&self, (low, high): (f64, f64)) -> Result<Raster, ReportError> {
-        let &Self { field, kind, nx, ny, block, .. } = self;
+        let &Self { field, kind, nx, ny, block, hardness, .. } = self;
         let index = |value: &f64| match value {
-            value if !value.is_finite() => 0,
-            value if kind == Kind::Pressure && *value <= 0.0 => 1,
+            value if !value.is_finite() => MISSING_ENTRY,
+            value if hardness.is_some_and(|hardness| *value >= hardness * (1.0 - 1e-6)) => HARDNESS_ENTRY,
+            value if kind == Kind::Pressure && *value <= 0.0 => NO_CONTACT_ENTRY,
             value => shade((value - low) / (high - low)),
         };
         let indices: Vec<u8> = self.values.iter().map(index).collect();
@@ -146,6 +156,7 @@ impl<'a> Pixels<'a> {
             colour_bar: ColourBar::new(Axis::linear(label, dimension.unit(low.abs().max(high.abs())), (low, high)))?,
             block,
             missing: field.values().iter().filter(|v| !v.is_finite()).count(),
+            hardness,
             no_contact: kind == Kind::Pressure && self.values.iter().any(|value| *value <= 0.0),
         })
     }
@@ -209,6 +220,10 @@ impl Raster {
         if self.no_contact {
             chart.add("no contact (p = 0)", Mark::Patch { colour: NO_CONTACT });
         }
+        if let Some(hardness) = self.hardness {
+            let name = format!("at the hardness, {}", Dimension::Pressure.show_short(hardness));
+            chart.add(name, Mark::Patch { colour: HARDNESS });
+        }
         if self.missing > 0 {
             chart.add(format!("missing ({} points)", self.missing), Mark::Patch { colour: MISSING });
         }
@@ -247,6 +262,18 @@ mod tests {
         assert_eq!([pixels[1], pixels[5]], [255, 255]);
         assert!(pixels[3] > 120 && pixels[3] < 137);
         assert_eq!(raster.missing, 1);
+    }
+
+    #[test]
+    fn a_plastic_map_has_a_class_of_its_own_and_an_elastic_one_has_not() {
+        let plastic = Field::new([1.0, 1.0], "Pa", array![[0.0, 3e7, 3e7], [1e7, 0.0, 3e7]]);
+        let raster = Raster::new(&plastic, Kind::Pressure).unwrap().unwrap();
+        let (_, _, pixels) = decoded(&raster);
+        assert_eq!([pixels[1], pixels[2], pixels[5]], [HARDNESS_ENTRY; 3]);
+        assert!(pixels[3] > HARDNESS_ENTRY && pixels[0] == NO_CONTACT_ENTRY);
+        assert!(raster.chart().series.iter().any(|series| series.name == "at the hardness, 30\u{a0}MPa"));
+        let elastic = Field::new([1.0, 1.0], "Pa", array![[0.0, 1e7, 2e7], [1e7, 0.0, 3e7]]);
+        assert_eq!(Raster::new(&elastic, Kind::Pressure).unwrap().unwrap().hardness, None);
     }
 
     #[test]

@@ -71,7 +71,9 @@ pub(crate) fn check_figure(figure: &Figure) {
     for size in figure.svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
         assert!(size.parse::<f64>().unwrap() >= 12.0, "{}: font size {size}", figure.name);
     }
-    assert!(!figure.svg.contains("NaN") && !text(&figure.svg).contains("inf"), "{}", figure.name);
+    // The letters of an image are no text.
+    let drawn = figure.svg.split("base64,").map(|part| part.split_once('"').map_or("", |(_, rest)| rest));
+    assert!(drawn.clone().all(|part| !part.contains("NaN")) && !text(&figure.svg).contains("inf"), "{}", figure.name);
 }
 
 /// Asserts that a page loads nothing from elsewhere.

@@ -9,7 +9,7 @@ fn the_vibration_section_has_limits_rates_and_the_portrait() {
     let run = full_run();
     let html = text(&render(&run).unwrap().html).replace('\u{a0}', " ");
     for wanted in [
-        "0.15160 [0.15140, 0.15180]",
+        "0.1516 [0.1514, 0.1518]",
         "Losses of vibration per τ in it",
         ">overtaking</th>",
         "vibration takes more than 5 % of the time",

@@ -19,7 +19,7 @@ fn a_complete_run_has_every_section() {
     }
     for wanted in [
         "P(contact) = 0.0200 [0.0190, 0.0210]",
-        "it is 0.3200 ± 0.0066",
+        "it is 0.320 [0.307, 0.333]",
         "μ = 0.225 [0.218, 0.229]",
         "Roughness has no effect at the scale of your machine",
         "Yes: steady sliding is unstable",
@@ -89,6 +89,34 @@ fn every_figure_is_a_well_formed_svg_document_with_readable_text() {
 }
 
 #[test]
+fn figures_of_the_page_are_readable_on_a_phone_and_legends_are_short() {
+    let html = render(&full_run()).unwrap().html;
+    assert!(!html.contains("min-width: 480px") && !html.contains("Data: ."));
+    let figures: Vec<&str> =
+        html.split("<figure id=").skip(1).map(|rest| rest.split("</figure>").next().unwrap()).collect();
+    for figure in figures.iter().copied() {
+        let name = &figure[..30];
+        let width = figure.split_once("viewBox=\"0 0 ").unwrap().1.split(' ').next().unwrap().parse::<f64>().unwrap();
+        for size in figure.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            // Of 390 pixels 348 remain inside of the card.
+            assert!(348.0 / width * size.parse::<f64>().unwrap() >= 9.0, "{name}: {size} in {width}");
+        }
+        // One symbol for each method has a name in the figure of their errors.
+        let most = if name.contains("pressure_accuracy") { 9 } else { 6 };
+        assert!(figure.matches("data-entry=").count() <= most, "{name}");
+    }
+    assert!(figures.len() > 10);
+}
+
+#[test]
+fn warnings_on_quantities_without_use_in_the_answer_come_last() {
+    let mut run = full_run();
+    run.results.warnings = vec!["4 windows carry no load; F/N leaves them out".into(), "the pitch is coarse".into()];
+    let html = render(&run).unwrap().html;
+    assert!(html.find("the pitch is coarse") < html.find("F/N leaves them out"));
+}
+
+#[test]
 fn the_page_loads_nothing_from_elsewhere() {
     check_page(&render(&full_run()).unwrap().html);
 }
@@ -110,7 +138,7 @@ fn sections_begin_with_their_answer_and_the_page_says_how_to_cite() {
     let html = text(&render(&full_run()).unwrap().html).replace('\u{a0}', " ");
     for (section, words) in [
         ("surface", "Sq = 1.00 µm [0.94, 1.06]; heights are correlated over"),
-        ("pressure", "a point of a patch is in contact with probability"),
+        ("pressure", "estimated probability of contact 32.0 % [30.7, 33.3]"),
         ("friction", "from window to window of"),
         ("vibration", "No vibration persists above ζ ="),
     ] {

@@ -18,9 +18,8 @@ fn methods_of_the_pressure_are_compared_with_their_bands_cost_and_error() {
     ];
     run.provenance.as_mut().unwrap().seconds = seconds.map(|(task, time)| (task.to_owned(), time)).into();
     let drawn = words(&run, "pressure_cdf");
-    for wanted in ["default: 95 %, all pressures at once", "default: 95 %, at one pressure", "default of asperity"] {
-        assert!(drawn.iter().any(|word| word == wanted), "{wanted} in {drawn:?}");
-    }
+    // Beside many methods the caption explains the bands.
+    assert!(drawn.iter().any(|word| word == "default of asperity") && drawn[1].contains("with 95 % probability"));
     let drawn = words(&run, "pressure_accuracy");
     for wanted in
         ["KS distance", "W₁ / std", "|Δ P(contact)|", "Work in fine contact solutions", "expected of Monte Carlo"]

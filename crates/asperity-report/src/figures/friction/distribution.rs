@@ -21,7 +21,7 @@ pub(crate) fn histogram(table: &Table, data: &str, chosen: &str) -> Option<Chart
         "normal" => 2,
         _ => 3,
     });
-    fits.truncate(CURVES);
+    fits.truncate(CURVES - 1);
     let largest = |values: &[f64]| values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
     let tallest = largest(density);
     // A density that is infinite at an end of its support would flatten the rest.

@@ -12,7 +12,7 @@ const TITLE: &str = "Pressure along the track and the friction coefficient of a 
 /// Height of the map of the strip in pixels.
 const STRIP_HEIGHT: f64 = 112.0;
 /// Largest number of levels in the figure.
-const MAX_LEVELS: usize = 5;
+const MAX_LEVELS: usize = 4;
 
 /// Returns the name of a level from its column: `mu_p5` is the 5 % percentile, `mu_pressure_3e6_pa` a mean pressure,
 /// `mu_penetration_5e-7_m` a depth.
@@ -35,7 +35,7 @@ fn level_name(column: &str) -> String {
 pub(super) fn figure(run: &Run) -> Result<Option<CaptionedFigure>, ReportError> {
     let strip = run.fields.get("pressure_strip").map(|field| Raster::new(field, Kind::Pressure)).transpose()?.flatten();
     let chart = run.tables.get(NAME).and_then(|table| trace_chart(table, strip.as_ref()));
-    let trace = "μ = F/N of the window centred at each position, by percentile of heights above the plane; at most five levels.";
+    let trace = "μ = F/N of the window centred at each position, by percentile of heights above the plane; at most four levels.";
     Ok(match (&strip, chart) {
         (Some(strip), chart) => with_strip(strip, chart, trace),
         (None, chart) => CaptionedFigure::from_charts(NAME, TITLE, trace, 1, chart.as_slice(), &[NAME]),
@@ -81,7 +81,7 @@ fn with_strip(strip: &Raster, chart: Option<Chart>, trace: &str) -> Option<Capti
     map.shows_x = chart.is_none();
     let below = chart.as_ref().map_or(String::new(), |_| format!(" Below: {trace}"));
     let caption =
-        format!("Top: pressure on the strip at the operating point, stretched in y (white: no contact).{below}");
+        format!("Top: pressure on the strip at the operating point, stretched in y (no colour: no contact).{below}");
     let tables: &[&str] = if chart.is_some() { &[NAME] } else { &[] };
     let charts: Vec<Chart> = std::iter::once(map).chain(chart).collect();
     let drawn = CaptionedFigure::from_charts(NAME, TITLE, caption, 1, &charts, &[])?;
@@ -125,7 +125,7 @@ mod tests {
     fn the_first_the_last_and_some_levels_between_are_drawn() {
         let table = |count: usize| Table::new((0..count).map(|i| row(&format!("mu_p{i}"), &[0.2])));
         let named = |count| levels(&table(count)).into_iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
-        assert_eq!(named(8), ["mu_p0", "mu_p1", "mu_p3", "mu_p5", "mu_p7"]);
+        assert_eq!(named(8), ["mu_p0", "mu_p2", "mu_p4", "mu_p7"]);
         assert_eq!((named(2), named(1).len(), named(0).len()), (vec!["mu_p0".into(), "mu_p1".into()], 1, 0));
     }
 }

@@ -13,6 +13,8 @@ use crate::plot::{self, Axis, BLACK, CURVES, Chart, Dash, GREY, ORANGE, Pen, VER
 const EXTRA: [PressureMethod; 2] = [PressureMethod::PolynomialChaosLocal, PressureMethod::Sobol];
 const NAME: &str = "pressure_cdf";
 const BANDS: &str = "pressure_bands";
+/// Largest number of methods beside which the legend has room for the bands and the point mass.
+const NAMED: usize = 3;
 /// A larger difference of neighbours is a jump.
 const JUMP: f64 = 0.02;
 
@@ -35,8 +37,8 @@ impl<'a> Bands<'a> {
         Some(Self { pressure, pointwise: [a, b], simultaneous: [c, d] })
     }
 
-    /// Draws both bands relative to a distribution function.
-    fn draw(&self, chart: &mut Chart, reference: impl Fn(f64) -> f64) {
+    /// Draws both bands relative to a distribution function, with their names if `named`.
+    fn draw(&self, chart: &mut Chart, named: bool, reference: impl Fn(f64) -> f64) {
         for (name, limits, colour) in [
             ("default: 95 %, all pressures at once", self.simultaneous, ORANGE),
             ("default: 95 %, at one pressure", self.pointwise, VERMILION),
@@ -45,7 +47,7 @@ impl<'a> Bands<'a> {
                 limit.iter().zip(self.pressure).map(|(f, p)| f - reference(*p)).collect()
             };
             let [low, high] = limits.map(shifted);
-            chart.band(name, self.pressure, [&low, &high], colour);
+            chart.band(if named { name } else { "" }, self.pressure, [&low, &high], colour);
         }
     }
 
@@ -104,7 +106,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     };
     let bands = Bands::new(run);
     if reference.is_none() {
-        bands.iter().for_each(|bands| bands.draw(&mut cdf, |_| 0.0));
+        bands.iter().for_each(|bands| bands.draw(&mut cdf, true, |_| 0.0));
     }
     for (index, (name, values)) in methods.iter().enumerate() {
         let (x, y) = with_step(&axis, pressure, values);
@@ -112,11 +114,12 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     }
     if pressure[0] <= 0.0 && first[0].is_finite() {
         let pen = Pen::new(BLACK, 1.0, Dash::Dotted);
-        cdf.horizontal("1 − P(contact), the point mass at p = 0", first[0], pen);
+        let name = if methods.len() <= NAMED { "1 − P(contact), the point mass at p = 0" } else { "" };
+        cdf.horizontal(name, first[0], pen);
     }
     let mut caption =
-        "Cumulative distribution of the pressure at the point studied (the paper’s Fig. 2). The step at p = 0 is \
-                       the probability of no contact."
+        "Cumulative distribution of the pressure at the point studied (the paper’s Fig. 2). The step at p = 0, \
+                       up to the dotted line, is the probability of no contact."
             .to_owned();
     if !hidden.is_empty() {
         caption += &format!(" In the table alone: {}.", hidden.join(", "));
@@ -171,7 +174,9 @@ fn differences(
         return None;
     }
     let mut chart = Chart::new(axis, Axis::linear("Difference", Unit::none(), (-half, half)));
-    bands.into_iter().for_each(|bands| bands.draw(&mut chart, |p| interpolated(pressure, base, p)));
+    bands
+        .into_iter()
+        .for_each(|bands| bands.draw(&mut chart, methods.len() <= NAMED, |p| interpolated(pressure, base, p)));
     chart.horizontal("", 0.0, Pen { opacity: 0.55, ..Pen::new(GREY, 3.0, Dash::Solid) });
     for (index, name, values) in &all {
         chart.line(column_name(name), pressure, values, pen(*index, name));

@@ -60,7 +60,7 @@ impl<'a> Side<'a> {
     fn draw(&self, chart: &mut Chart, lag: &[f64]) {
         let [pen, model] = self.pens;
         if let Some(band) = self.band {
-            chart.band(format!("95 % band, {}", self.axis), lag, band, pen.colour);
+            chart.band("", lag, band, pen.colour);
         }
         chart.line(format!("measured, {}", self.axis), lag, self.measured, pen);
         if let Some(y) = self.model {
@@ -86,7 +86,7 @@ fn chart(sides: &[Side<'_>], lag: &[f64]) -> Option<Chart> {
     let x = Axis::linear("Lag", Dimension::Length.unit(last), (first, last));
     let mut chart = Chart::new(x, Axis::linear("Autocorrelation", Unit::none(), ends));
     chart.horizontal("", 0.0, Pen::new(GREY, 1.0, Dash::Solid));
-    chart.horizontal("1/e", (-1f64).exp(), Pen::new(GREY, 1.2, Dash::Dashed));
+    chart.horizontal("", (-1f64).exp(), Pen::new(GREY, 1.2, Dash::Dashed));
     sides.iter().for_each(|side| side.draw(&mut chart, lag));
     Some(chart)
 }
@@ -109,7 +109,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     if sides.iter().any(|side| side.model.is_some()) {
         caption += " with the covariance model of the random surface";
     }
-    caption += "; the curve falls to 1/e at the correlation length ℓ.";
+    caption += "; the curve falls to 1/e (dashed) at the correlation length ℓ.";
     if !lengths.is_empty() {
         caption += " Lags are shown up to six correlation lengths.";
     }

@@ -61,7 +61,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
     linear.bars("measured", x, measured, BLUE);
     // Bars have no base on a logarithmic axis.
     let dots = Mark::Dots { x: x.to_vec(), y: measured.to_vec(), radius: 1.8, colour: BLUE, opacity: 0.55 };
-    logarithmic.add("measured (right)", dots);
+    logarithmic.add("", dots);
     for (column, label, pen) in &curves {
         if let Some(y) = table.defined_column(column) {
             linear.line(label, x, y, *pen);

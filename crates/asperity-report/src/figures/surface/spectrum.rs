@@ -42,7 +42,7 @@ impl<'a> Spectrum<'a> {
     fn draw(&self, chart: &mut Chart) {
         let [pen, model] = self.pens;
         if let Some(band) = self.band {
-            chart.band("95 % bands", self.q, band, pen.colour);
+            chart.band("", self.q, band, pen.colour);
         }
         chart.line(format!("measured, {}", self.name), self.q, self.psd, pen);
         if let Some(y) = self.model {
@@ -86,7 +86,7 @@ impl Reliable {
     fn draw(&self, chart: &mut Chart) {
         let high = self.high.max(self.low);
         let edge = Pen::new(GREY, 1.1, Dash::Dashed);
-        chart.add("outside the reliable band", Mark::Region { from: 0.0, to: self.low, colour: GREY });
+        chart.add("", Mark::Region { from: 0.0, to: self.low, colour: GREY });
         chart.add("", Mark::Region { from: high, to: f64::MAX, colour: GREY });
         chart.vertical("", self.low, edge);
         chart.vertical("", high, edge);

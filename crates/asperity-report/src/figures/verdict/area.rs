@@ -38,7 +38,7 @@ pub(super) fn figure(run: &Run) -> Option<CaptionedFigure> {
         chart.vertical(name, windows, Pen::new(colour, 1.8, dash));
     }
     let caption = format!(
-        "{} The standard deviation of friction falls like 1/√n, from {} to {}; the last point has the variance of the nominal area itself. \
+        "{} The standard deviation of friction, corrected for pitch and scan as its mean is, falls like 1/√n, from {} to {}; the last point has the variance of the nominal area itself. \
          All points share their machines and realisations of friction.",
         sentence(rows),
         significant(first.friction_std, 2),

@@ -9,6 +9,12 @@ use crate::plot::{Axis, BLACK, BLUE, Chart, Colour, Dash, GREY, Pen, VERMILION, 
 
 const NAME: &str = "cycles_over_damping";
 
+/// Smallest jump across a limit, as a fraction of the range of a quantity, through which no line is drawn.
+const JUMP: f64 = 0.3;
+
+/// Smallest change between neighbours, as a fraction of the range, through which no line is drawn elsewhere.
+const UNRESOLVED: f64 = 0.6;
+
 /// Name, colour and dash of an upscaling.
 type Style = (&'static str, Colour, Dash);
 
@@ -20,8 +26,10 @@ pub(super) fn figures(run: &Run) -> Vec<CaptionedFigure> {
     let lost = "Number of stick-slip cycles M, and its difference from the deterministic count (the paper’s Fig. 5c) with 95 % \
                 intervals. “Area” averages μ over the nominal contact area and is the reading to use; “paper” lets one window carry \
                 the whole normal force.";
-    let sustained = "Above: fraction of the trajectories that vibrate for at least half of the second half of their time. Below: cycles \
-                     per natural period 2π/ω₀, over the whole time. Bands are 95 % intervals.";
+    let sustained = "Above: fraction of the trajectories that sustain vibration, which here means to vibrate for at least half of the second half of their time; the \
+                     verdict counts machines that vibrate for more than 10 % of the time. Below: cycles \
+                     per natural period 2π/ω₀, over the whole time. Bands are 95 % intervals. No line is \
+                     drawn across a jump.";
     let counts = [Some(sweep.cycles()), Some(sweep.differences())];
     let vibration = [Some(sweep.sustained()), duration(run).and_then(|duration| sweep.rate(duration))];
     let drawn = [
@@ -93,12 +101,35 @@ impl<'a> Sweep<'a> {
     /// Draws the curve of each upscaling, with its band if there is one.
     fn draw(&self, chart: &mut Chart, of: impl Fn(&DampingResult) -> f64, band: Option<Ends<'_>>) {
         for ((name, colour, dash), entries) in self.upscalings {
-            let x = column(entries, |entry| entry.damping_ratio);
+            let x = self.interrupted(entries, &of, |entry| entry.damping_ratio);
             if let Some([low, high]) = band {
-                chart.band("", &x, [&column(entries, low), &column(entries, high)], colour);
+                let ends = [low, high].map(|end| self.interrupted(entries, &of, end));
+                chart.band("", &x, ends.each_ref().map(Vec::as_slice), colour);
             }
-            chart.points(name, &x, &column(entries, &of), Pen::new(colour, 1.8, dash));
+            chart.points(name, &x, &self.interrupted(entries, &of, &of), Pen::new(colour, 1.8, dash));
         }
+    }
+
+    /// Returns numbers of the entries, with an undefined one wherever the quantity `of` jumps: across a limit between the damping ratios,
+    /// or by so much that the sweep does not resolve it.
+    fn interrupted(
+        &self,
+        entries: &[DampingResult],
+        of: impl Fn(&DampingResult) -> f64,
+        number: impl Fn(&DampingResult) -> f64,
+    ) -> Vec<f64> {
+        let span = range(&column(entries, &of)).map_or(0.0, |(low, high)| high - low);
+        let mut numbers: Vec<f64> = entries.first().map(&number).into_iter().collect();
+        for pair in entries.windows(2) {
+            let [before, after] = pair else { continue };
+            let between = before.damping_ratio..=after.damping_ratio;
+            let change = (of(after) - of(before)).abs();
+            let has_limit = self.limits.iter().any(|(limit, _, _)| between.contains(limit));
+            let is_jump = span > 0.0 && change > span * if has_limit { JUMP } else { UNRESOLVED };
+            numbers.extend(is_jump.then_some(f64::NAN));
+            numbers.push(number(after));
+        }
+        numbers
     }
 
     /// Returns the range of some numbers of both upscalings.
@@ -129,8 +160,8 @@ impl<'a> Sweep<'a> {
 
     fn draw_deterministic(&self, chart: &mut Chart, of: impl Fn(&DampingResult) -> f64) {
         let [(_, entries), _] = self.upscalings;
-        let x = column(entries, |entry| entry.damping_ratio);
-        chart.points("deterministic", &x, &column(entries, of), Pen::new(BLACK, 1.8, Dash::Solid));
+        let x = self.interrupted(entries, &of, |entry| entry.damping_ratio);
+        chart.points("deterministic", &x, &self.interrupted(entries, &of, &of), Pen::new(BLACK, 1.8, Dash::Solid));
     }
 
     /// Draws the difference from the number of cycles without roughness.

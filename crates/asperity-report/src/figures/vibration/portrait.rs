@@ -13,9 +13,14 @@ const DENSE: f64 = 0.3;
 /// Number of points of a cloud that together are about as dark as curves.
 const MANY: f64 = 1500.0;
 
-/// Draws the portrait of a run.
+/// Draws the portrait of a run; `None` if every motion ends in steady sliding, where only the noise of friction would be seen.
 pub(super) fn of_run(run: &Run) -> Option<CaptionedFigure> {
-    let settled = run.results.vibration.as_ref().is_some_and(|vibration| !vibration.cycle.limit_cycle);
+    let vibration = run.results.vibration.as_ref();
+    let settled = vibration.is_some_and(|vibration| !vibration.cycle.limit_cycle);
+    let motion = vibration.and_then(|vibration| vibration.of_study().motion.as_ref());
+    if settled && motion.is_some_and(|motion| motion.share_in_cycle == 0.0) {
+        return None;
+    }
     let deterministic = if settled { "deterministic motion (no cycle)" } else { "deterministic limit cycle" };
     let (chart, drawn) = portrait(&run.tables, deterministic)?;
     let cloud = match drawn.contains(&"phase_cloud") {

@@ -21,6 +21,8 @@ pub(crate) struct Width {
 pub(crate) const TWO_COLUMNS: Width = Width { px: 640.0, mm: 170.0, row: PRINTED_ROW };
 /// One column of a paper.
 pub(crate) const ONE_COLUMN: Width = Width { px: 400.0, mm: 85.0, row: PRINTED_ROW };
+/// Page of a report: texts stay readable at the width of a phone.
+pub(crate) const PAGE: Width = Width { px: 460.0, mm: 127.0, row: PRINTED_ROW };
 /// Part of a page; a finger can touch the entries of its legend.
 pub(crate) const SCREEN: Width = Width { px: 480.0, mm: 127.0, row: 34.0 };
 
