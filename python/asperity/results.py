@@ -1958,7 +1958,7 @@ class AreaAsOne(Record):
 InputValue = int | float | str
 """Value of an input."""
 
-InputKind = Literal["measured", "stated", "uncertain", "unknown", "default"]
+InputKind = Literal["measured", "stated", "uncertain", "unknown", "default", "example"]
 """Origin of the value of an input."""
 
 
