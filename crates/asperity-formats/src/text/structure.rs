@@ -40,8 +40,9 @@ pub(super) fn without_labels(
     let line = |row: usize| table.values[row * columns..(row + 1) * columns].to_vec();
     let side = |column: usize| table.values.iter().copied().skip(column).step_by(columns).collect::<Vec<f64>>();
     // The corner is no label. Beside an empty one the numbers may be those of a plane.
-    let top = steps_evenly(&line(0)[1..]) && (is_corner_empty || !steps_evenly(&line(1)[1..]));
-    let left = steps_evenly(&side(0)[1..]) && (is_corner_empty || !steps_evenly(&side(1)[1..]));
+    let top = steps_evenly(&line(0)[1..]) && (is_corner_empty || (1..rows).all(|row| !steps_evenly(&line(row)[1..])));
+    let left = steps_evenly(&side(0)[1..])
+        && (is_corner_empty || (1..columns).all(|column| !steps_evenly(&side(column)[1..])));
     let (top, left, what) = match (top, left) {
         (true, true) if is_corner_empty || rows.min(columns) > 3 => {
             (true, true, "the first row and the first column step")

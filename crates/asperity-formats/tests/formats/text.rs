@@ -147,6 +147,7 @@ fn labels_along_one_side_are_left_out_and_a_plane_is_none() {
     // The numbers of a plane step evenly everywhere, and a pixel size belongs to heights.
     let plane: String = (0..8).map(|y| (0..9).map(|x| format!("{} ", x + 3 * y)).collect::<String>() + "\n").collect();
     assert_eq!(read(&plane).heights_m.dim(), (8, 9));
+    assert_eq!(read(&plane.replacen(" 1 ", " nan ", 1)).heights_m.dim(), (8, 9));
     assert_eq!(read(&format!("# pixel size: 1 um\n{indexed}")).heights_m.dim(), (8, 10));
 }
 
