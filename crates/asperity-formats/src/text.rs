@@ -29,8 +29,8 @@ use ndarray::Array2;
 
 use crate::input::utf16;
 use crate::{
-    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, refuse_if, shown, unique,
-    utf8_or_latin1,
+    Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, per_metre, refuse_if, shown,
+    unique, utf8_or_latin1,
 };
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::Interpretation;
@@ -207,6 +207,12 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     let interpretation = header
         .interpret(shape, options.height_unit.is_some())
         .map_err(|(key, value)| wrong_factor(bytes, line_end, lines, key, value))?;
+    if let Some(unit) = interpretation.unit.as_deref().filter(|unit| per_metre(unit).is_none())
+        && options.height_unit.is_none()
+    {
+        let wanted = "a unit of length; state it, as by --height-unit, if the numbers are heights";
+        return Err(FormatError::unsupported(Format::Text, format!("numbers in `{}`", shown(unit)), wanted));
+    }
     interpretation.apply(&mut table.values);
     if let Some(unit) = &interpretation.converted {
         header.insert("converted", &format!("heights from {unit} to m"));

@@ -91,10 +91,8 @@ impl Header {
             (None, Some((_, stated, Some(stated_per_metre)))) => {
                 (per_metre, converted, unit) = (stated_per_metre, Some(stated), Some(bare(stated)));
             }
-            (None, Some((key, stated, None))) => {
-                unit = Some(stated);
-                warnings.extend((!is_stated).then(|| unit_warning(key, stated)));
-            }
+            // `read_block` refuses it unless the user stated the unit.
+            (None, Some((_, stated, None))) => unit = Some(stated),
             (None, None) => {
                 let other = self.other_unit().filter(|_| !is_stated);
                 warnings.extend(other.map(|pair| unit_warning(&pair.key, &pair.value)));

@@ -1,9 +1,9 @@
-use asperity_formats::{Format, FormatError, Scan};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan};
 
 use crate::check::{
     assert_error, assert_no_warning, assert_one_warning, assert_pitch, assert_refused, assert_scan, assert_warns,
 };
-use crate::fixture::{Fixture, read_bytes, read_channel};
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, read_channel};
 use crate::fixtures::TEXT;
 use crate::{NAN, assert_heights, assert_metadata};
 
@@ -377,9 +377,6 @@ fn doubtful_units_and_conversion_factors_give_a_warning() {
         (&*KOALA.replace("data unit=rad", "data unit=nm"), 6.3e-8, "the factor was used"),
         ("# unit: rad\n# conversion factor = 6.3e-8", 6.3e-8, without_unit),
         ("data unit=rad\nheight conversion factor (-> m)=-1e-8", -1e-8, "upside down"),
-        ("# Value units: V", 1.0, "`Value units: V`"),
-        // A current, and no Ångström.
-        ("# Value units: A", 1.0, "`Value units: A`"),
         ("# signal unit: deg", 1.0, "`signal unit: deg`"),
     ] {
         let scan = headed(header);
@@ -407,6 +404,20 @@ fn doubtful_units_and_conversion_factors_give_a_warning() {
         let text = format!("# data unit: rad\n\n# height conversion factor (-> m) = {value}\n{MATRIX}");
         let wanted = format!("height conversion factor (-> m) (line 3) is `{value}`; wanted a number other than 0");
         assert_refused([(text, wanted)]);
+    }
+}
+
+#[test]
+fn numbers_in_a_unit_that_is_no_length_are_refused_unless_the_user_states_one() {
+    // A current, and no Ångström.
+    for unit in ["V", "A", "deg", "N m", "counts"] {
+        let text = format!("# Value units: {unit}\n{MATRIX}");
+        assert_refused([(
+            text.clone(),
+            format!("numbers in `{unit}`; wanted a unit of length; state it, as by --height-unit"),
+        )]);
+        let stated = ReadOptions { height_unit: Some("nm".parse().unwrap()), ..ReadOptions::default() };
+        assert_heights(&read_bytes_with(text.as_bytes(), &stated).unwrap(), &NUMBERS.map(|number| 1e-9 * number));
     }
 }
 
