@@ -198,8 +198,9 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     let separator = Separator::detect(&first_row);
     let is_corner_empty = separator != Separator::Space
         && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
-    if header.shape().is_none() && !header.states_pixels() {
-        shape = structure::without_labels(&mut table, shape, is_corner_empty, &mut warnings)?;
+    if header.shape().is_none() {
+        let corner = if is_corner_empty { structure::Corner::Empty } else { structure::Corner::Number };
+        shape = structure::without_labels(&mut table, shape, corner, header.states_extent(), &mut warnings)?;
     }
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");

@@ -79,16 +79,31 @@ fn detect(bytes: &[u8]) -> bool {
     named_columns(before, columns).is_some() || rows::read(points, &layout, 0).is_ok_and(steps)
 }
 
-/// Returns the places of the columns x, y and z that a line of the header names, with or without units: `x [um] y [um] z [um]` or
-/// `X;Y;Z`. Words before the names of all columns do not count.
-fn named_columns(head: &[u8], columns: usize) -> Option<[usize; 3]> {
-    utf8_or_latin1(head).lines().find_map(|line| {
-        let words = line.split([' ', '\t', ',', ';', ':', '#', '%', '"']).filter(|word| unit(word).is_none());
-        let names = words.map(|word| word.split(['[', '(', '/', '_']).next().unwrap_or(word));
-        let names: Vec<String> = names.filter(|name| !name.is_empty()).map(str::to_lowercase).collect();
-        let last = &names[names.len().checked_sub(columns)?..];
-        let place = |wanted: &str| last.iter().position(|name| name == wanted);
-        Some([place("x")?, place("y")?, place("z")?])
+/// Place and number of units per metre of the columns x, y and z.
+type Columns = [(usize, Option<f64>); 3];
+
+/// Returns the columns x, y and z as the last line of the header that names all columns: `x [um] y [um] z [um]`, `X;Y;Z` or `# x/mm, y/mm, z/um`.
+fn named_columns(head: &[u8], columns: usize) -> Option<Columns> {
+    utf8_or_latin1(head).lines().rev().find_map(|line| {
+        let line = line.rsplit(':').next().unwrap_or(line).trim_matches(['#', '%', '"', ' ', '\r']);
+        let separated = line.contains([',', ';', '\t']);
+        let mut names: Vec<(String, Option<f64>)> = Vec::new();
+        let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ');
+        for word in words.map(|word| word.trim_matches([' ', '"'])).filter(|word| separated || !word.is_empty()) {
+            let (name, rest) = word.split_at(word.find(['[', '(', '/', '_', ' ']).unwrap_or(word.len()));
+            let own = unit(rest.trim_start_matches(['/', '_', ' ']));
+            match names.last_mut().filter(|_| name.is_empty() || unit(word).is_some() && !separated) {
+                // A unit behind its name.
+                Some(last) => last.1 = unit(word),
+                None => names.push((name.to_lowercase(), own)),
+            }
+        }
+        let place = |wanted: &str| {
+            let place = names.iter().position(|(name, _)| name == wanted)?;
+            Some((place, names[place].1))
+        };
+        let found = [place("x")?, place("y")?, place("z")?];
+        (names.len() == columns).then_some(found)
     })
 }
 
@@ -151,13 +166,14 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
         header.add(&comment);
     }
     let (head, columns) = (&bytes[..start], list.layout.columns().unwrap_or(3));
-    let places = named_columns(head, columns).unwrap_or(IN_ORDER);
+    let named = named_columns(head, columns);
+    let places = named.map_or(IN_ORDER, |named| named.map(|(place, _)| place));
     if columns > 3 || places != IN_ORDER {
         table.values = points_of(&table.values, columns, places);
     }
     let mut warnings = Vec::new();
     warn_if!(warnings, columns > 3, "a point has {columns} values; those beside x, y and z were left out");
-    let units = units(&header, head, places);
+    let units = units(&header, head, named)?;
     let grid = Points(&table.values).grid().map_err(|reason| {
         let names_point = repeats_a_point(&reason, &table.values) || steps_like_a_grid(&table.values, true);
         if names_point { list.error(&reason) } else { no_grid() }
@@ -188,35 +204,47 @@ fn map(grid: Grid) -> Result<Array2<f64>> {
     Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
 }
 
-/// Returns the number of units per metre for x, y and z in these columns: from keys, or from words in brackets or columns of the header.
-fn units(header: &Header, head: &[u8], places: [usize; 3]) -> [Option<f64>; 3] {
+/// Returns the number of units per metre for x, y and z: from keys, from the line that names the columns, or from words in brackets or
+/// columns of the header.
+///
+/// # Errors
+/// Some of the named columns have a unit and others have none.
+fn units(header: &Header, head: &[u8], named: Option<Columns>) -> Result<[Option<f64>; 3]> {
     let keyed = header.units();
     if keyed.iter().any(Option::is_some) {
-        return keyed;
+        return Ok(keyed);
+    }
+    if let Some(named) = named.filter(|named| named.iter().any(|(_, unit)| unit.is_some())) {
+        let [x, y, z] = named.map(|(_, unit)| unit);
+        let lateral = [x.or(y), y.or(x)];
+        return match (lateral, z) {
+            ([Some(x), Some(y)], Some(z)) => Ok([Some(x), Some(y), Some(z)]),
+            _ => Err(unsupported_columns()),
+        };
     }
     let text = utf8_or_latin1(head);
     let in_brackets = text.split(['[', '(']).skip(1).filter_map(|rest| unit(rest.split([']', ')']).next()?));
-    // `mm mm um`, or `x/mm y/mm z/um`: x, y and z end with a unit.
+    // `mm mm um`: every column ends with a unit.
     let in_columns = |line: &str| {
         let words = line.trim_start_matches(['#', '%']).split([' ', '\t', ',', ';', '\r']);
         let words = words.filter(|word| !word.is_empty()).map(|word| unit(word.rsplit('/').next().unwrap_or(word)));
-        let units: Vec<Option<f64>> = words.collect();
-        match units[..] {
-            [Some(all)] => Some(vec![all]),
-            [_, _, _] | [_, _, _, _] => places.iter().map(|place| units[*place]).collect(),
-            _ => None,
-        }
+        words.collect::<Option<Vec<_>>>().filter(|units| matches!(units.len(), 1 | 3))
     };
-    let named: Vec<f64> = in_brackets.take(MOST_COLUMNS).collect();
-    let placed = named.len() > 2;
-    let named = if named.is_empty() { text.lines().find_map(in_columns).unwrap_or_default() } else { named };
-    match named[..] {
+    let mut found: Vec<f64> = in_brackets.take(4).collect();
+    if found.is_empty() {
+        found = text.lines().find_map(in_columns).unwrap_or_default();
+    }
+    Ok(match found[..] {
         [all] => [Some(all); 3],
         [lateral, z] => [Some(lateral), Some(lateral), Some(z)],
-        _ if placed => places.map(|place| named.get(place).copied()),
         [x, y, z] => [Some(x), Some(y), Some(z)],
         _ => [None; 3],
-    }
+    })
+}
+
+fn unsupported_columns() -> FormatError {
+    let found = "a header in which some of the columns x, y and z have a unit of length";
+    FormatError::unsupported(Format::Xyz, found, "a unit of length for each of them, such as `x (mm), y (mm), z (um)`")
 }
 
 /// Lines of points in a text.

@@ -103,6 +103,11 @@ impl Header {
         Ok(Interpretation { pitch_m, factor, per_metre, converted, unit, no_data, warnings })
     }
 
+    /// Returns whether the header states a pixel size or the size of the map.
+    pub(crate) fn states_extent(&self) -> bool {
+        [PIXEL_SIZE, DX, SIZE, WIDTH, "cellsize"].iter().any(|names| self.find(names).is_some())
+    }
+
     /// Returns a pair that may name a unit of the heights under another key.
     fn other_unit(&self) -> Option<&Pair> {
         let is_height_unit = |name: &str| name.contains("unit") && !is_one_of(X_UNIT, name) && !is_one_of(Y_UNIT, name);

@@ -93,7 +93,8 @@ pub(crate) struct Table {
     pub(crate) rows: usize,
     /// Number of times that blank lines divide rows.
     pub(crate) gaps: usize,
-    /// Whether the last line was blank.
+    /// Whether a blank line precedes the first row, and whether one follows the last row.
+    starts_blank: bool,
     blank: bool,
     /// Number of rows that end with a separator.
     pub(crate) open_rows: usize,
@@ -225,8 +226,12 @@ impl Table {
         } else {
             self.values.extend_from_slice(&piece.values);
         }
-        self.gaps += piece.gaps + usize::from(self.blank && piece.rows > 0 && self.rows > 0);
-        self.blank = piece.blank;
+        let is_blank = self.blank || piece.starts_blank;
+        if piece.rows > 0 {
+            self.gaps += piece.gaps + usize::from(is_blank && self.rows > 0);
+            self.starts_blank |= is_blank && self.rows == 0;
+        }
+        self.blank = if piece.rows > 0 { piece.blank } else { is_blank || piece.blank };
         self.rows += piece.rows;
         self.open_rows += piece.open_rows;
         self.decimal_comma |= piece.decimal_comma;
@@ -306,9 +311,15 @@ impl<'a> Scanner<'a> {
             self.cursor += length;
         }
         let found = table.found;
-        table.gaps += usize::from(found > 0 && table.blank && table.rows > 0);
-        table.blank = found == 0 && self.cursor == start;
-        table.rows += usize::from(found > 0);
+        if found > 0 {
+            table.gaps += usize::from(table.blank && table.rows > 0);
+            table.starts_blank |= table.blank && table.rows == 0;
+            table.blank = false;
+            table.rows += 1;
+        } else {
+            // A comment alone is no blank line.
+            table.blank |= self.cursor == start;
+        }
         match self.layout.columns {
             Some(columns) if found > 0 && found != columns => Err(Fault::Ragged { found }),
             _ if table.values.len() as u64 > MAX_POINTS => Err(Fault::TooMany),

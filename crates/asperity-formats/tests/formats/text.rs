@@ -129,31 +129,41 @@ fn labels_of_rows_and_columns_are_left_out() {
 }
 
 #[test]
-fn labels_along_one_side_are_left_out_and_a_plane_is_none() {
+fn labels_along_the_sides_are_left_out_and_heights_are_not() {
     let row = |row: usize, first: &str| {
-        let values: Vec<String> = (0..9).map(|column| ((row * 5 + column * 7) % 11).to_string()).collect();
+        let values: Vec<String> = (0..9).map(|column| format!("{}.5", (row * 5 + column * 7) % 11)).collect();
         format!("{first}{}\n", values.join(" "))
     };
-    let rows = |first: &dyn Fn(usize) -> String| (0..8).map(|k| row(k, &first(k))).collect::<String>();
+    let rows = |first: &dyn Fn(usize) -> String| (0..9).map(|k| row(k, &first(k))).collect::<String>();
     let heights = read(&rows(&|_| String::new())).heights_m;
     let indexed = rows(&|k| format!("{k} "));
-    let named = format!("0 .5 1 1.5 2 2.5 3 3.5 4\n{}", rows(&|_| String::new()));
+    let named = format!("1 2 3 4 5 6 7 8 9\n{}", rows(&|_| String::new()));
     let both = format!("0 0 .5 1 1.5 2 2.5 3 3.5 4\n{}", rows(&|k| format!("{} ", 10 * k)));
-    for text in [&indexed, &named, &both] {
+    for text in [&indexed, &named, &both, &named.replacen('\n', "\n\n", 1)] {
         let scan = read(text);
         assert_eq!(scan.heights_m, heights);
-        assert_one_warning(&scan, "count as labels, which were left out");
+        assert_one_warning(&scan, "labels, which were left out");
     }
-    // The numbers of a plane step evenly everywhere, and a pixel size belongs to heights.
+    // Beside an empty corner they are labels whatever the header states.
+    let frame = format!("# pixel size: 1 um\n,0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n");
+    assert_eq!(read(&frame).heights_m.dim(), (2, 2));
+    // The numbers of a plane step evenly everywhere, also beside a void, and the size of a map belongs to heights.
     let plane: String = (0..8).map(|y| (0..9).map(|x| format!("{} ", x + 3 * y)).collect::<String>() + "\n").collect();
     assert_eq!(read(&plane).heights_m.dim(), (8, 9));
     assert_eq!(read(&plane.replacen(" 1 ", " nan ", 1)).heights_m.dim(), (8, 9));
-    assert_eq!(read(&format!("# pixel size: 1 um\n{indexed}")).heights_m.dim(), (8, 10));
+    for size in ["pixel size: 1 um", "dx: 1 um", "Width: 10 um\n# Height: 9 um"] {
+        assert_eq!(read(&format!("# {size}\n{indexed}")).heights_m.dim(), (9, 10), "{size}");
+    }
 }
 
 #[test]
 fn profiles_blocks_and_doubtful_labels_are_refused() {
     let line: String = (0..9).map(|k| format!("{k} {} {}\n", k * k % 7, k * k % 5)).collect();
+    let cone: String = (0..12)
+        .map(|y| (0..12).map(|x| format!("{} ", f64::from(x * x + y * y).sqrt())).collect::<String>() + "\n")
+        .collect();
+    let ramp: String = (0..12).map(|y| format!("{} {} 1 {}\n", 2 * y, y * y % 7, y * y % 5)).collect();
+    let open = "evenly: labels, coordinates or heights";
     assert_refused([
         (
             "0 0.10\n0.5 0.20\n1 0.15\n1.5 0.30\n",
@@ -163,10 +173,18 @@ fn profiles_blocks_and_doubtful_labels_are_refused() {
         ("0 0.5 1 1.5\n0.10 0.20 0.15 0.30\n", "a profile: two rows"),
         ("1\n5\n3\n4\n", "a profile: a single column of 4 numbers"),
         ("1 2\n3 4\n\n5 6\n7 8\n\n9 0\n1 2\n", "3 blocks of numbers, divided by blank lines"),
-        (&line, "of which the first column steps evenly: labels, coordinates or heights"),
+        (&line, open),
+        (&cone, open),
+        (&ramp, open),
+        ("0 1 2 3\n1 3 2 0\n2 0 1 3\n3 2 1 0\n", open),
     ]);
-    // A blank line after each row divides nothing.
-    assert_eq!(read("1 2 3\n\n4 5 6\n\n7 8 1\n\n").heights_m.dim(), (3, 3));
+    // A blank line after each row divides nothing, nor does a comment.
+    assert_eq!(read("1 2 3\n\n4 5 6\n# a\n\n7 8 1\n\n").heights_m.dim(), (3, 3));
+    // However many pieces a long text is read in.
+    let long: String =
+        (0..12000).map(|row| format!("{}\n\n", vec![((row * 7) % 13).to_string(); 300].join(" "))).collect();
+    assert!(long.len() > 6 << 20);
+    assert_eq!(read(&long).heights_m.dim(), (12000, 300));
 }
 
 #[test]

@@ -243,12 +243,18 @@ fn columns_are_those_of_their_names_and_a_fourth_is_left_out() {
         format!("y [um],x [um],z [nm]\n{}", grid(&|x, y, z| format!("{y},{x},{z}"))),
         format!("z [nm];x [um];y [um]\n{}", grid(&|x, y, z| format!("{z};{x};{y}"))),
         format!("x/um y/um z/nm intensity\n{}", grid(&|x, y, z| format!("{x} {y} {z} 255"))),
+        format!("x (um), y (um), intensity (a.u.), z (nm)\n{}", grid(&|x, y, z| format!("{x},{y},255,{z}"))),
+        // Other lines may name them too.
+        format!("# sorted by z, y, x\n# z [nm] x [um] y [um]\n{}", grid(&|x, y, z| format!("{z} {x} {y}"))),
+        format!("z (nm) x y (um)\n{}", grid(&|x, y, z| format!("{z} {x} {y}"))),
     ] {
         let scan = read_bytes(text.as_bytes()).unwrap();
         assert_eq!((scan.format, scan.pitch_m), (Some(Format::Xyz), Some((1e-6, 1e-6))), "{text}");
         assert!(scan.heights_m.iter().zip(&heights).all(|(a, b)| (a - 1e-9 * b).abs() < 1e-22), "{text}");
         assert_eq!(scan.warnings.len(), usize::from(text.contains("intensity")));
     }
+    let doubtful = format!("x (mm), y (mm), z\n{}", grid(&|x, y, z| format!("{x},{y},{z}")));
+    assert_refused([(doubtful, "some of the columns x, y and z have a unit of length")]);
     // Without names the fourth column is left out too.
     let scan = read_bytes(grid(&|x, y, z| format!("{x} {y} {z} {}", 7 - x)).as_bytes()).unwrap();
     assert_eq!(scan.heights_m, heights);
