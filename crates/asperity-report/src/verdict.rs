@@ -27,21 +27,13 @@ pub(crate) struct Headline {
 impl Headline {
     /// Returns the verdict without the errors of its numbers.
     pub(crate) fn new(verdict: &VerdictResult) -> Self {
-        Self::with_intervals(verdict, &|_| String::new())
+        let stated = Self::with_intervals(verdict, &|_| String::new());
+        let after = stated.after + &condition(verdict);
+        Self { after, ..stated }
     }
 
     /// Returns the verdict. `interval` writes the interval of a number behind it.
     fn with_intervals(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
-        let mut headline = Self::as_stated(verdict, interval);
-        if let Some(assumed) = reversing(verdict).filter(|_| !verdict.friction_unresolved) {
-            let (label, value) = (named(&assumed.input), Dimension::None.show(assumed.value));
-            let stated = headline.after.trim_end_matches('.');
-            headline.after = format!("{stated}, if the {label} is {value}, which the study does not state.");
-        }
-        headline
-    }
-
-    fn as_stated(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let noun = noun(verdict);
         if verdict.friction_unresolved {
             let after = ": the friction coefficient is not resolved, or the random strips do not stand for the scan; the warnings say what \
@@ -137,10 +129,19 @@ impl Headline {
     }
 }
 
-/// Returns a number that the study does not state and that may turn the answer into its opposite.
-fn reversing(verdict: &VerdictResult) -> Option<&Assumed> {
+/// Returns a sentence on a number that the study does not state if another value of it turns the answer into its opposite; else nothing.
+fn condition(verdict: &VerdictResult) -> String {
+    let [low, high] = verdict.probability_interval;
     let reverses = |other: &f64| (other - verdict.probability).abs() > REVERSAL;
-    verdict.assumed.iter().find(|assumed| assumed.probability_at.iter().any(reverses))
+    let mut reversing = verdict.assumed.iter().filter(|assumed| assumed.probability_at.iter().any(reverses));
+    match reversing.next().filter(|_| !verdict.friction_unresolved && high - low <= REVERSAL) {
+        Some(assumed) => format!(
+            " This holds if the {} is {}, which the study does not state.",
+            named(&assumed.input),
+            Dimension::None.show(assumed.value)
+        ),
+        None => String::new(),
+    }
 }
 
 /// Returns a ratio as a part or a multiple, before the whole.
@@ -239,7 +240,7 @@ pub(crate) const MEAN_FRICTION: &str =
 
 /// Returns the verdict in one sentence, with a second one if it leaves out the fluctuation of friction.
 pub fn verdict_sentence(verdict: &VerdictResult) -> String {
-    let sentence = probability_sentence(verdict);
+    let sentence = probability_sentence(verdict) + &condition(verdict);
     if verdict.leaves_out_fluctuation { format!("{sentence} {MEAN_FRICTION}") } else { sentence }
 }
 

@@ -152,7 +152,7 @@ fn under_fluctuating_friction_the_fraction_of_the_time_leads() {
     assert_eq!(
         verdict_sentence(&verdict),
         "Stick-slip is likely: 29 % (28 % to 30 %) of the time on average; 82 % (80 % to 84 %) of machines like this one vibrate more than \
-         a tenth of the time, once started from standstill, if the Stribeck coefficient is 4.2, which the study does not state."
+         a tenth of the time, once started from standstill. This holds if the Stribeck coefficient is 4.2, which the study does not state."
     );
     let text = verdict_text(&verdict);
     for wanted in [
@@ -171,8 +171,8 @@ fn under_fluctuating_friction_the_fraction_of_the_time_leads() {
     (verdict.evaluations, verdict.expected_vibration_share_interval) = (1, [0.27, 0.31]);
     assert_eq!(
         verdict_sentence(&verdict),
-        "The machine vibrates 29 % of the time (27 % to 31 %), once started from standstill, if the Stribeck coefficient is 4.2, which the \
-         study does not state. No value is uncertain."
+        "The machine vibrates 29 % of the time (27 % to 31 %), once started from standstill. No value is uncertain. This holds if the \
+         Stribeck coefficient is 4.2, which the study does not state."
     );
 }
 

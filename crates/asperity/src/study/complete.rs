@@ -12,6 +12,7 @@ impl StudyFile {
     /// # Errors
     /// A path is not Unicode.
     pub fn complete(&self, text: &str) -> Result<String, StoreError> {
+        let text = text.trim_start_matches('\u{feff}');
         let resolved = self.to_table().map_err(StoreError::content)?;
         let completed = DeTable::parse(text).ok().and_then(|written| {
             let mut added = Vec::new();

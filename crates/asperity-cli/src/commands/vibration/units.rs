@@ -63,6 +63,8 @@ impl Units {
     }
 }
 
+/// Flags of the machine.
+const MACHINE: [&str; 3] = ["--mass", "--natural-frequency", "--normal-force"];
 const WANTED: &str = "values with units require all of --mass, --natural-frequency and --normal-force";
 
 /// Converts the values with units of the flags of a vibration command to dimensionless numbers. Leaves all other arguments as they are.
@@ -77,7 +79,15 @@ pub(crate) fn dimensionless(arguments: Vec<OsString>) -> Result<Vec<OsString>, F
     if is_vibration.is_none_or(|command| command != "vibration") {
         return Ok(arguments);
     }
+    let is_given = |flag: &str| arguments.iter().any(|argument| argument.to_string_lossy().starts_with(flag));
     let scales = stated_scales(&arguments);
+    // The parser of the flags reports a wrong value, and prints the help.
+    if is_given("--help")
+        || arguments.iter().any(|argument| argument == "-h")
+        || scales.is_none() && MACHINE.iter().all(|flag| is_given(flag))
+    {
+        return Ok(arguments);
+    }
     let mut converted = Vec::with_capacity(arguments.len());
     let mut unit = None;
     for argument in arguments {
@@ -121,7 +131,8 @@ fn stated_scales(arguments: &[OsString]) -> Option<Scales> {
         };
         Dimension::of_unit(unit)?.parse(&value).ok()
     };
-    Scales::new(si("--mass", "kg")?, si("--natural-frequency", "rad/s")?, si("--normal-force", "N")?).ok()
+    let [mass, frequency, force] = MACHINE;
+    Scales::new(si(mass, "kg")?, si(frequency, "rad/s")?, si(force, "N")?).ok()
 }
 
 /// Returns the SI unit that the values of a flag may have.

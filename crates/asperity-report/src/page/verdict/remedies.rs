@@ -46,7 +46,9 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
         let least = first.reach.iter().map(|reach| reach.probability).fold(1.0, f64::min);
         let (what, least_text) = (vibration(verdict), target(least));
         let most = verdict.probability_range.map_or(0.0, |[_, high]| high).max(verdict.probability_interval[1]);
-        let text = if most > least {
+        let text = if most > least && is_exact(verdict) {
+            "At the printed friction coefficient nothing needs to change.".into()
+        } else if most > least {
             format!(
                 "On average nothing needs to change: {what} is at most {least_text} probable, but it may be {}.",
                 percent(most)

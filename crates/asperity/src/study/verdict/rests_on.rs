@@ -142,13 +142,17 @@ fn mark_examples(file: &StudyFile, inputs: &mut [RestsOn]) {
     if scans(file).is_empty() || scans(file) == scans(&example) {
         return;
     }
-    let is_own = |kind: InputKind| matches!(kind, InputKind::Stated | InputKind::Uncertain | InputKind::Unknown);
-    for input in inputs.iter_mut().filter(|input| is_own(input.kind)) {
+    let is_of_template = |input: &RestsOn| {
         let name = input.input.split('[').next().unwrap_or_default().split_once('.');
         let value = |table: &Table| Some(table.get(name?.0)?.get(name?.1)?.clone());
-        if value(&own).is_some_and(|value_of_own| Some(value_of_own) == value(&template)) {
-            input.kind = InputKind::Example;
-        }
+        value(&own).is_some_and(|value_of_own| Some(value_of_own) == value(&template))
+    };
+    let is_own = |kind: InputKind| matches!(kind, InputKind::Stated | InputKind::Uncertain | InputKind::Unknown);
+    let (equal, others): (Vec<_>, Vec<_>) =
+        inputs.iter_mut().filter(|input| is_own(input.kind)).partition(|input| is_of_template(input));
+    // A few equal values are a coincidence.
+    if equal.len() >= others.len() {
+        equal.into_iter().for_each(|input| input.kind = InputKind::Example);
     }
 }
 
