@@ -145,8 +145,8 @@ fn labels_along_the_sides_are_left_out_and_heights_are_not() {
         assert_one_warning(&scan, "labels, which were left out");
     }
     // Beside an empty corner they are labels whatever the header states.
-    let frame = format!("# pixel size: 1 um\n,0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n");
-    assert_eq!(read(&frame).heights_m.dim(), (2, 2));
+    let frame = "# pixel size: 1 um\n,0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n";
+    assert_eq!(read(frame).heights_m.dim(), (2, 2));
     // The numbers of a plane step evenly everywhere, also beside a void, and the size of a map belongs to heights.
     let plane: String = (0..8).map(|y| (0..9).map(|x| format!("{} ", x + 3 * y)).collect::<String>() + "\n").collect();
     assert_eq!(read(&plane).heights_m.dim(), (8, 9));
