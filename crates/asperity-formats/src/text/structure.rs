@@ -100,6 +100,10 @@ fn profile(values: &[f64], (rows, columns): Shape) -> Option<String> {
         }
         pairs.windows(2).all(|pair| pair[0] < pair[1])
     };
+    // Nothing is known about a row or column of voids alone.
+    if values.iter().all(|value| value.is_nan()) {
+        return None;
+    }
     match (rows, columns) {
         (4.., 1) => Some(format!("a single column of {rows} numbers")),
         (1, 4..) => Some(format!("a single row of {columns} numbers")),

@@ -331,8 +331,7 @@ mod tests {
             (interval.low - less).abs() < 0.03 && (interval.high - more).abs() < 0.03,
             "{interval:?}: {less} {more}"
         );
-        for (cause, wanted) in [(ErrorCause::Grid, 0.5 * (more - central)), (ErrorCause::Model, 0.5 * (central - less))]
-        {
+        for (cause, wanted) in [(ErrorCause::Grid, more - central), (ErrorCause::Model, central - less)] {
             let own = sources.iter().find(|(source, _)| *source == cause).unwrap().1;
             assert!((own - wanted).abs() < 0.01, "{cause}: {own} instead of {wanted}");
         }
@@ -340,7 +339,7 @@ mod tests {
         for (cause, error) in [(ErrorCause::Strips, 0.002), (ErrorCause::Scan, 0.01)] {
             let [less, more] = [-error, error].map(|error: f64| at((NORMAL_95 * error).exp()));
             let own = wider.sources.iter().find(|(source, _)| *source == cause).unwrap().1;
-            assert!((own - 0.5 * (more - less)).abs() < 0.01, "{cause}: {own}");
+            assert!((own - farthest(central, [less, more])).abs() < 0.01, "{cause}: {own}");
         }
         assert!(wider.interval.high > interval.high + 0.02, "{:?} {interval:?}", wider.interval);
     }
@@ -395,8 +394,8 @@ mod tests {
                 false => 1.0,
             };
             let own = sources.iter().find(|(source, _)| *source == ErrorCause::Strips).unwrap().1;
-            let half = 0.5 * ratio * (most - least);
-            assert!((own / half - 1.0).abs() < if is_small { 0.3 } else { 0.15 }, "{own} instead of {half}");
+            let reach = ratio * farthest(wanted, [least, most]);
+            assert!((own / reach - 1.0).abs() < if is_small { 0.3 } else { 0.15 }, "{own} instead of {reach}");
             assert!(sources.iter().all(|(source, _)| *source != ErrorCause::Expansion), "{sources:?}");
             assert!(sources.is_sorted_by(|a, b| a.1 >= b.1), "{sources:?}");
             // The errors of the machines widen the interval little.
