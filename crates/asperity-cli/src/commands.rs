@@ -22,6 +22,8 @@ mod surface;
 mod verdict;
 mod vibration;
 
+#[cfg(test)]
+pub(crate) use vibration::FLAGS_WITH_UNITS;
 pub(crate) use vibration::dimensionless;
 
 use clap::Subcommand;

@@ -148,4 +148,18 @@ mod tests {
         let help = program.clone().render_help().to_string();
         assert!(help.lines().count() <= 50 && help.lines().all(|line| line.chars().count() <= 100), "{help}");
     }
+
+    #[test]
+    fn values_with_units_belong_to_flags_of_the_vibration_commands() {
+        let program = program();
+        let vibration = program.find_subcommand("vibration").unwrap();
+        let flags: Vec<String> = vibration
+            .get_subcommands()
+            .flat_map(clap::Command::get_arguments)
+            .filter_map(|argument| argument.get_long().map(|flag| flag.replace('-', "_")))
+            .collect();
+        for (flag, _) in commands::FLAGS_WITH_UNITS {
+            assert!(flags.iter().any(|other| other == flag), "{flag}");
+        }
+    }
 }

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::ops::Range;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -38,29 +37,9 @@ fn coloured<'a>(message: &'a str, of_output: fn(StyledObject<&'a str>) -> Styled
     format!("{}{}", of_output(style.apply_to(first)), &message[first.len()..]).into()
 }
 
-/// Returns the sentence of a verdict with its probability in bold type, where stdout takes it.
-pub(crate) fn with_bold_probability(sentence: &str) -> String {
-    match probability(sentence) {
-        Some(place) => {
-            let bold = style(&sentence[place.clone()]).bold();
-            format!("{}{bold}{}", &sentence[..place.start], &sentence[place.end..])
-        }
-        None => sentence.into(),
-    }
-}
-
-/// Returns the place of the first percentage of a sentence, or of the first two with `to` between them.
-fn probability(sentence: &str) -> Option<Range<usize>> {
-    const UNIT: &str = " %";
-    let mut end = sentence.find(UNIT)? + UNIT.len();
-    let start = sentence[..end - UNIT.len()].rfind(' ').map_or(0, |space| space + 1);
-    if let Some(more) = sentence[end..].strip_prefix(" to ")
-        && let Some(number) = more.find(UNIT)
-        && more[..number].parse::<f64>().is_ok()
-    {
-        end = sentence.len() - more.len() + number + UNIT.len();
-    }
-    Some(start..end)
+/// Returns a sentence with the part that is the answer in bold type, where stdout takes it.
+pub(crate) fn with_bold(sentence: &str, answer: &str) -> String {
+    sentence.replacen(answer, &style(answer).bold().to_string(), 1)
 }
 
 /// Prints sentences to stdout, each on lines of its own.
@@ -373,18 +352,6 @@ pub(crate) fn write_failure(path: &Path, error: &io::Error) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_probability_of_a_verdict_is_its_first_percentage_or_range() {
-        for (sentence, wanted) in [
-            ("uncertain: 31 % to 94 % of machines", Some("31 % to 94 %")),
-            ("almost certain: more than 99.9 % of machines; 12 %", Some("99.9 %")),
-            ("31 % to at most 94 %", Some("31 %")),
-            ("The machine vibrates.", None),
-        ] {
-            assert_eq!(probability(sentence).map(|place| &sentence[place]), wanted);
-        }
-    }
 
     #[test]
     fn an_undefined_number_is_null_in_json_and_undefined_in_the_table() {

@@ -38,7 +38,7 @@ pub use record::record_figures;
 pub use run::{Input, Run};
 pub use twin::render_twins;
 pub use twin::run::TwinRun;
-pub use verdict::{not_stated, verdict_sentence};
+pub use verdict::{not_stated, verdict_answer, verdict_sentence};
 
 /// Renders the report of a run.
 ///

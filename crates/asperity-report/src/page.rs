@@ -120,13 +120,6 @@ impl Page<'_> {
     }
 }
 
-/// Returns warnings in the order of their weight: those on the quotient F/N of single windows last, because the vibration does not use it.
-fn ranked(warnings: &[String]) -> Vec<String> {
-    let concerns_answer = |warning: &&String| !["F/N", "contact cells"].iter().any(|words| warning.contains(words));
-    let (first, last): (Vec<_>, Vec<_>) = warnings.iter().partition(concerns_answer);
-    first.into_iter().chain(last).cloned().collect()
-}
-
 /// Arranges the page of a run.
 ///
 /// # Errors
@@ -181,7 +174,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         intro: "From the rough surface to friction and vibration: report of a study by asperity.",
         first_screen,
         answers: if results.verdict.is_some() { Vec::new() } else { answers::answers(run) },
-        warnings: ranked(&results.warnings),
+        warnings: results.warnings.clone(),
         sections,
         details: details.into_iter().chain(conditions).flatten().collect(),
         script: "",

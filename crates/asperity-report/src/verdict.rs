@@ -238,18 +238,27 @@ pub(crate) fn is_exact(verdict: &VerdictResult) -> bool {
 pub(crate) const MEAN_FRICTION: &str =
     "The mean friction coefficient decides; its fluctuation along the path is left out.";
 
+/// Returns the part of [`verdict_sentence`] that is the answer.
+pub fn verdict_answer(verdict: &VerdictResult) -> String {
+    Headline::with_intervals(verdict, &interval_in_words).answer
+}
+
 /// Returns the verdict in one sentence, with a second one if it leaves out the fluctuation of friction.
 pub fn verdict_sentence(verdict: &VerdictResult) -> String {
     let sentence = probability_sentence(verdict) + &condition(verdict);
     if verdict.leaves_out_fluctuation { format!("{sentence} {MEAN_FRICTION}") } else { sentence }
 }
 
-fn probability_sentence(verdict: &VerdictResult) -> String {
-    let interval = |[low, high]: [f64; 2]| match low > 1.0 - RARE || low == high {
+/// Writes the interval of a number behind it; nothing for one that is certain or exact.
+fn interval_in_words([low, high]: [f64; 2]) -> String {
+    match low > 1.0 - RARE || low == high {
         true => String::new(),
         false => format!(" ({} to {})", percent(low), percent(high)),
-    };
-    let Headline { before, answer, after } = Headline::with_intervals(verdict, &interval);
+    }
+}
+
+fn probability_sentence(verdict: &VerdictResult) -> String {
+    let Headline { before, answer, after } = Headline::with_intervals(verdict, &interval_in_words);
     let sentence = format!("{before}{answer}{after}");
     if verdict.friction_unresolved {
         return sentence;

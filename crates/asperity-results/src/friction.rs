@@ -64,6 +64,9 @@ crate::choice! {
     }
 }
 
+/// Largest `saturation` at which the roughness hardly matters.
+pub const SATURATED: f64 = 0.05;
+
 /// The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the study names or,
 /// without a vibration stage, the level with the highest pressure. Windows are weighted by the load they carry, as in
 /// `at_mean_load`.

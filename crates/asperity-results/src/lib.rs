@@ -46,7 +46,7 @@ pub use field::Field;
 pub use friction::{
     AreaUpscalingResult, AtMeanLoad, CorrelationCurveResult, CorrelationModelResult, CrossResult, FrictionResult,
     GoodnessResult, LevelProcess, LevelResult, OperatingPoint, PaperUpscalingResult, RankedDistributionResult,
-    ReturnLevelResult, RoughBody, StationarityResult, TailResult, UpscalingResult,
+    ReturnLevelResult, RoughBody, SATURATED, StationarityResult, TailResult, UpscalingResult,
 };
 pub use labelled::{Answer, FieldKind, LabelledField};
 pub use mode_coupling::{CoupledCycleResult, CoupledMotion, MachineModel, ModeCouplingResult};

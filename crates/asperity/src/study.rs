@@ -63,7 +63,7 @@ pub mod fuzzing {
 pub const QUICKSTART: &str = include_str!("study/quickstart.toml");
 
 pub use campaign::{Campaign, StoredCampaign, campaign_files, write_campaign};
-pub use check::{InvalidValue, Study};
+pub use check::{InvalidValue, Study, is_folder_name};
 pub use computation::{Computation, Computed, Work, folder_of};
 pub use coupled_stage::modes_table;
 pub use error::{FailureKind, StudyError};

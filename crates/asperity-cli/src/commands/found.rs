@@ -4,11 +4,11 @@ use std::path::Path;
 
 use asperity::study::result::{MeasuredSurface, Results};
 use asperity::study::{CampaignResults, Computed};
-use asperity_report::{campaign_summary, verdict_summary, vibration_answer};
+use asperity_report::{campaign_summary, verdict_answer, verdict_summary, vibration_answer};
 use serde_json::Value;
 
 use crate::failure::{Failure, Kind};
-use crate::output::{Answer, print, print_sentences, with_bold_probability};
+use crate::output::{Answer, print, print_sentences, with_bold};
 
 /// Results of a finished folder.
 pub(super) enum Found<'a> {
@@ -25,7 +25,7 @@ impl Found<'_> {
             let report = folder.join("report.html");
             let more = format!("Report: {}; all numbers: {}", report.display(), folder.join("results.json").display());
             let mut sentences = verdict_summary(verdict);
-            sentences.iter_mut().take(1).for_each(|first| *first = with_bold_probability(first));
+            sentences.iter_mut().take(1).for_each(|first| *first = with_bold(first, &verdict_answer(verdict)));
             sentences.push(more);
             return print_sentences(&sentences);
         }

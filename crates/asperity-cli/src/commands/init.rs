@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{QUICKSTART, ScanSizes, Study, StudyError};
+use asperity::study::{QUICKSTART, ScanSizes, Study, StudyError, is_folder_name};
 use asperity::surface::level::Level;
 use clap::{Args, ValueEnum};
 
@@ -99,10 +99,7 @@ impl Init {
     /// Returns the pieces with the name of the folder in the study, so that its run has this name too; unchanged if the file has it already.
     fn named(&self, mut pieces: Vec<Piece>) -> Vec<Piece> {
         let (file, bytes) = &mut pieces[0];
-        let folder = self.dir.file_name().and_then(|name| name.to_str()).filter(|name| {
-            // A study accepts the names of folders alone.
-            !name.contains('\\') && !name.trim_matches(['.', ' ']).is_empty()
-        });
+        let folder = self.dir.file_name().and_then(|name| name.to_str()).filter(|name| is_folder_name(name));
         if let Some(folder) = folder.filter(|folder| Path::new(&**file).file_stem() != Some(OsStr::new(folder)))
             && let Ok(text) = std::str::from_utf8(bytes)
         {

@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use asperity::study::{Stage, Table, VERDICT_SAMPLES, folder_of};
-use asperity_report::{verdict_sentence, verdict_text};
+use asperity_report::{verdict_answer, verdict_sentence, verdict_text};
 use clap::Args;
 
 use super::study_file;
 use crate::args;
 use crate::failure::{Failure, Kind};
 use crate::monitor::Terminal;
-use crate::output::{Answer, check_target, print, print_sentences, replace_file, with_bold_probability, write_verb};
+use crate::output::{Answer, check_target, print, print_sentences, replace_file, with_bold, write_verb};
 
 /// Computes how probable vibration is, what decides it, and what changes it.
 ///
@@ -68,7 +68,7 @@ impl Verdict {
         let text = verdict_text(verdict);
         let (sentences, tables) = text.split_once("\n\n").unwrap_or((&text, ""));
         let mut sentences: Vec<String> = sentences.lines().map(str::to_owned).collect();
-        sentences.iter_mut().take(1).for_each(|first| *first = with_bold_probability(first));
+        sentences.iter_mut().take(1).for_each(|first| *first = with_bold(first, &verdict_answer(verdict)));
         print_sentences(&sentences)?;
         if tables.is_empty() { Ok(()) } else { print(&format!("\n{tables}")) }
     }

@@ -23,6 +23,8 @@ use asperity::study::FailureKind;
 use asperity::vibration::VibrationError;
 use clap::{Args, Subcommand};
 
+#[cfg(test)]
+pub(crate) use units::FLAGS_WITH_UNITS;
 pub(crate) use units::dimensionless;
 
 use crate::failure::Failure;

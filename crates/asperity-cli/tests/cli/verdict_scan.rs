@@ -119,6 +119,30 @@ fn scans_of_different_slopes_differ_in_friction_beyond_their_errors() {
 
 #[test]
 #[ignore = "slow"]
+fn a_machine_of_exact_values_keeps_the_differences_between_scans() {
+    let drivers = |factors: &[f64]| -> Vec<String> {
+        let folder = TempDir::new().unwrap();
+        write(folder.path(), factors);
+        let path = folder.path().join("study.toml");
+        let exact = with_short_strips(&fs::read_to_string(&path).unwrap())
+            .replace("{ lognormal = [\"2.5 kN\", 0.2] }", "\"2.5 kN\"")
+            .replace("\"0.15 ± 0.03\"", "0.15");
+        fs::write(&path, exact).unwrap();
+        let found = run_in(folder.path(), "verdict study.toml --json").json(0);
+        found["drivers"].as_array().unwrap().iter().map(|driver| driver["input"].as_str().unwrap().into()).collect()
+    };
+    let of_two = drivers(&[1.0, 1.5]);
+    assert!(
+        ["surface.scan", "surface.between_scans"].iter().all(|name| of_two.iter().any(|own| own == name)),
+        "{of_two:?}"
+    );
+    // The error of one scan is that of the mean friction.
+    let of_one = drivers(&[1.0]);
+    assert!(!of_one.iter().any(|own| own == "surface.scan"), "{of_one:?}");
+}
+
+#[test]
+#[ignore = "slow"]
 fn scans_count_as_exact_where_the_study_says_so_whatever_the_number_of_threads() {
     let folder = TempDir::new().unwrap();
     write(folder.path(), &[1.0]);

@@ -1,6 +1,6 @@
 //! The strip below the verdict: one number of every link of the chain, with a small picture.
 
-use asperity_results::{Field, MachineModel, Portrait, SurfaceResult};
+use asperity_results::{Field, MachineModel, Portrait, SATURATED, SurfaceResult};
 
 use crate::Run;
 use crate::cells::{DASH, percent};
@@ -13,8 +13,6 @@ use crate::words::between;
 /// Size of a picture.
 const WIDTH: f64 = 100.0;
 const HEIGHT: f64 = 40.0;
-/// Excess of friction over the least that the hardness allows, below which roughness hardly matters.
-const SATURATED: f64 = 0.05;
 /// Largest number of points of a curve.
 const POINTS: usize = 120;
 
@@ -118,7 +116,7 @@ fn friction(run: &Run) -> Option<Link> {
         section: "friction",
         number: number(point.mean),
         words: match point.saturation {
-            Some(excess) if excess < SATURATED => "close to τ/H: roughness hardly matters".into(),
+            Some(excess) if excess <= SATURATED => "close to τ/H: roughness hardly matters".into(),
             _ => format!("± {} from window to window", significant(point.std, 2)),
         },
         picture,

@@ -109,14 +109,6 @@ fn figures_of_the_page_are_readable_on_a_phone_and_legends_are_short() {
 }
 
 #[test]
-fn warnings_on_quantities_without_use_in_the_answer_come_last() {
-    let mut run = full_run();
-    run.results.warnings = vec!["4 windows carry no load; F/N leaves them out".into(), "the pitch is coarse".into()];
-    let html = render(&run).unwrap().html;
-    assert!(html.find("the pitch is coarse") < html.find("F/N leaves them out"));
-}
-
-#[test]
 fn the_page_loads_nothing_from_elsewhere() {
     check_page(&render(&full_run()).unwrap().html);
 }

@@ -57,6 +57,11 @@ impl Study {
     }
 }
 
+/// Returns whether a study may have this name, the one of the folder of its run.
+pub fn is_folder_name(name: &str) -> bool {
+    !name.trim_matches(['.', ' ']).is_empty() && !name.contains(['/', '\\', '\0'])
+}
+
 impl StudyFile {
     /// Checks the values and returns the study.
     ///
@@ -70,8 +75,7 @@ impl StudyFile {
             |fraction| fraction > 0.0 && fraction <= 1.0,
             "a fraction above 0, at most 1",
         )?;
-        let is_no_folder = |name: &str| name.trim_matches(['.', ' ']).is_empty() || name.contains(['/', '\\', '\0']);
-        if let Some(name) = self.name.as_deref().filter(|name| is_no_folder(name)) {
+        if let Some(name) = self.name.as_deref().filter(|name| !is_folder_name(name)) {
             return Err(invalid("", "name", format!("found {name:?}, expected the name of a folder, without `/`")));
         }
         self.check_numbers()?;

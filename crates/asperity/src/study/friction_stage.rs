@@ -161,7 +161,7 @@ fn result_of_levels(
 
 /// Returns the tables and the warnings of all levels and of the operating level.
 fn output_of_levels(results: &[LevelResult], levels: &[SolvedLevel], lead: usize, body: RoughBody) -> StageOutput {
-    let mut warnings: Vec<String> = levels.iter().flat_map(words::level_warnings).collect();
+    let mut warnings = Vec::new();
     let level = &levels[lead];
     let place = level.control.name();
     warnings.extend(implausible_friction(level.mean).map(|warning| format!("at {place}, {warning}")));
@@ -169,6 +169,8 @@ fn output_of_levels(results: &[LevelResult], levels: &[SolvedLevel], lead: usize
         warnings.extend(words::drift(level));
         warnings.extend(words::correlation(level));
     }
+    // The vibration does not use the quotients of single windows.
+    warnings.extend(levels.iter().flat_map(words::level_warnings));
     let mut tables = tables::of_levels(results, levels, body);
     tables.extend(tables::of_lead(level, body));
     StageOutput { tables, warnings, ..StageOutput::default() }

@@ -174,8 +174,8 @@ impl Contact {
     ) -> Result<Self, StudyError> {
         let (scan, mean_errors) = (ScanErrors::default(), &window.mean_errors);
         let mut points = ContactPoints { study: whole, surface, central: &study.central, scan, mean_errors, monitor };
-        // A machine of exact values has the scan's errors in those of its mean friction, without further solutions.
-        if study.scan_errors && !study.places.is_empty() {
+        let in_mean = mean_errors.scan > 0.0 && scan::is_in_mean(whole, study);
+        if study.scan_errors && !in_mean {
             points.scan = ScanErrors::new(&points, output)?;
         }
         let scan_error = if study.scan_errors && points.scan.inputs.is_empty() { mean_errors.scan } else { 0.0 };

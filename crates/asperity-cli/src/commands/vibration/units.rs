@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 
 /// Flags that are no inputs of a study, and the SI units that their values may have.
-const FLAGS: [(&str, &str); 10] = [
+pub(crate) const FLAGS_WITH_UNITS: [(&str, &str); 10] = [
     ("belt_velocities", "m/s"),
     ("correlation_length", "m"),
     ("displacements", "m"),
@@ -147,7 +147,7 @@ fn unit_of(flag: &str) -> Option<&'static str> {
             _ => None,
         }
     });
-    of_key.or_else(|| FLAGS.iter().find(|(name, _)| *name == flag).map(|(_, unit)| *unit))
+    of_key.or_else(|| FLAGS_WITH_UNITS.iter().find(|(name, _)| *name == flag).map(|(_, unit)| *unit))
 }
 
 /// Converts a value, or the first and the last value of a range `FROM,TO,N`; `None` if it has no unit of this kind.

@@ -3,7 +3,7 @@
 use super::fluctuating::NEGLIGIBLE_STD;
 use super::judge::LATER;
 use super::replicates::REPLICATES;
-use super::scan::POINTS as SCAN_POINTS;
+use super::scan::{POINTS as SCAN_POINTS, is_in_mean};
 use super::{area, assumed, axis, decided, expansion, map, margins, points, remedies, rests_on, sampled, vibrating};
 use crate::contact::memory_bytes;
 use crate::friction::{RoughBody, Upscaling};
@@ -49,7 +49,7 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
         file.surface.as_ref().is_some_and(|surface| surface.file.is_some()),
         file.counterface.as_ref().is_some_and(|counterface| counterface.file.is_some()),
     ];
-    let counts = friction.is_some() && study.scan_errors && !study.places.is_empty();
+    let counts = friction.is_some() && study.scan_errors && !is_in_mean(whole, study);
     let scans = if counts { scanned.into_iter().filter(|is_scanned| *is_scanned).count() } else { 0 };
     // The parts of a rough slider differ.
     let parts = usize::from(friction.is_some_and(|friction| friction.body != RoughBody::Track));

@@ -14,9 +14,10 @@ use super::points::ContactPoints;
 use crate::chaos::UncertainInput;
 use crate::distribution::Marginal;
 use crate::stats::Interval;
-use crate::study::StudyError;
+use crate::study::check::VerdictStudy;
 use crate::study::output::StageOutput;
 use crate::study::uncertain::Place;
+use crate::study::{Study, StudyError};
 use crate::surface::pooling::{Mean, Reading, pool};
 use crate::surface::scanned::{MapStatistics, ScannedSurface};
 use crate::surface::uncertainty::{Estimate, JointErrors};
@@ -32,6 +33,15 @@ pub(super) const POINTS: usize = 6;
 const NEGLIGIBLE: f64 = 1e-9;
 /// Confidence level of the pooled change, of which only the standard errors are used.
 const LEVEL: f64 = 0.95;
+
+/// Returns whether the error of the mean friction by the pressed scan can stand for all errors of the scans, without further solutions: of a
+/// machine of exact values, of whose bodies one is scanned once.
+pub(super) fn is_in_mean(whole: &Study, study: &VerdictStudy) -> bool {
+    let file = whole.file();
+    let scans = file.surface.as_ref().map_or(0, |surface| surface.files().len());
+    let others = file.counterface.as_ref().map_or(0, |counterface| counterface.files().len());
+    study.places.is_empty() && scans == 1 && others == 0
+}
 
 impl ScanErrors {
     /// Solves strips of bodies with other statistics, and finds what the scans leave uncertain.
