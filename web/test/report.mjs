@@ -333,21 +333,24 @@ async function compare(browser, file, id, curve, table, columns) {
   for (const text of texts) verify(text, "a key");
   // A curve that is off has no values.
   for (const other of await figure.locator("[data-entry][role=button]").all()) if ((await other.getAttribute("data-entry")) !== curve) await other.press("Enter");
-  // What the page computes meanwhile may move the figure: the place of the point is found again at each try.
-  const data = chart.locator(".data");
   const output = figure.locator("output");
-  const [cx, cy] = await chart.locator(".found circle").evaluate((circle) => ["cx", "cy"].map((name) => Number(circle.getAttribute(name))));
+  const point = await chart.locator(".found circle").evaluate((circle) => ["cx", "cy"].map((name) => Number(circle.getAttribute(name))));
   await chart.dispatchEvent("blur");
   check((await output.textContent()) === "", `${id}: a figure without the focus shows the value of a key`);
-  for (let tries = 0; tries < 50; tries++) {
-    const place = await data.evaluate((element, [x, y]) => {
-      element.scrollIntoView({ block: "center" });
-      const point = new DOMPoint(x, y).matrixTransform(element.ownerSVGElement.getScreenCTM());
-      return [point.x, point.y];
-    }, [cx, cy]);
-    await tab.mouse.move(...place);
-    if (await output.textContent()) break;
+  const find = () =>
+    chart.locator(".data").evaluate((data, [x, y]) => {
+      data.scrollIntoView({ block: "center" });
+      const place = new DOMPoint(x, y).matrixTransform(data.ownerSVGElement.getScreenCTM());
+      return [place.x, place.y];
+    }, point);
+  // What the page computes meanwhile moves the figure: only a point that kept its place was under the pointer.
+  let place = await find();
+  for (let tries = 0, kept = false; !kept && tries < 100; tries++) {
     await tab.waitForTimeout(100);
+    await tab.mouse.move(...place);
+    const now = await find();
+    kept = now.join() === place.join() && (await output.textContent()) !== "";
+    place = now;
   }
   verify(await output.textContent(), "the pointer");
   await context.close();
