@@ -78,6 +78,24 @@ impl fmt::Debug for Quiet<'_> {
     }
 }
 
+/// Monitor that forwards cancellation alone, for loops that are part of one block.
+#[derive(Clone, Copy)]
+pub struct Inner<'a>(pub &'a dyn Monitor);
+
+impl Monitor for Inner<'_> {
+    fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+impl fmt::Debug for Inner<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Inner")
+    }
+}
+
 /// Cancellation of a computation by its [`Monitor`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;

@@ -9,7 +9,7 @@ mod polyline;
 mod raster;
 mod symbol;
 
-pub(crate) use axis::{Axis, range};
+pub(crate) use axis::{Axis, Tick, range};
 pub(crate) use canvas::{Colour, Dash, Pen, WHITE};
 pub(crate) use chart::mark::Mark;
 pub(crate) use chart::{Backdrop, CURVES, Chart, Layout, ONE_COLUMN, PAGE, SCREEN, TWO_COLUMNS, Width, stacked};

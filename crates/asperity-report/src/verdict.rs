@@ -13,6 +13,10 @@ pub(crate) const RARE: f64 = 1e-3;
 /// Effect of an unknown value on the probability, relative to the largest, below which it is not named.
 const LITTLE: f64 = 0.1;
 
+/// Words for probabilities close to 0 and 1.
+const VERY_UNLIKELY: &str = "very unlikely";
+const VERY_LIKELY: &str = "very likely";
+
 /// Change of the probability that turns the answer into its opposite.
 const REVERSAL: f64 = 0.5;
 
@@ -64,8 +68,12 @@ impl Headline {
         let own = sampled(verdict.probability, verdict.probability_interval, interval);
         let (word, machines, after) = match range {
             Some([low, high]) => {
-                let word = if word(low) == word(high) { word(low) } else { "uncertain" };
-                let after = format!("{event}, depending on {}; {own} on average", unknown_values(verdict));
+                let (word, average) = match [word(low), word(high)] {
+                    [VERY_UNLIKELY, VERY_LIKELY] => ("not known", "is your degree of belief"),
+                    [low, high] if low == high => (low, "on average"),
+                    _ => ("uncertain", "on average"),
+                };
+                let after = format!("{event}, depending on {}; {own} {average}", unknown_values(verdict));
                 (word, format!("{} to {}", percent(low), percent(high)), after)
             }
             None => (word(verdict.probability), own, event),
@@ -156,11 +164,11 @@ fn part_of(ratio: f64) -> String {
 /// Returns the word for a probability.
 fn word(probability: f64) -> &'static str {
     match probability {
-        p if p < 0.05 => "very unlikely",
+        p if p < 0.05 => VERY_UNLIKELY,
         p if p < 0.45 => "unlikely",
         p if p <= 0.55 => "as likely as not",
         p if p <= 0.95 => "likely",
-        _ => "very likely",
+        _ => VERY_LIKELY,
     }
 }
 

@@ -71,7 +71,7 @@ pub use uncertainty::{
 pub use unit::split_unit;
 pub use verdict::{
     Assumed, Driver, ErrorCause, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile,
-    NominalMachine, Quantiles, Reach, Remedy, RestsOn, TurningPoint, VerdictResult, VibratingMachines,
+    NominalMachine, Quantiles, Reach, Remedy, RestsOn, Risk, TurningPoint, VerdictResult, VibratingMachines,
 };
 pub use verdict_tables::{AreaAsOne, ProbabilityMap, ProbabilityMapAxis};
 pub use vibration::{

@@ -340,6 +340,19 @@ pub struct Remedy {
     pub friction_coefficient_now: Option<f64>,
     /// Values that reach the target probabilities.
     pub reach: Vec<Reach>,
+    /// Probability from the present value to beyond the farthest of these; of the first remedy only, empty for the others.
+    #[serde(default)]
+    pub risk: Vec<Risk>,
+}
+
+/// Probability at one central value.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Risk {
+    /// The central value.
+    pub value: f64,
+    /// Probability of vibration.
+    pub probability: f64,
 }
 
 /// Central value that reaches one probability.

@@ -117,16 +117,16 @@ fn a_changed_stage_leaves_the_blocks_of_the_others() {
     fs::write(at.join("study.toml"), &changed).unwrap();
     assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
     let after: Vec<String> = stages().collect();
-    // Pressure and friction are the same; the blocks of the earlier vibration went with their run.
+    // Pressure and friction are the same; the blocks of the earlier vibration and verdict went with their run.
     let same = after.iter().filter(|stage| before.contains(stage)).count();
-    assert_eq!((before.len(), after.len(), same), (3, 3, 2));
+    assert_eq!((before.len(), after.len(), same), (4, 4, 2));
     // Without pressure there is nothing to keep of it, unless another run uses it.
     assert_eq!(run_in(at, "run study.toml --out whole/other").code, 0);
     fs::write(at.join("study.toml"), changed.replace("fine_solves = 120", "fine_solves = 132")).unwrap();
     assert_eq!(run_in(at, "run study.toml --out whole/run --force").code, 0);
     assert_eq!(
         listing(&at.join("whole").join(BLOCKS)).len(),
-        3 + 1 + 2,
+        4 + 1 + 3,
         "{:?}",
         listing(&at.join("whole").join(BLOCKS))
     );

@@ -4,6 +4,7 @@ mod drivers;
 mod margin;
 mod remedies;
 mod rests_on;
+mod risk;
 pub(crate) mod text;
 
 use asperity_results::{Assumed, Driver, MachineModel, Quantiles, VerdictResult};
@@ -18,7 +19,7 @@ use crate::verdict::{
     Headline, MEAN_FRICTION, RARE, is_exact, largest_error, leading_range, not_stated, percent, sampled_percent,
     steady_sliding, unknown_values, vibration as vibration_event,
 };
-use crate::words::{between, named, unbroken};
+use crate::words::{between, capitalised, named, unbroken};
 
 /// Returns the first screen: the verdict in one sentence, its numbers, and four cards. `chain` is shown below them.
 pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> Html {
@@ -49,7 +50,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         unbroken(&answer),
         after,
         numbers(verdict),
-        card(limits.title(), &limits.picture(verdict)),
+        card(&limits.title(verdict), &limits.picture(verdict)),
         card("What would stop it", &remedies::card(verdict, &limits)),
         card("What decides it", &drivers::card(verdict)),
         card("What it rests on", &rests_on::card(&verdict.rests_on, verdict.model)),
@@ -70,17 +71,12 @@ fn with_code(text: &str) -> Html {
     text.split('`').enumerate().map(part).collect()
 }
 
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// Returns the lines below the headline: errors of the probability and steady sliding, what is not stated, and the vibration.
 fn numbers(verdict: &VerdictResult) -> Html {
     let (mut sentences, mut lines) = (Vec::new(), Vec::new());
     let text = |text: String| Html::from(unbroken(&text));
     if is_exact(verdict) {
-        sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(&sliding)))));
+        sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(sliding)))));
     } else {
         if verdict.probability > 0.0 && verdict.probability < 1.0 {
             sentences.push(text(computed_to(verdict)));

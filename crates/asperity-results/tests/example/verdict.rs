@@ -3,7 +3,7 @@
 use asperity_results::{
     AreaAsOne, Assumed, Driver, ErrorCause, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MachineModel,
     MarginQuantile, MotionKind, NominalMachine, ProbabilityMap, ProbabilityMapAxis, Quantiles, Reach, Remedy, RestsOn,
-    TurningPoint, VerdictResult, VibratingMachines,
+    Risk, TurningPoint, VerdictResult, VibratingMachines,
 };
 
 /// Returns the verdict on a machine that probably vibrates, with dependent and unknown values.
@@ -106,6 +106,9 @@ pub(crate) fn verdict() -> VerdictResult {
                 },
                 Reach { probability: 0.01, ..Reach::default() },
             ],
+            risk: [(0.0155, 0.64), (0.02, 0.3), (0.026, 0.05), (0.03, 0.02)]
+                .map(|(value, probability)| Risk { value, probability })
+                .into(),
         }],
         map: Some(ProbabilityMap {
             x: axis("vibration.damping_ratio", "", &[0.01, 0.02, 0.03]),

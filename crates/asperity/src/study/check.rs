@@ -22,7 +22,7 @@ pub(super) use friction::{FrictionStudy, UncertaintyStudy};
 pub use invalid_value::InvalidValue;
 pub(super) use pressure::PressureStudy;
 pub(super) use surface::SurfaceStudy;
-pub(super) use verdict::{RemedyStudy, VerdictStudy};
+pub(super) use verdict::{LARGEST_CHANGE, RemedyStudy, VerdictStudy};
 pub(super) use vibration_study::{FrictionSource, MachineInputs, VibrationStudy};
 
 /// Study with checked values, made from a [`StudyFile`].

@@ -1,14 +1,14 @@
 //! The margin as a picture: the limit of the damping ratio over the uncertain values, and the damping ratio of the machine.
 
 use asperity_results::keys::DAMPING_RATIO;
-use asperity_results::{MachineModel, VerdictResult};
+use asperity_results::{MachineModel, Quantiles, VerdictResult};
 
 use crate::Run;
-use crate::format::{Unit, count, significant};
+use crate::format::{Dimension, Unit, count, significant};
 use crate::markup::{Html, html};
 use crate::plot::Axis;
 use crate::verdict::{is_exact, percent, sampled_percent};
-use crate::words::unbroken;
+use crate::words::{between, unbroken};
 
 /// Table of the sampled machines.
 const SAMPLES: &str = "verdict_samples";
@@ -22,11 +22,11 @@ const TAIL: f64 = 0.002;
 const STANDARD_ERRORS: f64 = 4.0;
 /// Size of the picture, and the range of the drawing in it.
 const WIDTH: f64 = 600.0;
-const HEIGHT: f64 = 216.0;
+const HEIGHT: f64 = 206.0;
 const LEFT: f64 = 16.0;
 const RIGHT: f64 = 584.0;
 const TOP: f64 = 62.0;
-const BASE: f64 = 164.0;
+const BASE: f64 = 154.0;
 /// Width of a bold character, on a phone.
 const CHARACTER: f64 = 13.0;
 /// Rows of the texts above the drawing.
@@ -93,9 +93,28 @@ impl Limits {
         limits
     }
 
-    /// Returns the title of the picture.
-    pub(super) fn title(&self) -> &'static str {
-        if self.coupled { "Friction of the machine and its limit" } else { "Damping of the machine and its limit" }
+    /// Returns the title of the picture: the value of the machine and its limit, the uncertain one with the range that holds 90 %.
+    pub(super) fn title(&self, verdict: &VerdictResult) -> String {
+        let central = significant(self.central, 3);
+        let of_machines = match self.sorted.len() {
+            0 | 1 => None,
+            _ => {
+                let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|at| self.quantile(at));
+                let (middle, range) = between(Dimension::None, Quantiles { q05, q50, q95 });
+                Some(middle.trim_end().to_owned() + &range)
+            }
+        };
+        if self.coupled {
+            let friction = || significant(self.central - verdict.nominal.damping_margin, 3);
+            return format!("Friction coefficient: yours {}, limit {central}", of_machines.unwrap_or_else(friction));
+        }
+        let limit = || significant(verdict.nominal.limit_damping_ratio.unwrap_or(0.0), 3);
+        format!("Damping ratio: yours {central}, limit {}", of_machines.unwrap_or_else(limit))
+    }
+
+    /// Returns a quantile of the limits.
+    fn quantile(&self, probability: f64) -> f64 {
+        self.sorted[(probability * (self.sorted.len() - 1) as f64).round() as usize]
     }
 
     /// Returns the central damping ratio.
@@ -104,7 +123,7 @@ impl Limits {
     }
 
     /// Returns whether the sign of the margin decides if a machine vibrates; with fluctuating friction it may not.
-    pub(super) fn sign_decides(&self) -> bool {
+    fn sign_decides(&self) -> bool {
         self.split == self.central
     }
 
@@ -186,7 +205,7 @@ impl Limits {
             &shares[0],
             &shares[1],
         );
-        let damping = mark(x(self.central), "", &format!("{marked} {}", significant(self.central, 3)), LOWER);
+        let damping = mark(x(self.central), "", if self.coupled { "limit" } else { "yours" }, LOWER);
         let remedied = self.remedied(verdict).filter(|(value, _)| (range.0..=range.1).contains(value));
         let line = remedied.map(|(value, _)| mark(x(value), " limit", &significant(value, 3), INSIDE));
         let caption = self.caption(verdict)
@@ -232,12 +251,8 @@ impl Limits {
         );
         // The line of the smaller one starts in the upper row, to the left of the text in the lower row.
         let (upper, lower) = if value < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
-        let marks = [
-            ranges,
-            mark(x(value), "", &format!("the machine has {}", texts[0]), upper),
-            mark(x(limit), " limit", &format!("the limit is {}", texts[1]), lower),
-            scale(&axis),
-        ];
+        let marks =
+            [ranges, mark(x(value), "", "yours", upper), mark(x(limit), " limit", "limit", lower), scale(&axis)];
         picture(&label, &marks.into_iter().collect(), caption)
     }
 
@@ -312,10 +327,10 @@ fn scale(axis: &Axis) -> Html {
         axis.ticks(3).into_iter().filter(|tick| !tick.label.is_empty() && (0.04..=0.96).contains(&tick.position));
     let ticks = ticks.map(|tick| {
         let x = LEFT + (RIGHT - LEFT) * tick.position;
-        html!("<text x=\"{}\" y=\"186\" text-anchor=\"middle\">{}</text>\n", format!("{x:.1}"), tick.label)
+        html!("<text x=\"{}\" y=\"176\" text-anchor=\"middle\">{}</text>\n", format!("{x:.1}"), tick.label)
     });
     html!(
-        "<line class=\"axis\" x1=\"16\" x2=\"584\" y1=\"{0}\" y2=\"{0}\"/>\n{1}<text x=\"300\" y=\"210\" text-anchor=\"middle\">{2}</text>\n",
+        "<line class=\"axis\" x1=\"16\" x2=\"584\" y1=\"{0}\" y2=\"{0}\"/>\n{1}<text x=\"300\" y=\"200\" text-anchor=\"middle\">{2}</text>\n",
         format!("{BASE}"),
         ticks.collect::<Html>(),
         axis.label(),

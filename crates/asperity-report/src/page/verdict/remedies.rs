@@ -1,22 +1,20 @@
 //! The card of the changes that make vibration improbable.
 
-use asperity_results::keys::{DAMPING_RATIO, NORMAL_FORCE};
-use asperity_results::{MachineModel, Reach, Remedy, VerdictResult};
+use asperity_results::keys::{DAMPING_RATIO, USUAL_CHANGES};
+use asperity_results::{Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
 use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
-use crate::page::verdict::capitalised;
 use crate::page::verdict::drivers::turning_points;
-use crate::page::verdict::margin::Limits;
+use crate::page::verdict::{margin::Limits, risk};
 use crate::verdict::{is_exact, percent, vibration};
-use crate::words::{named, unbroken};
+use crate::words::{capitalised, named, unbroken};
 
-/// Probability that the damping ratio is given for if the study states no remedies.
-const TARGET: f64 = 0.05;
-/// Values whose changes are stated if no value is uncertain.
-const CHANGED: [&str; 2] = [DAMPING_RATIO, NORMAL_FORCE];
+/// Why a verdict may have no remedies.
+const UNSTATED: &str =
+    "The study states no remedies. Where friction fluctuates they take minutes and are computed only if stated.";
 /// Relative change of the friction coefficient from which it is stated.
 const VISIBLE: f64 = 0.005;
 
@@ -25,13 +23,14 @@ pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
     let Some(first) = verdict.remedies.first() else { return unstated(verdict, limits) };
     let headers = first.reach.iter().map(|reach| html!("<th scope=\"col\">for {}</th>", target(reach.probability)));
     html!(
-        "<p>{}</p>\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Remedies\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
+        "<p>{}</p>\n<div class=\"remedies\"><div>\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Remedies\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
          {}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n\
-         <p class=\"note\">Brackets are 95 % intervals of the computation.</p>\n",
+         <p class=\"note\">Brackets are 95 % intervals of the computation.</p>\n</div>\n{}</div>\n",
         sentence(verdict),
         headers.collect::<Html>(),
         if changes_friction(verdict) { html!("<th scope=\"col\">friction left</th>") } else { Html::default() },
-        verdict.remedies.iter().map(|remedy| row(remedy, changes_friction(verdict))).collect::<Html>()
+        verdict.remedies.iter().map(|remedy| row(remedy, changes_friction(verdict))).collect::<Html>(),
+        risk::picture(verdict),
     )
 }
 
@@ -164,7 +163,8 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
 pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
     let [low, high] = verdict.probability_interval;
     let quiet = if low < high { "At the printed friction coefficient nothing" } else { "Nothing" };
-    let changes = turning_points(verdict).into_iter().filter(|(point, _)| CHANGED.contains(&point.input.as_str()));
+    let changes =
+        turning_points(verdict).into_iter().filter(|(point, _)| USUAL_CHANGES.contains(&point.input.as_str()));
     let changes = changes.map(|(point, value)| {
         let dimension = Dimension::of_unit(&point.unit);
         let [now, then] = [point.now, value].map(|value| dimension.show_short(value));
@@ -179,12 +179,12 @@ pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
     match (changes.is_empty(), verdict.nominal.vibrates) {
         (true, true) => "No change of damping or load up to ten times ends the vibration.".into(),
         (true, false) => format!("{quiet} needs to change."),
-        (false, true) => unbroken(&format!("{}.", capitalised(&changes.join(", or ")))),
+        (false, true) => unbroken(&format!("{}.", capitalised(changes.join(", or ")))),
         (false, false) => unbroken(&format!("{quiet} needs to change: {}.", changes.join(", and "))),
     }
 }
 
-/// Returns the damping ratio that makes vibration improbable, for a study that states no remedies.
+/// Returns what to change of a machine without uncertain values, or how to ask for it.
 fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
     const STATE: &str = "State remedies in [verdict] to compute changes of any value, with their intervals.";
     if is_exact(verdict) && !(verdict.friction_fluctuates && verdict.turning_points.is_empty()) {
@@ -192,42 +192,10 @@ fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
         let how = if verdict.friction_fluctuates { fluctuates } else { "" };
         return html!("<p>{}</p>\n<p class=\"note\">{}{}</p>\n", of_one_machine(verdict), how, STATE);
     }
-    if verdict.model == MachineModel::ModeCoupling {
-        let limit = verdict.nominal.limit_damping_ratio.filter(|_| verdict.nominal.vibrates);
-        let sentence = limit.map_or_else(String::new, |limit| {
-            format!(
-                "With central values, a damping ratio above {} keeps steady sliding stable. ",
-                significant(limit, 3)
-            )
-        });
-        return html!("<p>{}{}</p>\n", sentence, STATE);
-    }
-    let needed = if limits.sign_decides() && !is_exact(verdict) {
-        let quantile = verdict.margin_quantiles.iter().find(|quantile| quantile.probability == TARGET);
-        quantile.map(|quantile| limits.damping_ratio() - quantile.damping_margin)
-    } else {
-        None
-    };
-    let Some(needed) = needed else {
-        return html!(
-            "<p>Friction fluctuates, so the margin alone does not tell how much damping is needed. {}</p>\n",
-            STATE
-        );
-    };
-    let [now, needed_text] = [limits.damping_ratio(), needed].map(|ratio| significant(ratio, 3));
-    let how = "Read from the margin’s 5 % quantile: the central damping ratio shifts and its uncertainty stays.";
-    if needed <= limits.damping_ratio() {
-        let found = percent(verdict.probability);
-        let sentence = format!("Nothing needs to change: {} is {found} probable.", vibration(verdict));
-        return html!("<p>{}</p>\n<p class=\"note\">{}</p>\n", unbroken(&sentence), STATE);
-    }
-    html!(
-        "<p>Raise the <strong>damping ratio</strong> from {} to <strong>{}</strong>: vibration is then {} probable.</p>\n\
-         <p class=\"note\">{} {}</p>\n",
-        now,
-        needed_text,
-        target(TARGET),
-        unbroken(how),
-        STATE,
-    )
+    let line = format!(
+        "remedies = [{{ input = \"{DAMPING_RATIO}\", range = [{}, {}] }}]",
+        significant(limits.damping_ratio(), 3),
+        significant(10.0 * limits.damping_ratio(), 3)
+    );
+    html!("<p>{} State for example, in [verdict]:</p>\n<pre>{}</pre>\n", UNSTATED, line)
 }

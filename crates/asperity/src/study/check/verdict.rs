@@ -1,5 +1,6 @@
 //! Checks of `[uncertainty]` and `[verdict]`.
 
+use asperity_results::keys::{DAMPING_RATIO, Link, STATIC_FRICTION, USUAL_CHANGES};
 use serde::Serialize;
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
@@ -12,6 +13,8 @@ use crate::study::uncertain::{Place, Point, UncertainValue, parse};
 const SECTION: &str = "verdict";
 /// Targets of remedies that the machines of their search resolve.
 const TARGETS: std::ops::RangeInclusive<f64> = 0.001..=0.999;
+/// Largest ratio of a changed value to the present one where no range is stated.
+pub(in crate::study) const LARGEST_CHANGE: f64 = 10.0;
 /// Largest number of machines of a study's verdict.
 const MOST_EVALUATIONS: f64 = 1e8;
 
@@ -35,6 +38,8 @@ pub(in crate::study) struct VerdictStudy {
     /// Fraction of the time above which a machine counts as vibrating.
     pub(in crate::study) threshold: f64,
     pub(in crate::study) remedies: Vec<RemedyStudy>,
+    /// Whether the study file states them.
+    pub(in crate::study) states_remedies: bool,
     /// Probabilities to reach.
     pub(in crate::study) targets: Vec<f64>,
     /// Half width of the interval at which sampling stops.
@@ -54,6 +59,14 @@ pub(in crate::study) struct RemedyStudy {
 }
 
 impl VerdictStudy {
+    /// Returns both remedies over which the probability is mapped: the first two of the study file.
+    pub(in crate::study) fn mapped(&self) -> Option<[&RemedyStudy; 2]> {
+        match &self.remedies[..] {
+            [x, y, ..] if self.states_remedies => Some([x, y]),
+            _ => None,
+        }
+    }
+
     /// Returns the study with more uncertain values, which no study file states and which are independent of all others.
     pub(in crate::study) fn with_latent(&self, latent: Vec<(Place, UncertainInput)>) -> Self {
         let (places, inputs): (Vec<Place>, Vec<UncertainInput>) = latent.into_iter().unzip();
@@ -95,10 +108,14 @@ impl StudyFile {
         within(SECTION, "half_width", half_width, |w| w > 0.0 && w < 0.5, "a value above 0, below 0.5")?;
         at_least(SECTION, "evaluations", evaluations, 1000)?;
         within(SECTION, "evaluations", evaluations as f64, |n| n <= MOST_EVALUATIONS, "at most 1e8")?;
-        let remedies = remedies
-            .iter()
-            .map(|remedy| check_remedy(remedy, &central, friction.is_some()))
-            .collect::<Result<_, _>>()?;
+        let states_remedies = remedies.is_some();
+        let remedies = match remedies {
+            Some(stated) => stated
+                .iter()
+                .map(|remedy| check_remedy(remedy, &central, friction.is_some()))
+                .collect::<Result<_, _>>()?,
+            None => usual_remedies(&central, friction.is_some(), vibration.machine.coupled.is_some()),
+        };
         Ok(Some(VerdictStudy {
             valid_fraction: self.valid_share,
             proportional: friction
@@ -111,6 +128,7 @@ impl StudyFile {
             duration_s: duration.map_or_else(|| vibration.duration_s(), |duration| duration.0),
             threshold,
             remedies,
+            states_remedies,
             targets,
             half_width,
             evaluations,
@@ -134,6 +152,19 @@ impl StudyFile {
             .collect::<Result<Vec<_>, InvalidValue>>()?;
         UncertainInputs::new(inputs, &pairs).map_err(|error| wrong(error.to_string()))
     }
+}
+
+/// Returns the changes of a study that states none: those that need no further solution of the contact.
+fn usual_remedies(central: &Point, is_computed: bool, is_coupled: bool) -> Vec<RemedyStudy> {
+    let inputs = if is_coupled { [DAMPING_RATIO, STATIC_FRICTION] } else { USUAL_CHANGES };
+    let places = inputs.into_iter().filter_map(|input| Place::named(input, central));
+    let places = places.filter(|place| !(is_computed && place.key().link == Link::Contact));
+    let remedy = |place: Place| {
+        let now = place.value_in(central)?;
+        let (low, high) = if now > 0.0 { (now / LARGEST_CHANGE, now * LARGEST_CHANGE) } else { (0.0, 1.0) };
+        Some(RemedyStudy { place, low, high, hold: Hold::default() })
+    };
+    places.filter_map(remedy).collect()
 }
 
 /// Checks a remedy of a study, of which the friction stage computes the friction or not.

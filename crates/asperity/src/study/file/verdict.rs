@@ -29,9 +29,10 @@ pub struct VerdictSection {
     /// Fraction of the time: a machine counts as vibrating if it vibrates longer than this fraction of the second half of the duration.
     #[serde(default = "threshold")]
     pub threshold: f64,
-    /// Values to change until the probability reaches the targets.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub remedies: Vec<RemedySection>,
+    /// Values to change until the probability reaches the targets; when left out and friction does not fluctuate, the damping ratio, and the
+    /// load, or for coupled modes a stated friction coefficient, if no contact needs to be solved for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remedies: Option<Vec<RemedySection>>,
     /// Probabilities to reach.
     #[serde(default = "targets")]
     pub targets: Vec<f64>,
@@ -83,7 +84,7 @@ impl Default for VerdictSection {
         Self {
             duration: None,
             threshold: threshold(),
-            remedies: Vec::new(),
+            remedies: None,
             targets: targets(),
             half_width: half_width(),
             evaluations: evaluations(),

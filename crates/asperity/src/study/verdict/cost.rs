@@ -57,7 +57,8 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
         0 => 1,
         _ => sampled::largest_number(study.half_width, study.evaluations),
     };
-    let of_remedies = study.remedies.iter().map(|remedy| remedy_cost(remedy, study, model, fluctuates));
+    let remedies = if fluctuates && !study.states_remedies { &[][..] } else { &study.remedies };
+    let of_remedies = remedies.iter().map(|remedy| remedy_cost(remedy, study, model, fluctuates));
     let [of_remedies, decided] = of_remedies.fold([0, 0], |[a, b], [machines, decided]| [a + machines, b + decided]);
     let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
     // Coupled modes do not depend on these values.
@@ -111,14 +112,15 @@ fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: MachineModel, 
         (_, false) => (remedies::POINTS, EVALUATIONS_PER_TARGET),
     };
     let all = REPLICATES * points;
-    let cost = |one: usize, all: usize| (remedies::STEPS + 1) * one + per_target * study.targets.len() * all;
+    let cost =
+        |one: usize, all: usize| (remedies::STEPS + 1 + remedies::RISKS) * one + per_target * study.targets.len() * all;
     let machines = if margins::is_damping(remedy.place, model) { all } else { cost(points, all) };
     [machines, if fluctuates { cost(decided::decisions(points), decided::decisions(all)) } else { 0 }]
 }
 
 /// Returns the number of machines of the map.
 fn map_machines(study: &VerdictStudy, model: MachineModel) -> usize {
-    let [x, y, ..] = &study.remedies[..] else { return 0 };
+    let Some([x, y]) = study.mapped() else { return 0 };
     let points = if study.places.is_empty() { 1 } else { REPLICATES * map::POINTS };
     let is_damping = [x, y].iter().any(|remedy| margins::is_damping(remedy.place, model));
     map::VALUES * points * if is_damping { 1 } else { map::VALUES }

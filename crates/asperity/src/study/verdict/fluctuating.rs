@@ -1,7 +1,7 @@
 //! Machines whose friction fluctuates.
 
 use crate::friction::process::FrictionProcess;
-use crate::monitor::{Monitor, Quiet};
+use crate::monitor::{Inner, Monitor};
 use crate::vibration::{Count, Ensemble, EnsembleSettings, Passages, VibrationError, clipped_to_positive};
 
 use super::dynamics::Dynamics;
@@ -32,6 +32,8 @@ pub(super) struct Wanted<'a> {
 ///
 /// The standard error of few trajectories understates the error of φ if most of them never vibrate, or always. The side of φ therefore also
 /// has to follow from the intervals of the rates of exit and entry.
+///
+/// The trajectories are part of the block of their machine: no part of a computation waits for those of another.
 pub(super) fn fraction(
     machine: &Machine,
     wanted: Wanted<'_>,
@@ -54,7 +56,7 @@ pub(super) fn fraction(
             sample_capacity: 0,
             ..EnsembleSettings::new(trajectories, duration, seed)
         };
-        let ensemble = Ensemble::simulate(oscillator, &process, &settings, &Quiet(monitor));
+        let ensemble = Ensemble::simulate(oscillator, &process, &settings, &Inner(monitor));
         let passages = ensemble.map_err(|error: VibrationError| error.to_string())?.passages;
         let [low, high] = bounds(&passages, duration);
         if round == last || wanted.levels.iter().all(|level| *level < low || *level > high) {

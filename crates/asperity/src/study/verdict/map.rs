@@ -45,7 +45,7 @@ pub(super) fn map(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<Map>, StudyError> {
-    let [x, y, ..] = &study.remedies[..] else { return Ok(None) };
+    let Some([x, y]) = study.mapped() else { return Ok(None) };
     if x.place == y.place {
         return Ok(None);
     }

@@ -17,13 +17,16 @@ use crate::random;
 use crate::stats::{Interval, NORMAL_95};
 use crate::study::StudyError;
 use crate::study::check::{RemedyStudy, VerdictStudy};
-use crate::study::result::{Reach, Remedy};
+use crate::study::result::{Reach, Remedy, Risk};
 
 /// Points of each randomisation; more where friction fluctuates, because few machines are decided by ensembles.
 pub(super) const POINTS: usize = 512;
 pub(super) const FLUCTUATING_POINTS: usize = 1024;
 /// Steps from the present value to each end of the range in the search for the nearest value.
 pub(super) const STEPS: usize = 8;
+/// Values at which the probability is drawn, and how far they reach beyond the farthest target, relative to its distance.
+pub(super) const RISKS: usize = 13;
+const BEYOND: f64 = 0.2;
 /// Tolerance of a value, and the distance within which the values of one replicate and of all differ, relative to the range or, if it is
 /// wider, to the value.
 const TOLERANCE: f64 = 1e-5;
@@ -46,7 +49,9 @@ pub(super) fn remedies(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Remedy>, Vec<String>), StudyError> {
-    if study.remedies.is_empty() {
+    // A single machine has turning points instead, and ensembles take minutes.
+    let is_asked = study.states_remedies || !(machines.variables() == 0 || fluctuates);
+    if study.remedies.is_empty() || !is_asked {
         return Ok(Default::default());
     }
     let points = points(machines.variables(), if fluctuates { FLUCTUATING_POINTS } else { POINTS }, seed)?;
@@ -56,16 +61,15 @@ pub(super) fn remedies(
     let limits = damping.then(|| Limits::new(&Ok(machines.clone()), &points, monitor)).transpose()?;
     let mut warnings = Vec::new();
     // Both sides of the present value, and the search for each target.
-    let task = Task::new(monitor, "verdict: remedies", study.remedies.len() * (2 + study.targets.len()));
-    let remedies = study.remedies.iter().map(|remedy| {
+    let task = Task::new(monitor, "verdict: remedies", study.remedies.len() * (2 + study.targets.len()) + RISKS);
+    let remedies = study.remedies.iter().enumerate().map(|(place, remedy)| {
         let limits = limits.as_ref().filter(|_| is_damping(remedy.place, machines.model()));
         let evaluate = fluctuates.then_some(evaluate);
         let draws = &draws;
-        Changed { machines, remedy, points: &points, limits, evaluate, draws, friction_error, monitor }.remedy(
-            study,
-            &task,
-            &mut warnings,
-        )
+        let changed = Changed { machines, remedy, points: &points, limits, evaluate, draws, friction_error, monitor };
+        let found = changed.remedy(study, &task, &mut warnings)?;
+        let risk = if place == 0 { changed.risk(&found, &task)? } else { Vec::new() };
+        Ok::<_, StudyError>(Remedy { risk, ..found })
     });
     Ok((remedies.collect::<Result<_, _>>()?, warnings))
 }
@@ -122,7 +126,29 @@ impl Changed<'_> {
             range: [low, high],
             friction_coefficient_now,
             reach,
+            risk: Vec::new(),
         })
+    }
+
+    /// Returns the probability from the present value to beyond the farthest one that reaches a target, or without one to the end of the
+    /// range; nothing if the present value reaches all of them.
+    fn risk(&self, found: &Remedy, task: &Task<'_>) -> Result<Vec<Risk>, Cancelled> {
+        let (now, [low, high]) = (found.now, found.range);
+        let reached = found.reach.iter().filter_map(|reach| reach.value);
+        let farthest = reached.max_by(|a, b| (a - now).abs().total_cmp(&(b - now).abs()));
+        // Further machines of a known limit cost nothing.
+        let count = self.points.len().div_ceil(if self.limits.is_some() { 1 } else { REPLICATES });
+        let to = match farthest {
+            Some(farthest) => (now + (1.0 + BEYOND) * (farthest - now)).clamp(low, high),
+            None if self.answers(low, count)?.probability() < self.answers(high, count)?.probability() => low,
+            None => high,
+        };
+        let values = (0..RISKS).map(|step| now + (to - now) * step as f64 / (RISKS - 1) as f64);
+        let risk = |value| {
+            let answers = task.step(|| self.answers(value, count))??;
+            Ok(Risk { value, probability: answers.probability() })
+        };
+        if to == now { Ok(Vec::new()) } else { values.map(risk).collect() }
     }
 
     /// Returns the machines with another central value.
@@ -496,6 +522,33 @@ mod tests {
             found[2].reach.iter().all(|reach| reach.value.is_none() && reach.value_interval.is_none()),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn damping_and_load_are_changed_if_no_remedy_is_stated() {
+        // Under the ratio r of the load M = ζ − r b/2 has the mean .055 − .05 r and the standard deviation √(.005² + (.01 r)²).
+        let probability = |damping: f64, r: f64| standard_normal_cdf((0.05 * r - damping) / 0.005_f64.hypot(0.01 * r));
+        let (study, window) = stated(LINEAR);
+        let (found, warnings) = of_constant_friction(&study, &window, 1);
+        let [damping, load] = &found[..] else { panic!("{found:?}") };
+        assert!(warnings.is_empty(), "{warnings:?}");
+        for reach in &damping.reach {
+            assert!((probability(reach.value.unwrap(), 1.0) / reach.probability - 1.0).abs() < 0.1, "{reach:?}");
+        }
+        for reach in &load.reach {
+            assert!(
+                (probability(0.055, reach.value.unwrap() / load.now) / reach.probability - 1.0).abs() < 0.1,
+                "{reach:?}"
+            );
+        }
+        // The curve begins at the present value and ends beyond the last target.
+        assert_eq!((damping.risk.len(), damping.risk[0].value, load.risk.len()), (RISKS, damping.now, 0));
+        assert!(damping.risk[RISKS - 1].value > damping.reach[1].value.unwrap());
+        for Risk { value, probability: found } in &damping.risk {
+            assert!((found - probability(*value, 1.0)).abs() < 4e-3, "{found} at {value}");
+        }
+        let none = stated(&format!("{LINEAR}[verdict]\nremedies = []\n"));
+        assert!(of_constant_friction(&none.0, &none.1, 1).0.is_empty());
     }
 
     /// Returns a study of a machine with M = ζ − b/2, b of 0.2 ± 0.02 and ζ of 0.1 ± 0.01, which vibrates with P = ½.

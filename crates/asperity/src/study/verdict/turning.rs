@@ -5,13 +5,13 @@ use asperity_results::keys::{Bounds, DAMPING_RATIO, STATIC_FRICTION};
 
 use super::dynamics::Dynamics;
 use super::machines::{Change, Machine, Machines};
+use crate::study::check::LARGEST_CHANGE;
 use crate::study::file::Hold;
 use crate::study::result::{InputValue, RestsOn, TurningPoint};
 use crate::study::uncertain::Place;
 use crate::vibration::{VibrationError, limit_damping};
 
-/// Largest ratio of the values that are tried to the present one, and steps to it.
-const LARGEST_RATIO: f64 = 10.0;
+/// Steps to the farthest values that are tried.
 const STEPS: u32 = 16;
 /// Relative tolerance of a value.
 const TOLERANCE: f64 = 1e-8;
@@ -70,7 +70,7 @@ fn nearest(now: f64, bounds: Option<Bounds>, margin: &dyn Fn(f64) -> Option<f64>
         None
     };
     let distance = |value: &f64| (value / now).ln().abs();
-    [LARGEST_RATIO.recip(), LARGEST_RATIO]
+    [LARGEST_CHANGE.recip(), LARGEST_CHANGE]
         .into_iter()
         .filter_map(side)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
