@@ -1872,6 +1872,16 @@ class Reach(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Risk(Record):
+    """Probability at one central value."""
+
+    value: float
+    """The central value."""
+    probability: float
+    """Probability of vibration."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Remedy(Record):
     """Change of the central value of one input."""
 
@@ -1891,8 +1901,12 @@ class Remedy(Record):
     """Friction coefficient at the present value."""
     reach: list[Reach]
     """Values that reach the target probabilities."""
+    risk: list[Risk]
+    """Probability from the present value to beyond the farthest of these; of the first remedy that has one, empty
+    for the others.
+    """
 
-    _nested: ClassVar[Mapping[str, type[Record]]] = {"reach": Reach}
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"reach": Reach, "risk": Risk}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -259,9 +259,10 @@ pub fn verdict_sentence(verdict: &VerdictResult) -> String {
 
 /// Writes the interval of a number behind it; nothing for one that is certain or exact.
 fn interval_in_words([low, high]: [f64; 2]) -> String {
-    match low > 1.0 - RARE || low == high {
+    let [low_text, high_text] = [low, high].map(percent);
+    match low > 1.0 - RARE || low_text == high_text {
         true => String::new(),
-        false => format!(" ({} to {})", percent(low), percent(high)),
+        false => format!(" ({low_text} to {high_text})"),
     }
 }
 

@@ -340,7 +340,7 @@ pub struct Remedy {
     pub friction_coefficient_now: Option<f64>,
     /// Values that reach the target probabilities.
     pub reach: Vec<Reach>,
-    /// Probability from the present value to beyond the farthest of these; of the first remedy only, empty for the others.
+    /// Probability from the present value to beyond the farthest of these; of the first remedy that has one, empty for the others.
     #[serde(default)]
     pub risk: Vec<Risk>,
 }

@@ -385,6 +385,39 @@ fn the_areas_of_the_margin_are_the_probabilities() {
 }
 
 #[test]
+fn the_risk_falls_from_now_to_beyond_the_targets() {
+    let html = page(example::verdict::verdict());
+    let curve = html.split("<svg class=\"risk\"").nth(1).unwrap().split("</svg>").next().unwrap();
+    assert!(curve.contains("aria-label=\"Probability of vibration against the damping ratio\""), "{curve}");
+    let path = curve.split(" d=\"M").nth(1).unwrap().split('Z').next().unwrap();
+    let points: Vec<[f64; 2]> = path
+        .split('L')
+        .map(|point| point.split(' ').map(|number| number.parse().unwrap()).collect::<Vec<f64>>().try_into().unwrap())
+        .collect();
+    // Between both feet the four values of the example: .64 at .0155 is highest, and the last one, .02 at .03, is 1/32 as high.
+    let (foot, heights) = (points[0][1], points[1..5].iter().map(|[_, y]| points[0][1] - y).collect::<Vec<f64>>());
+    assert!(points.len() == 6 && points[5][1] == foot && points.is_sorted_by(|a, b| a[0] <= b[0]), "{points:?}");
+    for (height, probability) in heights.iter().zip([0.64, 0.3, 0.05, 0.02]) {
+        assert!((height / heights[0] - probability / 0.64).abs() < 2e-3, "{heights:?}");
+    }
+    assert_eq!(curve.matches("<circle").count(), 1);
+    let mut verdict = example::verdict::verdict();
+    verdict.remedies[0].risk.clear();
+    assert!(!page(verdict).contains("class=\"risk\""));
+}
+
+#[test]
+fn unknown_values_that_decide_everything_leave_a_degree_of_belief() {
+    let verdict = VerdictResult { probability_range: Some([0.0, 1.0]), ..example::verdict::verdict() };
+    assert_eq!(
+        verdict_sentence(&verdict).split(" on average").next().unwrap().split(';').next().unwrap(),
+        "Stick-slip at 312 Hz is not known: 0 % to 100 % of machines like this one vibrate, once started from standstill, depending on the \
+         unknown Stribeck coefficient"
+    );
+    assert!(verdict_sentence(&verdict).contains("; 64 % (61 % to 67 %) is your degree of belief; 12 %"));
+}
+
+#[test]
 fn with_fluctuating_friction_the_sign_of_the_margin_does_not_decide() {
     // A third of the margins is negative, but half of the machines vibrate.
     let html = sampled(0.5, -0.01, 0.02);

@@ -96,20 +96,19 @@ impl Limits {
     /// Returns the title of the picture: the value of the machine and its limit, the uncertain one with the range that holds 90 %.
     pub(super) fn title(&self, verdict: &VerdictResult) -> String {
         let central = significant(self.central, 3);
-        let of_machines = match self.sorted.len() {
-            0 | 1 => None,
-            _ => {
-                let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|at| self.quantile(at));
-                let (middle, range) = between(Dimension::None, Quantiles { q05, q50, q95 });
-                Some(middle.trim_end().to_owned() + &range)
-            }
-        };
+        let is_sampled = !is_exact(verdict) && !self.sorted.is_empty();
+        let of_machines = is_sampled.then(|| {
+            let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|at| self.quantile(at));
+            let (middle, range) = between(Dimension::None, Quantiles { q05, q50, q95 });
+            middle.trim_end().to_owned() + &range
+        });
         if self.coupled {
             let friction = || significant(self.central - verdict.nominal.damping_margin, 3);
             return format!("Friction coefficient: yours {}, limit {central}", of_machines.unwrap_or_else(friction));
         }
         let limit = || significant(verdict.nominal.limit_damping_ratio.unwrap_or(0.0), 3);
-        format!("Damping ratio: yours {central}, limit {}", of_machines.unwrap_or_else(limit))
+        let constant = if verdict.friction_fluctuates { " without fluctuation" } else { "" };
+        format!("Damping ratio: yours {central}, limit{constant} {}", of_machines.unwrap_or_else(limit))
     }
 
     /// Returns a quantile of the limits.

@@ -1,6 +1,6 @@
 //! The card of the changes that make vibration improbable.
 
-use asperity_results::keys::{DAMPING_RATIO, USUAL_CHANGES};
+use asperity_results::keys::{DAMPING_RATIO, STATIC_FRICTION, USUAL_CHANGES};
 use asperity_results::{Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
@@ -79,7 +79,7 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     }
     let verb = if reach.value.is_some_and(|value| value > remedy.now) { "Raise" } else { "Lower" };
     let friction = match (remedy.friction_coefficient_now, reach.friction_coefficient) {
-        (Some(now), Some(left)) if (left / now - 1.0).abs() > VISIBLE => {
+        (Some(now), Some(left)) if remedy.input != STATIC_FRICTION && (left / now - 1.0).abs() > VISIBLE => {
             format!(" The friction coefficient goes from {} to {}.", significant(now, 3), significant(left, 3))
         }
         _ => String::new(),
@@ -120,7 +120,7 @@ fn not_reached(remedies: &[Remedy], wanted: f64) -> String {
 /// Returns whether a change leaves another friction coefficient than the present one.
 fn changes_friction(verdict: &VerdictResult) -> bool {
     let differs = |now: f64, left: f64| (left / now - 1.0).abs() > VISIBLE;
-    verdict.remedies.iter().any(|remedy| {
+    verdict.remedies.iter().filter(|remedy| remedy.input != STATIC_FRICTION).any(|remedy| {
         let left = remedy.reach.iter().filter_map(|reach| reach.friction_coefficient);
         remedy.friction_coefficient_now.is_some_and(|now| left.into_iter().any(|left| differs(now, left)))
     })

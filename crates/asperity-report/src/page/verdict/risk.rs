@@ -1,4 +1,4 @@
-//! The probability against the value that the first remedy changes.
+//! The probability against the value that a remedy changes.
 
 use asperity_results::{Remedy, Risk, VerdictResult};
 
@@ -16,9 +16,10 @@ const RIGHT: f64 = 232.0;
 const TOP: f64 = 8.0;
 const BASE: f64 = 66.0;
 
-/// Draws the curve of the first remedy; nothing without one.
+/// Draws the curve of the remedy that has one.
 pub(super) fn picture(verdict: &VerdictResult) -> Html {
-    let Some((remedy, [first, .., last])) = verdict.remedies.first().map(|remedy| (remedy, &remedy.risk[..])) else {
+    let drawn = verdict.remedies.iter().find(|remedy| !remedy.risk.is_empty());
+    let Some((remedy, [first, .., last])) = drawn.map(|remedy| (remedy, &remedy.risk[..])) else {
         return Html::default();
     };
     let largest = remedy.risk.iter().map(|risk| risk.probability).fold(0.0, f64::max);
@@ -32,12 +33,12 @@ pub(super) fn picture(verdict: &VerdictResult) -> Html {
     };
     let line: Vec<String> = remedy.risk.iter().map(place).collect();
     let of = |value: f64| format!("{:.1}", LEFT + (RIGHT - LEFT) * x.position(value).unwrap_or(0.0));
-    let what = vibration(verdict);
+    let (what, falls) = (vibration(verdict), last.value > first.value);
     html!(
         "<svg class=\"risk\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"Probability of {} against the {}\">\n\
          <path class=\"area vibrates\" d=\"M{4} {5}L{6}L{7} {5}Z\"/>\n{8}{9}{10}\
          <text x=\"136\" y=\"98\" text-anchor=\"middle\">{11}</text>\n\
-         <text x=\"232\" y=\"18\" text-anchor=\"end\">probability</text>\n</svg>\n",
+         <text x=\"{12}\" y=\"18\" text-anchor=\"{13}\">probability</text>\n</svg>\n",
         format!("{WIDTH}"),
         format!("{HEIGHT}"),
         &what,
@@ -57,6 +58,9 @@ pub(super) fn picture(verdict: &VerdictResult) -> Html {
             html!("<text x=\"36\" y=\"{}\" text-anchor=\"end\">{}</text>\n", format!("{:.1}", at + 4.0), label)
         }),
         x.label(),
+        // Where the curve is low.
+        if falls { "232" } else { "44" },
+        if falls { "end" } else { "start" },
     )
 }
 
@@ -71,6 +75,6 @@ fn reached(remedy: &Remedy, place: &dyn Fn(&Risk) -> String) -> Html {
 }
 
 fn scale(axis: &Axis, wanted: usize, text: &dyn Fn(&Tick) -> Html) -> Html {
-    let labelled = |tick: &Tick| !tick.label.is_empty() && (-1e-9..=0.97).contains(&tick.position);
+    let labelled = |tick: &Tick| !tick.label.is_empty() && (-1e-9..=1.0 + 1e-9).contains(&tick.position);
     axis.ticks(wanted).iter().filter(|tick| labelled(tick)).map(text).collect()
 }

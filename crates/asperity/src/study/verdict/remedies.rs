@@ -62,13 +62,15 @@ pub(super) fn remedies(
     let mut warnings = Vec::new();
     // Both sides of the present value, and the search for each target.
     let task = Task::new(monitor, "verdict: remedies", study.remedies.len() * (2 + study.targets.len()) + RISKS);
-    let remedies = study.remedies.iter().enumerate().map(|(place, remedy)| {
+    let mut drawn = false;
+    let remedies = study.remedies.iter().map(|remedy| {
         let limits = limits.as_ref().filter(|_| is_damping(remedy.place, machines.model()));
         let evaluate = fluctuates.then_some(evaluate);
         let draws = &draws;
         let changed = Changed { machines, remedy, points: &points, limits, evaluate, draws, friction_error, monitor };
         let found = changed.remedy(study, &task, &mut warnings)?;
-        let risk = if place == 0 { changed.risk(&found, &task)? } else { Vec::new() };
+        let risk = if drawn { Vec::new() } else { changed.risk(&found, &task)? };
+        drawn |= !risk.is_empty();
         Ok::<_, StudyError>(Remedy { risk, ..found })
     });
     Ok((remedies.collect::<Result<_, _>>()?, warnings))
@@ -130,25 +132,23 @@ impl Changed<'_> {
         })
     }
 
-    /// Returns the probability from the present value to beyond the farthest one that reaches a target, or without one to the end of the
-    /// range; nothing if the present value reaches all of them.
+    /// Returns the probability from the present value to beyond the farthest one that reaches a target; nothing without one, and if the
+    /// present value reaches all of them.
     fn risk(&self, found: &Remedy, task: &Task<'_>) -> Result<Vec<Risk>, Cancelled> {
         let (now, [low, high]) = (found.now, found.range);
-        let reached = found.reach.iter().filter_map(|reach| reach.value);
-        let farthest = reached.max_by(|a, b| (a - now).abs().total_cmp(&(b - now).abs()));
+        let reached = found.reach.iter().filter_map(|reach| reach.value).filter(|value| *value != now);
+        let Some(farthest) = reached.max_by(|a, b| (a - now).abs().total_cmp(&(b - now).abs())) else {
+            return Ok(Vec::new());
+        };
+        let to = (now + (1.0 + BEYOND) * (farthest - now)).clamp(low, high);
         // Further machines of a known limit cost nothing.
         let count = self.points.len().div_ceil(if self.limits.is_some() { 1 } else { REPLICATES });
-        let to = match farthest {
-            Some(farthest) => (now + (1.0 + BEYOND) * (farthest - now)).clamp(low, high),
-            None if self.answers(low, count)?.probability() < self.answers(high, count)?.probability() => low,
-            None => high,
-        };
         let values = (0..RISKS).map(|step| now + (to - now) * step as f64 / (RISKS - 1) as f64);
         let risk = |value| {
             let answers = task.step(|| self.answers(value, count))??;
             Ok(Risk { value, probability: answers.probability() })
         };
-        if to == now { Ok(Vec::new()) } else { values.map(risk).collect() }
+        values.map(risk).collect()
     }
 
     /// Returns the machines with another central value.
