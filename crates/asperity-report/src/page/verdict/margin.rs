@@ -208,8 +208,9 @@ impl Limits {
         let remedied = self.remedied(verdict).filter(|(value, _)| (range.0..=range.1).contains(value));
         let line = remedied.map(|(value, _)| mark(x(value), " limit", &significant(value, 3), INSIDE));
         let caption = self.caption(verdict)
-            + &remedied
-                .map_or_else(String::new, |(_, probability)| format!(" Dashed: {} vibrate.", percent(probability)));
+            + &remedied.map_or_else(String::new, |(_, probability)| {
+                unbroken(&format!(" Dashed: {} vibrate.", percent(probability)))
+            });
         picture(&label, &[areas, damping].into_iter().chain(line).chain([scale(&axis)]).collect(), &caption)
     }
 
