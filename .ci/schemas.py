@@ -55,7 +55,7 @@ rms_height = "0.5 um"
 correlation_length = "20 um"
 """,
 }
-# Members of a campaign over the study "verdict" without remedies, with a warning of few evaluations.
+# Members of a campaign over the study "verdict" with the remedies of a study that states none, and a warning of few evaluations.
 CAMPAIGN = """study = "study.toml"
 [values]
 seed = [1, 9007199254740993]

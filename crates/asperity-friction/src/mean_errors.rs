@@ -32,8 +32,8 @@ pub struct MeanErrors {
     /// Factors of friction for surfaces with shorter waves, from the shortest wave of the strips to the pixel of the scan. Empty if the
     /// scan resolves all waves, and without a scan.
     pub cut_off: Vec<CutOff>,
-    /// Whether the strips resolve the surface and resemble the scan.
-    pub resolved: bool,
+    /// Why the mean is no answer: the pitch of the strips, or their difference from the scan. Empty where it is one.
+    pub unresolved: Vec<ErrorCause>,
 }
 
 impl Default for MeanErrors {
@@ -47,7 +47,7 @@ impl Default for MeanErrors {
             grid: [1.0; 2],
             model: [1.0; 2],
             cut_off: Vec::new(),
-            resolved: true,
+            unresolved: Vec::new(),
         }
     }
 }

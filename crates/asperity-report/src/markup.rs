@@ -77,6 +77,15 @@ macro_rules! html {
 }
 pub(crate) use html;
 
+/// Returns a text with the names between backticks as code.
+pub(crate) fn with_code(text: &str) -> Html {
+    let part = |(place, part): (usize, &str)| match place % 2 {
+        0 => Html::from(part.to_owned()),
+        _ => html!("<code>{}</code>", part),
+    };
+    text.split('`').enumerate().map(part).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 
 use asperity_results::choice::Choice;
 use asperity_results::keys::STATIC_FRICTION;
-use asperity_results::{Assumed, ErrorSource, Guess, InputValue, MachineModel, MotionKind, VerdictResult};
+use asperity_results::{Assumed, ErrorCause, ErrorSource, Guess, InputValue, MachineModel, MotionKind, VerdictResult};
 
 use crate::format::{Dimension, significant};
 use crate::words::{between, named};
@@ -39,10 +39,14 @@ impl Headline {
     /// Returns the verdict. `interval` writes the interval of a number behind it.
     fn with_intervals(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let noun = noun(verdict);
-        if verdict.friction_unresolved {
-            let after = ": the friction coefficient is not resolved, or the random strips do not stand for the scan; the warnings say what \
-                         would help.";
-            return Self { before: String::new(), answer: "No verdict yet".into(), after: after.into() };
+        if !verdict.friction_unresolved.is_empty() {
+            let causes = verdict.friction_unresolved.iter().map(|cause| match cause {
+                ErrorCause::Model => "the random strips do not stand for the scan",
+                _ => "the pitch of the strips does not resolve the friction coefficient",
+            });
+            let causes = causes.collect::<Vec<_>>().join(", and ");
+            let after = format!(": {causes}; the warnings say what would help.");
+            return Self { before: String::new(), answer: "No verdict yet".into(), after };
         }
         if is_exact(verdict) {
             return Self::of_one_machine(verdict, noun, interval);
@@ -142,7 +146,7 @@ fn condition(verdict: &VerdictResult) -> String {
     let [low, high] = verdict.probability_interval;
     let reverses = |other: &f64| (other - verdict.probability).abs() > REVERSAL;
     let mut reversing = verdict.assumed.iter().filter(|assumed| assumed.probability_at.iter().any(reverses));
-    match reversing.next().filter(|_| !verdict.friction_unresolved && high - low <= REVERSAL) {
+    match reversing.next().filter(|_| verdict.friction_unresolved.is_empty() && high - low <= REVERSAL) {
         Some(assumed) => format!(
             " This holds if the {} is {}, which the study does not state.",
             named(&assumed.input),
@@ -269,7 +273,7 @@ fn interval_in_words([low, high]: [f64; 2]) -> String {
 fn probability_sentence(verdict: &VerdictResult) -> String {
     let Headline { before, answer, after } = Headline::with_intervals(verdict, &interval_in_words);
     let sentence = format!("{before}{answer}{after}");
-    if verdict.friction_unresolved {
+    if !verdict.friction_unresolved.is_empty() {
         return sentence;
     }
     if is_exact(verdict) {
@@ -319,7 +323,7 @@ pub fn not_stated(verdict: &VerdictResult) -> Vec<String> {
         let unit = if verdict.friction_fluctuates { " of the time" } else { "" };
         format!("{key} {} ({low}, {high}{unit})", number(assumed.value))
     };
-    verdict.assumed.iter().filter(|_| !verdict.friction_unresolved).map(of_one).collect()
+    verdict.assumed.iter().filter(|_| verdict.friction_unresolved.is_empty()).map(of_one).collect()
 }
 
 /// Returns the answer of the headline at one end of the range of a number that the study does not state.

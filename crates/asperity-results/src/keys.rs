@@ -315,9 +315,6 @@ pub const STATIC_FRICTION: &str = "vibration.static_friction";
 /// Path of the load.
 pub const NORMAL_FORCE: &str = "vibration.normal_force";
 
-/// Values of a machine whose changes the verdict states where a study states none.
-pub const USUAL_CHANGES: [&str; 2] = [DAMPING_RATIO, NORMAL_FORCE];
-
 /// Separators of mean and standard deviation in an uncertain value.
 pub const SPREADS: [&str; 3] = ["±", "+/-", "+-"];
 

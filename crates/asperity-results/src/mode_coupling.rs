@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::keys::{DAMPING_RATIO, NORMAL_FORCE, STATIC_FRICTION};
 use crate::{MotionKind, Pair};
 
 crate::choice! {
@@ -14,6 +15,16 @@ crate::choice! {
         StickSlip = "stick_slip": "stick-slip",
         /// Two degrees of freedom that friction couples. Its margin is one of the friction coefficient, μ_c − μ.
         ModeCoupling = "mode_coupling",
+    }
+}
+
+impl MachineModel {
+    /// Returns the values of a machine whose changes the verdict states where a study states none.
+    pub fn usual_changes(self) -> [&'static str; 2] {
+        match self {
+            Self::StickSlip => [DAMPING_RATIO, NORMAL_FORCE],
+            Self::ModeCoupling => [DAMPING_RATIO, STATIC_FRICTION],
+        }
     }
 }
 

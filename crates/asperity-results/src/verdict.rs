@@ -18,9 +18,10 @@ pub struct VerdictResult {
     pub expected_vibration_share: f64,
     /// Its 95 % interval: the error of the computation.
     pub expected_vibration_share_interval: Pair,
-    /// Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability is then no answer.
+    /// Why the friction coefficient is not resolved, so that the probability is no answer: the pitch of the strips, or their difference from the
+    /// scan. Empty if it is (`resolved` of the operating point).
     #[serde(default)]
-    pub friction_unresolved: bool,
+    pub friction_unresolved: Vec<ErrorCause>,
     /// Probability that a machine whose motion begins in stick vibrates longer than the fraction `vibration_threshold` of the second half of
     /// the duration, in the mean over realisations of friction. With mode coupling, the probability that steady sliding is unstable.
     pub probability: f64,
@@ -79,7 +80,7 @@ pub struct VerdictResult {
     /// If no value is uncertain and the mean friction decides, what each number of the machine would have to be; otherwise empty.
     #[serde(default)]
     pub turning_points: Vec<TurningPoint>,
-    /// Probability over the central values of the first two remedies; `null` with fewer remedies.
+    /// Probability over the central values of the first two remedies of the study file; `null` if it states fewer.
     pub map: Option<ProbabilityMap>,
     /// Probability against the number of windows that share the load; `null` if friction neither fluctuates nor differs between
     /// parts, or is averaged over an unknown area.

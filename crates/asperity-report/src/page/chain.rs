@@ -116,6 +116,7 @@ fn friction(run: &Run) -> Option<Link> {
         section: "friction",
         number: number(point.mean),
         words: match point.saturation {
+            _ if !point.resolved => "not resolved".into(),
             Some(excess) if excess <= SATURATED => "close to τ/H: roughness hardly matters".into(),
             _ => format!("± {} from window to window", significant(point.std, 2)),
         },
@@ -124,7 +125,7 @@ fn friction(run: &Run) -> Option<Link> {
 }
 
 fn vibration(run: &Run) -> Option<Link> {
-    let verdict = run.results.verdict.as_ref()?;
+    let verdict = run.results.verdict.as_ref().filter(|verdict| verdict.friction_unresolved.is_empty())?;
     let cycle = run.tables.get("limit_cycle").map(Portrait::of);
     let picture = cycle.and_then(|cycle| curve(&cycle.displacement, &cycle.velocity));
     let (number, words) = match &verdict.if_vibrating {

@@ -5,7 +5,7 @@ use asperity_results::Provenance;
 use super::data_table::DataTable;
 use super::{provenance, references};
 use crate::figures::CaptionedFigure;
-use crate::markup::{Html, html};
+use crate::markup::{Html, html, with_code};
 
 /// Most figures of a link of the chain before the details.
 const PICTURES: usize = 2;
@@ -129,7 +129,7 @@ impl Section {
 }
 
 fn items<T: AsRef<str>>(texts: &[T]) -> Html {
-    texts.iter().map(|text| html!("<li>{}</li>", text)).collect()
+    texts.iter().map(|text| html!("<li>{}</li>", with_code(text.as_ref()))).collect()
 }
 
 /// Returns texts as the items of a list.

@@ -7,12 +7,12 @@ mod rests_on;
 mod risk;
 pub(crate) mod text;
 
-use asperity_results::{Assumed, Driver, MachineModel, Quantiles, VerdictResult};
+use asperity_results::{Assumed, Driver, InputKind, MachineModel, Quantiles, VerdictResult};
 
 use crate::Run;
 use crate::cells::{percent as table_percent, shown};
 use crate::format::{Dimension, significant};
-use crate::markup::{Html, html};
+use crate::markup::{Html, html, with_code};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::margin::Limits;
 use crate::verdict::{
@@ -30,7 +30,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         p if p < 0.35 => "unlikely",
         _ => "vibrates",
     };
-    if verdict.friction_unresolved {
+    if !verdict.friction_unresolved.is_empty() {
         return html!(
             "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"unlikely\">{}</strong>{}</p>\n\
              <div class=\"cards\">\n{}</div>\n{}</section>\n",
@@ -50,8 +50,8 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         unbroken(&answer),
         after,
         numbers(verdict),
-        card(&limits.title(verdict), &limits.picture(verdict)),
-        card("What would stop it", &remedies::card(verdict, &limits)),
+        card(&limits.title(run, verdict), &limits.picture(verdict)),
+        card("What would stop it", &remedies::card(verdict)),
         card("What decides it", &drivers::card(verdict)),
         card("What it rests on", &rests_on::card(&verdict.rests_on, verdict.model)),
         chain,
@@ -60,15 +60,6 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
 
 fn card(title: &str, content: &Html) -> Html {
     html!("<section class=\"card\">\n<h2>{}</h2>\n{}</section>\n", title, content)
-}
-
-/// Returns a text with the names between backticks as code.
-fn with_code(text: &str) -> Html {
-    let part = |(place, part): (usize, &str)| match place % 2 {
-        0 => Html::from(part.to_owned()),
-        _ => html!("<code>{}</code>", part),
-    };
-    text.split('`').enumerate().map(part).collect()
 }
 
 /// Returns the lines below the headline: errors of the probability and steady sliding, what is not stated, and the vibration.
@@ -97,7 +88,9 @@ fn numbers(verdict: &VerdictResult) -> Html {
     lines.push(("sub", vibration(verdict).into_iter().collect()));
     let assumed = not_stated(verdict).into_iter().zip(&verdict.assumed);
     let assumed = assumed.map(|(value, of)| text(format!("Not stated: {}, {value}.", named(&of.input))));
-    lines.push(("sub assumed", assumed.collect()));
+    let examples = verdict.rests_on.iter().filter(|input| input.kind == InputKind::Example).count();
+    let examples = (examples > 0).then(|| format!("Not yours: {examples} of the values are those of the example."));
+    lines.push(("sub assumed", examples.map(text).into_iter().chain(assumed).collect()));
     let line = |(class, sentences): (&'static str, Vec<Html>)| match sentences.len() {
         0 => Html::default(),
         _ => {

@@ -1,7 +1,7 @@
 //! The verdict in words and on the page.
 
 use asperity_report::{Run, not_stated, render, verdict_sentence, verdict_text};
-use asperity_results::{InputKind, InputValue, MachineModel, Remedy, RestsOn, Table, VerdictResult};
+use asperity_results::{ErrorCause, InputKind, InputValue, MachineModel, Remedy, RestsOn, Table, VerdictResult};
 
 use crate::documents::{elements, resources, text, without_scripts};
 use crate::synthetic::{example, full_run};
@@ -126,8 +126,14 @@ fn the_sentence_states_the_probability_with_its_interval() {
         text.contains("\nAt the printed friction coefficient nothing needs to change: the normal force may"),
         "{text}"
     );
-    exact.friction_unresolved = true;
-    assert!(verdict_sentence(&exact).starts_with("No verdict yet: the friction coefficient is not resolved"));
+    exact.friction_unresolved = vec![ErrorCause::Grid];
+    let sentence = verdict_sentence(&exact);
+    assert!(
+        sentence.starts_with("No verdict yet: the pitch of the strips does not resolve the friction"),
+        "{sentence}"
+    );
+    exact.friction_unresolved.push(ErrorCause::Model);
+    assert!(verdict_sentence(&exact).contains(", and the random strips do not stand for the scan; the warnings"));
 }
 
 #[test]
@@ -204,7 +210,7 @@ fn a_number_that_is_not_stated_stands_with_both_ends_of_its_range_below_the_verd
     assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: vibrates)"]);
     verdict.assumed[0].probability_interval_at[1] = [0.0, 1.0];
     assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: may vibrate)"]);
-    verdict.friction_unresolved = true;
+    verdict.friction_unresolved = vec![ErrorCause::Model];
     assert!(not_stated(&verdict).is_empty());
 }
 
@@ -251,7 +257,7 @@ fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
         "\nMeasure the Stribeck coefficient next",
         "\nQuantiles of the margin ζ − ζ_v\n  Quantile  Margin\n",
         "\nWhat would stop it\n  Change",
-        "not in the range",
+        "none from 0.001 to 0.1",
         "\nHow much of the area acts as one",
         "unknown",
     ] {
@@ -304,7 +310,7 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
         "Not stated: Stribeck coefficient, stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
         "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
-        "not in the range",
+        "none from 0.001 to 0.1",
         "surface: 3 scans",
         "stated: normal force",
         "unknown: shear strength 40 MPa",
@@ -424,8 +430,7 @@ fn with_fluctuating_friction_the_sign_of_the_margin_does_not_decide() {
     assert!((vibrating(&html) - 0.5).abs() < 0.002, "{}", vibrating(&html));
     assert!(html.contains("Friction fluctuates, so machines near the limit"));
     let verdict = VerdictResult { remedies: Vec::new(), ..example::verdict::verdict() };
-    let line = "remedies = [{ input = &quot;vibration.damping_ratio&quot;, range = [0.0155, 0.155] }]";
-    assert!(page(verdict).contains(line));
+    assert!(page(verdict).contains("The study asks for no changes."));
 }
 
 #[test]

@@ -119,7 +119,7 @@ pub(super) fn run(
     let rests_on = rests_on::rests_on(whole, study, window, fluctuates);
     // Where friction fluctuates, the margin of its mean may not decide.
     let turns = machines.variables() == 0
-        && window.mean_errors.resolved
+        && window.mean_errors.unresolved.is_empty()
         && vibrates == nominal.dynamics.margins()?.from_stick.is_sign_negative();
     let (probability, share, sampled) = (found, &probabilities.share, &sampled);
     let ends = Ends { study, machines: &machines, sampled, probability, share, evaluate: &evaluate, monitor };
@@ -139,7 +139,7 @@ pub(super) fn run(
         margin_quantiles: margin_quantiles(sampled),
         remedies,
         turning_points: if turns { turning_points(&machines, &nominal, &rests_on)? } else { Vec::new() },
-        friction_unresolved: !window.mean_errors.resolved,
+        friction_unresolved: window.mean_errors.unresolved.clone(),
         rests_on,
         assumed,
         ..probabilities.result()

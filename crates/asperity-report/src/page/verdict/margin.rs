@@ -12,6 +12,9 @@ use crate::words::{between, unbroken};
 
 /// Table of the sampled machines.
 const SAMPLES: &str = "verdict_samples";
+/// Columns of the margin and of the friction coefficient.
+const MARGIN: &str = "damping_margin";
+const FRICTION: &str = "friction_coefficient";
 /// Number of values that represent the quantiles of the margin if there are no samples.
 const VALUES: usize = 2000;
 /// Number of cells over the drawn range.
@@ -68,7 +71,7 @@ impl Limits {
             _ => verdict.nominal.limit_damping_ratio.unwrap_or(0.0) + verdict.nominal.damping_margin,
         };
         let table = run.tables.get(SAMPLES);
-        let sampled = table.and_then(|table| table.defined_column("damping_margin"));
+        let sampled = table.and_then(|table| table.defined_column(MARGIN));
         let sampled: Option<Vec<f64>> =
             sampled.map(|column| column.iter().copied().filter(|m| m.is_finite()).collect());
         let samples = sampled.as_ref().map_or(0, Vec::len);
@@ -93,32 +96,23 @@ impl Limits {
         limits
     }
 
-    /// Returns the title of the picture: the value of the machine and its limit, the uncertain one with the range that holds 90 %.
-    pub(super) fn title(&self, verdict: &VerdictResult) -> String {
-        let central = significant(self.central, 3);
-        let is_sampled = !is_exact(verdict) && !self.sorted.is_empty();
-        let of_machines = is_sampled.then(|| {
-            let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|at| self.quantile(at));
-            let (middle, range) = between(Dimension::None, Quantiles { q05, q50, q95 });
-            middle.trim_end().to_owned() + &range
+    /// Returns the title of the picture: the value of the machine and its limit, each with the range that holds 90 % of the machines.
+    pub(super) fn title(&self, run: &Run, verdict: &VerdictResult) -> String {
+        let table = run.tables.get(SAMPLES).filter(|_| !is_exact(verdict));
+        let column = |name: &str| table.and_then(|table| table.defined_column(name));
+        let limit = self.central - if self.coupled { 0.0 } else { verdict.nominal.damping_margin };
+        let value = self.central - if self.coupled { verdict.nominal.damping_margin } else { 0.0 };
+        let values = column(if self.coupled { FRICTION } else { DAMPING_RATIO });
+        let sign = if self.coupled { 1.0 } else { -1.0 };
+        let limits = column(MARGIN).map(|margins| {
+            let of = |(place, margin): (usize, &f64)| values.map_or(value, |values| values[place]) + sign * margin;
+            margins.iter().enumerate().map(of).collect()
         });
-        if self.coupled {
-            let friction = || significant(self.central - verdict.nominal.damping_margin, 3);
-            return format!("Friction coefficient: yours {}, limit {central}", of_machines.unwrap_or_else(friction));
-        }
-        let limit = || significant(verdict.nominal.limit_damping_ratio.unwrap_or(0.0), 3);
+        let [value, limit] = [(values.map(<[f64]>::to_vec), value), (limits, limit)]
+            .map(|(machines, central)| machines.and_then(spread).unwrap_or_else(|| significant(central, 3)));
         let constant = if verdict.friction_fluctuates { " without fluctuation" } else { "" };
-        format!("Damping ratio: yours {central}, limit{constant} {}", of_machines.unwrap_or_else(limit))
-    }
-
-    /// Returns a quantile of the limits.
-    fn quantile(&self, probability: f64) -> f64 {
-        self.sorted[(probability * (self.sorted.len() - 1) as f64).round() as usize]
-    }
-
-    /// Returns the central damping ratio.
-    pub(super) fn damping_ratio(&self) -> f64 {
-        self.central
+        let name = if self.coupled { "Friction coefficient" } else { "Damping ratio" };
+        format!("{name}: yours {value}, limit{constant} {limit}")
     }
 
     /// Returns whether the sign of the margin decides if a machine vibrates; with fluctuating friction it may not.
@@ -285,6 +279,16 @@ impl Limits {
         };
         format!("{drawn}{fluctuates} {of}{fewer}")
     }
+}
+
+/// Returns the median of numbers with the range that holds 90 % of them; `None` without numbers.
+fn spread(mut numbers: Vec<f64>) -> Option<String> {
+    numbers.retain(|number| number.is_finite());
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len().checked_sub(1)?;
+    let [q05, q50, q95] = [0.05, 0.5, 0.95].map(|at| numbers[(at * last as f64).round() as usize]);
+    let (middle, range) = between(Dimension::None, Quantiles { q05, q50, q95 });
+    Some(middle.trim_end().to_owned() + &range)
 }
 
 /// Returns margins that represent the quantiles, between which the distribution function is linear.

@@ -1,6 +1,6 @@
 //! The card of the changes that make vibration improbable.
 
-use asperity_results::keys::{DAMPING_RATIO, STATIC_FRICTION, USUAL_CHANGES};
+use asperity_results::keys::STATIC_FRICTION;
 use asperity_results::{Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
@@ -8,19 +8,16 @@ use crate::format::{Dimension, significant};
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
 use crate::page::verdict::drivers::turning_points;
-use crate::page::verdict::{margin::Limits, risk};
+use crate::page::verdict::risk;
 use crate::verdict::{is_exact, percent, vibration};
 use crate::words::{capitalised, named, unbroken};
 
-/// Why a verdict may have no remedies.
-const UNSTATED: &str =
-    "The study states no remedies. Where friction fluctuates they take minutes and are computed only if stated.";
 /// Relative change of the friction coefficient from which it is stated.
 const VISIBLE: f64 = 0.005;
 
 /// Returns one change in a sentence and the table of all of them.
-pub(super) fn card(verdict: &VerdictResult, limits: &Limits) -> Html {
-    let Some(first) = verdict.remedies.first() else { return unstated(verdict, limits) };
+pub(super) fn card(verdict: &VerdictResult) -> Html {
+    let Some(first) = verdict.remedies.first() else { return unstated(verdict) };
     let headers = first.reach.iter().map(|reach| html!("<th scope=\"col\">for {}</th>", target(reach.probability)));
     html!(
         "<p>{}</p>\n<div class=\"remedies\"><div>\n<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Remedies\"><table>\n<thead><tr><th scope=\"col\">change</th><th scope=\"col\">now</th>{}\
@@ -110,7 +107,7 @@ fn held(remedy: &Remedy) -> &'static str {
 /// Returns that no remedy reaches a probability, in a sentence.
 fn not_reached(remedies: &[Remedy], wanted: f64) -> String {
     let [remedy] = remedies else {
-        return format!("No stated change reaches {} within its range.", target(wanted));
+        return format!("No change reaches {} within its range.", target(wanted));
     };
     let [low, high] = remedy.range.map(|value| Dimension::of_unit(&remedy.unit).show_short(value));
     let name = named(&remedy.input);
@@ -139,7 +136,10 @@ fn cells(remedy: &Remedy) -> Vec<String> {
     let value = |reach: &Reach| match reach.value {
         Some(value) if value == remedy.now => "as it is".into(),
         Some(value) => shown(dimension, value, reach.value_interval),
-        None => "not in the range".into(),
+        None => {
+            let [low, high] = remedy.range.map(|value| dimension.show_short(value));
+            format!("none from {low} to {high}")
+        }
     };
     let left = remedy.reach.iter().find_map(|reach| reach.friction_coefficient).or(remedy.friction_coefficient_now);
     let mut cells = vec![format!("{}{}", named(&remedy.input), held(remedy)), shown(dimension, remedy.now, None)];
@@ -163,8 +163,8 @@ pub(super) fn table(verdict: &VerdictResult) -> DataTable {
 pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
     let [low, high] = verdict.probability_interval;
     let quiet = if low < high { "At the printed friction coefficient nothing" } else { "Nothing" };
-    let changes =
-        turning_points(verdict).into_iter().filter(|(point, _)| USUAL_CHANGES.contains(&point.input.as_str()));
+    let usual = verdict.model.usual_changes();
+    let changes = turning_points(verdict).into_iter().filter(|(point, _)| usual.contains(&point.input.as_str()));
     let changes = changes.map(|(point, value)| {
         let dimension = Dimension::of_unit(&point.unit);
         let [now, then] = [point.now, value].map(|value| dimension.show_short(value));
@@ -177,25 +177,26 @@ pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
     });
     let changes: Vec<String> = changes.collect();
     match (changes.is_empty(), verdict.nominal.vibrates) {
-        (true, true) => "No change of damping or load up to ten times ends the vibration.".into(),
+        (true, true) => {
+            format!("No change of {} or {} up to ten times ends the vibration.", named(usual[0]), named(usual[1]))
+        }
         (true, false) => format!("{quiet} needs to change."),
         (false, true) => unbroken(&format!("{}.", capitalised(changes.join(", or ")))),
         (false, false) => unbroken(&format!("{quiet} needs to change: {}.", changes.join(", and "))),
     }
 }
 
-/// Returns what to change of a machine without uncertain values, or how to ask for it.
-fn unstated(verdict: &VerdictResult, limits: &Limits) -> Html {
+/// Returns what to change of a machine without uncertain values, or how to ask for changes.
+fn unstated(verdict: &VerdictResult) -> Html {
     const STATE: &str = "State remedies in [verdict] to compute changes of any value, with their intervals.";
     if is_exact(verdict) && !(verdict.friction_fluctuates && verdict.turning_points.is_empty()) {
         let fluctuates = "These are values of the mean friction coefficient: where friction fluctuates, vibration ends little by little. ";
         let how = if verdict.friction_fluctuates { fluctuates } else { "" };
         return html!("<p>{}</p>\n<p class=\"note\">{}{}</p>\n", of_one_machine(verdict), how, STATE);
     }
-    let line = format!(
-        "remedies = [{{ input = \"{DAMPING_RATIO}\", range = [{}, {}] }}]",
-        significant(limits.damping_ratio(), 3),
-        significant(10.0 * limits.damping_ratio(), 3)
-    );
-    html!("<p>{} State for example, in [verdict]:</p>\n<pre>{}</pre>\n", UNSTATED, line)
+    let why = match verdict.friction_fluctuates {
+        true => "Where friction fluctuates, changes take minutes and are computed only if the study states them. ",
+        false => "The study asks for no changes. ",
+    };
+    html!("<p>{}{}</p>\n", why, STATE)
 }

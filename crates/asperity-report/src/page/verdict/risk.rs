@@ -15,6 +15,8 @@ const LEFT: f64 = 40.0;
 const RIGHT: f64 = 232.0;
 const TOP: f64 = 8.0;
 const BASE: f64 = 66.0;
+/// Characters that have room along the axis.
+const ACROSS: usize = 28;
 
 /// Draws the curve of the remedy that has one.
 pub(super) fn picture(verdict: &VerdictResult) -> Html {
@@ -47,12 +49,12 @@ pub(super) fn picture(verdict: &VerdictResult) -> Html {
         format!("{BASE}"),
         line.join("L"),
         of(last.value),
-        reached(remedy, &place),
-        scale(&x, 3, &|tick| {
+        reached(remedy, range, &place),
+        scale(&x, ACROSS, &|tick| {
             let at = LEFT + (RIGHT - LEFT) * tick.position;
             html!("<text x=\"{}\" y=\"82\" text-anchor=\"middle\">{}</text>\n", format!("{at:.1}"), &tick.label)
         }),
-        scale(&y, 2, &|tick| {
+        scale(&y, usize::MAX, &|tick| {
             let at = BASE - (BASE - TOP) * tick.position;
             let label = unbroken(&format!("{} %", tick.label));
             html!("<text x=\"36\" y=\"{}\" text-anchor=\"end\">{}</text>\n", format!("{:.1}", at + 4.0), label)
@@ -65,16 +67,23 @@ pub(super) fn picture(verdict: &VerdictResult) -> Html {
 }
 
 /// Draws the values that reach the targets.
-fn reached(remedy: &Remedy, place: &dyn Fn(&Risk) -> String) -> Html {
+fn reached(remedy: &Remedy, (low, high): (f64, f64), place: &dyn Fn(&Risk) -> String) -> Html {
     let points = remedy.reach.iter().filter_map(|reach| {
-        let point = place(&Risk { value: reach.value?, probability: reach.probability });
+        // The present value, and the end of a range without it, are more than enough.
+        let ends = [remedy.now, remedy.range[0], remedy.range[1]];
+        let value = reach.value.filter(|value| (low..=high).contains(value) && !ends.contains(value))?;
+        let point = place(&Risk { value, probability: reach.probability });
         let (x, y) = point.split_once(' ')?;
         Some(html!("<circle class=\"mark\" cx=\"{}\" cy=\"{}\" r=\"3.5\"/>\n", x, y))
     });
     points.collect()
 }
 
-fn scale(axis: &Axis, wanted: usize, text: &dyn Fn(&Tick) -> Html) -> Html {
-    let labelled = |tick: &Tick| !tick.label.is_empty() && (-1e-9..=1.0 + 1e-9).contains(&tick.position);
-    axis.ticks(wanted).iter().filter(|tick| labelled(tick)).map(text).collect()
+/// Writes as many ticks as have room, in characters.
+fn scale(axis: &Axis, room: usize, text: &dyn Fn(&Tick) -> Html) -> Html {
+    let mut ticks = axis.ticks(3);
+    ticks.retain(|tick| !tick.label.is_empty() && (-1e-9..=1.0 + 1e-9).contains(&tick.position));
+    let widest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0);
+    let stride = (ticks.len() * (widest + 2)).div_ceil(room);
+    ticks.iter().step_by(stride.max(1)).map(text).collect()
 }

@@ -1,6 +1,7 @@
 //! Checks of `[uncertainty]` and `[verdict]`.
 
-use asperity_results::keys::{DAMPING_RATIO, Link, STATIC_FRICTION, USUAL_CHANGES};
+use asperity_results::MachineModel;
+use asperity_results::keys::Link;
 use serde::Serialize;
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
@@ -59,6 +60,12 @@ pub(in crate::study) struct RemedyStudy {
 }
 
 impl VerdictStudy {
+    /// Returns the remedies to compute. Those that no study file states are left out for a single machine, which has turning points instead,
+    /// and where friction fluctuates, because ensembles take minutes.
+    pub(in crate::study) fn computed_remedies(&self, is_single: bool, fluctuates: bool) -> &[RemedyStudy] {
+        if self.states_remedies || !(is_single || fluctuates) { &self.remedies } else { &[] }
+    }
+
     /// Returns both remedies over which the probability is mapped: the first two of the study file.
     pub(in crate::study) fn mapped(&self) -> Option<[&RemedyStudy; 2]> {
         match &self.remedies[..] {
@@ -114,7 +121,7 @@ impl StudyFile {
                 .iter()
                 .map(|remedy| check_remedy(remedy, &central, friction.is_some()))
                 .collect::<Result<_, _>>()?,
-            None => usual_remedies(&central, friction.is_some(), vibration.machine.coupled.is_some()),
+            None => usual_remedies(&central, friction.is_some(), vibration.machine.model()),
         };
         Ok(Some(VerdictStudy {
             valid_fraction: self.valid_share,
@@ -155,9 +162,8 @@ impl StudyFile {
 }
 
 /// Returns the changes of a study that states none: those that need no further solution of the contact.
-fn usual_remedies(central: &Point, is_computed: bool, is_coupled: bool) -> Vec<RemedyStudy> {
-    let inputs = if is_coupled { [DAMPING_RATIO, STATIC_FRICTION] } else { USUAL_CHANGES };
-    let places = inputs.into_iter().filter_map(|input| Place::named(input, central));
+fn usual_remedies(central: &Point, is_computed: bool, model: MachineModel) -> Vec<RemedyStudy> {
+    let places = model.usual_changes().into_iter().filter_map(|input| Place::named(input, central));
     let places = places.filter(|place| !(is_computed && place.key().link == Link::Contact));
     let remedy = |place: Place| {
         let now = place.value_in(central)?;

@@ -1,5 +1,6 @@
 //! Checked machine of `[vibration]`: a mass on a belt.
 
+use asperity_results::MachineModel;
 use serde::Serialize;
 
 use std::path::PathBuf;
@@ -88,6 +89,11 @@ pub(in crate::study) enum FrictionSource {
 }
 
 impl MachineInputs {
+    /// Returns the model of the machine.
+    pub(in crate::study) fn model(&self) -> MachineModel {
+        if self.coupled.is_some() { MachineModel::ModeCoupling } else { MachineModel::StickSlip }
+    }
+
     /// Returns the nominal area and its pressure.
     pub(in crate::study) fn nominal_contact(&self) -> NominalContact {
         let area_m2 = self.nominal_area.0;

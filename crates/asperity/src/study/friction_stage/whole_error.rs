@@ -7,7 +7,7 @@ use super::pitch::Pitch;
 use crate::friction::{CutOff, MeanErrors, SolvedLevel};
 use crate::stats::NORMAL_95;
 use crate::study::check::FrictionStudy;
-use crate::study::result::{OperatingPoint, Pair, ScanCutoff, ScanFriction};
+use crate::study::result::{ErrorCause, OperatingPoint, Pair, ScanCutoff, ScanFriction};
 use crate::study::sentence;
 use crate::study::surface_stage::SurfaceStage;
 
@@ -52,7 +52,7 @@ impl WholeError {
             (errors.pitch_factor, errors.grid, noise) = (pitch.factor, pitch.range.map(factor), pitch.noise);
             errors.halved_strips = noise / (NORMAL_95 * mean);
             if let Some(points) = pitch.wanted_points() {
-                errors.resolved = false;
+                errors.unresolved.push(ErrorCause::Grid);
                 warnings.push(unresolved(friction, pitch.error() / mean, points));
             }
         }
@@ -87,7 +87,7 @@ impl WholeError {
                 scan_sampling = half(last.mean_interval);
                 errors.scan = scan_sampling / (NORMAL_95 * last.mean);
                 let differences = differences(first, mean, scan.and_then(|scan| scan.slope_ratio));
-                errors.resolved &= differences.is_empty();
+                errors.unresolved.extend((!differences.is_empty()).then_some(ErrorCause::Model));
                 warnings.extend(differences);
                 warnings.extend(shorter_waves(first, last));
             }
@@ -102,7 +102,7 @@ impl WholeError {
             mean_of_scan,
             grid_error: pitch.map(Pitch::error),
             saturation: floor.map(|floor| (1.0 - floor / mean).max(0.0)),
-            resolved: errors.resolved,
+            resolved: errors.unresolved.is_empty(),
             ..point
         };
         Self { errors, point, warnings, sentences }

@@ -33,7 +33,7 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
     let (study, vibration) = (whole.verdict.as_ref()?, whole.vibration.as_ref()?);
     let friction =
         whole.friction.as_ref().filter(|_| matches!(vibration.machine.friction, FrictionSource::Computed(_)));
-    let model = if vibration.machine.coupled.is_some() { MachineModel::ModeCoupling } else { MachineModel::StickSlip };
+    let model = vibration.machine.model();
     // Coupled modes have the mean friction coefficient.
     let fluctuates = model == MachineModel::StickSlip
         && match &vibration.machine.friction {
@@ -57,8 +57,11 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
         0 => 1,
         _ => sampled::largest_number(study.half_width, study.evaluations),
     };
-    let remedies = if fluctuates && !study.states_remedies { &[][..] } else { &study.remedies };
-    let of_remedies = remedies.iter().map(|remedy| remedy_cost(remedy, study, model, fluctuates));
+    let of_remedies = study
+        .computed_remedies(samples == 1, fluctuates)
+        .iter()
+        .enumerate()
+        .map(|(place, remedy)| remedy_cost((remedy, place == 0), study, model, fluctuates));
     let [of_remedies, decided] = of_remedies.fold([0, 0], |[a, b], [machines, decided]| [a + machines, b + decided]);
     let (mut machines, mut paths) = (samples + samples.min(CYCLES) + map_machines(study, model) + of_remedies, 0);
     // Coupled modes do not depend on these values.
@@ -105,17 +108,25 @@ fn typical_fluctuation(friction: &FrictionStudy, machine: &MachineInputs) -> f64
 }
 
 /// Returns the numbers of machines that are evaluated with constant friction for a remedy, and that ensembles decide.
-fn remedy_cost(remedy: &RemedyStudy, study: &VerdictStudy, model: MachineModel, fluctuates: bool) -> [usize; 2] {
+/// `risk` is whether the probability along it is drawn.
+fn remedy_cost(
+    (remedy, risk): (&RemedyStudy, bool),
+    study: &VerdictStudy,
+    model: MachineModel,
+    fluctuates: bool,
+) -> [usize; 2] {
     let (points, per_target) = match (study.places.len(), fluctuates) {
         (0, _) => (1, EVALUATIONS_PER_TARGET),
         (_, true) => (remedies::FLUCTUATING_POINTS, FLUCTUATING_EVALUATIONS_PER_TARGET),
         (_, false) => (remedies::POINTS, EVALUATIONS_PER_TARGET),
     };
     let all = REPLICATES * points;
-    let cost =
-        |one: usize, all: usize| (remedies::STEPS + 1 + remedies::RISKS) * one + per_target * study.targets.len() * all;
-    let machines = if margins::is_damping(remedy.place, model) { all } else { cost(points, all) };
-    [machines, if fluctuates { cost(decided::decisions(points), decided::decisions(all)) } else { 0 }]
+    let cost = |one: usize, all: usize| (remedies::STEPS + 1) * one + per_target * study.targets.len() * all;
+    let risks = if risk { remedies::RISKS } else { 0 };
+    let risk_points = if fluctuates { points } else { all };
+    let machines = if margins::is_damping(remedy.place, model) { all } else { cost(points, all) + risks * risk_points };
+    let decided = cost(decided::decisions(points), decided::decisions(all)) + risks * decided::decisions(risk_points);
+    [machines, if fluctuates { decided } else { 0 }]
 }
 
 /// Returns the number of machines of the map.

@@ -26,7 +26,7 @@ const EVEN: f64 = 0.5;
 /// Name of the table of the contours.
 const CONTOURS: &str = "verdict_map_contours";
 
-/// Map over the first two remedies with the table of its contours.
+/// Map over the first two remedies of the study file with the table of its contours.
 pub(super) struct Map {
     pub(super) result: ProbabilityMap,
     pub(super) contours: (&'static str, Table),
@@ -34,7 +34,7 @@ pub(super) struct Map {
     pub(super) warning: Option<String>,
 }
 
-/// Computes the map over the ranges of the first two remedies; `None` unless they change two inputs.
+/// Computes the map over the ranges of the first two remedies of the study file; `None` unless they change two inputs.
 ///
 /// All pairs of central values share the standard normal variables of their machines. Friction is constant. A contour is the line on
 /// which the quantile of the margin is zero: it is smooth where the probability is not.

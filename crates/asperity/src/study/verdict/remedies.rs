@@ -49,31 +49,36 @@ pub(super) fn remedies(
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Remedy>, Vec<String>), StudyError> {
-    // A single machine has turning points instead, and ensembles take minutes.
-    let is_asked = study.states_remedies || !(machines.variables() == 0 || fluctuates);
-    if study.remedies.is_empty() || !is_asked {
+    let remedies = study.computed_remedies(machines.variables() == 0, fluctuates);
+    if remedies.is_empty() {
         return Ok(Default::default());
     }
     let points = points(machines.variables(), if fluctuates { FLUCTUATING_POINTS } else { POINTS }, seed)?;
     let normal = random::standard_normal(&mut random::stream(seed, DECIDED, 0), points.len());
     let draws: Vec<f64> = normal.into_iter().map(standard_normal_cdf).collect();
-    let damping = study.remedies.iter().any(|remedy| is_damping(remedy.place, machines.model()));
+    let damping = remedies.iter().any(|remedy| is_damping(remedy.place, machines.model()));
     let limits = damping.then(|| Limits::new(&Ok(machines.clone()), &points, monitor)).transpose()?;
     let mut warnings = Vec::new();
     // Both sides of the present value, and the search for each target.
-    let task = Task::new(monitor, "verdict: remedies", study.remedies.len() * (2 + study.targets.len()) + RISKS);
+    let task = Task::new(monitor, "verdict: remedies", remedies.len() * (2 + study.targets.len()));
     let mut drawn = false;
-    let remedies = study.remedies.iter().map(|remedy| {
+    let remedies = remedies.iter().map(|remedy| {
         let limits = limits.as_ref().filter(|_| is_damping(remedy.place, machines.model()));
         let evaluate = fluctuates.then_some(evaluate);
         let draws = &draws;
         let changed = Changed { machines, remedy, points: &points, limits, evaluate, draws, friction_error, monitor };
-        let found = changed.remedy(study, &task, &mut warnings)?;
-        let risk = if drawn { Vec::new() } else { changed.risk(&found, &task)? };
+        let (found, doubts) = changed.remedy(study, &task)?;
+        // A change that nobody asked for needs no warning.
+        if !study.states_remedies && !doubts.is_empty() {
+            return Ok(None);
+        }
+        warnings.extend(doubts);
+        let risk = if drawn || machines.variables() == 0 { Vec::new() } else { changed.risk(&found)? };
         drawn |= !risk.is_empty();
-        Ok::<_, StudyError>(Remedy { risk, ..found })
+        Ok::<_, StudyError>(Some(Remedy { risk, ..found }))
     });
-    Ok((remedies.collect::<Result<_, _>>()?, warnings))
+    let remedies: Vec<Option<Remedy>> = remedies.collect::<Result<_, _>>()?;
+    Ok((remedies.into_iter().flatten().collect(), warnings))
 }
 
 /// Machines under a change of one central value.
@@ -94,7 +99,8 @@ struct Changed<'a> {
 }
 
 impl Changed<'_> {
-    fn remedy(&self, study: &VerdictStudy, task: &Task<'_>, warnings: &mut Vec<String>) -> Result<Remedy, StudyError> {
+    /// Returns the remedy, with warnings.
+    fn remedy(&self, study: &VerdictStudy, task: &Task<'_>) -> Result<(Remedy, Vec<String>), StudyError> {
         let RemedyStudy { place, low, high, hold } = *self.remedy;
         let unstated =
             || StudyError::Verdict(format!("the study does not state {}, which a remedy changes", place.name()));
@@ -117,10 +123,10 @@ impl Changed<'_> {
                 friction_coefficient: nearest.and_then(|(value, _)| self.friction(value)),
             });
         }
-        warnings.extend(reach.iter().find_map(|reach| self.truncated(reach.value?)));
-        warnings.extend(self.unanswered(sides.iter().flatten(), study.valid_fraction));
+        let truncated = reach.iter().find_map(|reach| self.truncated(reach.value?)).into_iter();
+        let warnings = truncated.chain(self.unanswered(sides.iter().flatten(), study.valid_fraction)).collect();
         let friction_coefficient_now = self.friction(now);
-        Ok(Remedy {
+        let remedy = Remedy {
             input: place.name(),
             unit: place.key().unit.into(),
             held: (place.name() != DAMPING_RATIO).then(|| hold.name().into()),
@@ -129,24 +135,26 @@ impl Changed<'_> {
             friction_coefficient_now,
             reach,
             risk: Vec::new(),
-        })
+        };
+        Ok((remedy, warnings))
     }
 
     /// Returns the probability from the present value to beyond the farthest one that reaches a target; nothing without one, and if the
     /// present value reaches all of them.
-    fn risk(&self, found: &Remedy, task: &Task<'_>) -> Result<Vec<Risk>, Cancelled> {
+    fn risk(&self, found: &Remedy) -> Result<Vec<Risk>, Cancelled> {
         let (now, [low, high]) = (found.now, found.range);
         let reached = found.reach.iter().filter_map(|reach| reach.value).filter(|value| *value != now);
         let Some(farthest) = reached.max_by(|a, b| (a - now).abs().total_cmp(&(b - now).abs())) else {
             return Ok(Vec::new());
         };
         let to = (now + (1.0 + BEYOND) * (farthest - now)).clamp(low, high);
-        // Further machines of a known limit cost nothing.
-        let count = self.points.len().div_ceil(if self.limits.is_some() { 1 } else { REPLICATES });
+        let count = self.points.len().div_ceil(if self.evaluate.is_none() { 1 } else { REPLICATES });
         let values = (0..RISKS).map(|step| now + (to - now) * step as f64 / (RISKS - 1) as f64);
         let risk = |value| {
-            let answers = task.step(|| self.answers(value, count))??;
-            Ok(Risk { value, probability: answers.probability() })
+            if self.monitor.cancelled() {
+                return Err(Cancelled);
+            }
+            Ok(Risk { value, probability: self.answers(value, count)?.probability() })
         };
         values.map(risk).collect()
     }
