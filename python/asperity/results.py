@@ -1724,6 +1724,9 @@ class ModeCouplingResult(Record):
 MachineModel = Literal["stick_slip", "mode_coupling"]
 """Model of the machine."""
 
+ErrorCause = Literal["machines", "strips", "expansion", "scan", "grid", "model"]
+"""Cause of an error."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Quantiles(Record):
@@ -1735,10 +1738,6 @@ class Quantiles(Record):
     """Median."""
     q95: float
     """95 % quantile."""
-
-
-ErrorCause = Literal["machines", "strips", "expansion", "scan", "grid", "model"]
-"""Cause of an error."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2020,9 +2019,9 @@ class VerdictResult(Record):
     """Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick."""
     expected_vibration_share_interval: list[float]
     """Its 95 % interval: the error of the computation."""
-    friction_unresolved: bool
-    """Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability
-    is then no answer.
+    friction_unresolved: list[ErrorCause]
+    """Why the friction coefficient is not resolved, so that the probability is no answer: the pitch of the strips,
+    or their difference from the scan. Empty if it is (`resolved` of the operating point).
     """
     probability: float
     """Probability that a machine whose motion begins in stick vibrates longer than the fraction
@@ -2091,7 +2090,7 @@ class VerdictResult(Record):
     otherwise empty.
     """
     map: ProbabilityMap | None
-    """Probability over the central values of the first two remedies; `null` with fewer remedies."""
+    """Probability over the central values of the first two remedies of the study file; `null` if it states fewer."""
     area_as_one: list[AreaAsOne] | None
     """Probability against the number of windows that share the load; `null` if friction neither fluctuates nor
     differs between parts, or is averaged over an unknown area.
