@@ -2019,10 +2019,12 @@ class VerdictResult(Record):
     """Expected fraction of the second half of the duration in which a machine vibrates whose motion begins in stick."""
     expected_vibration_share_interval: list[float]
     """Its 95 % interval: the error of the computation."""
-    friction_unresolved: list[ErrorCause]
-    """Why the friction coefficient is not resolved, so that the probability is no answer: the pitch of the strips,
-    or their difference from the scan. Empty if it is (`resolved` of the operating point).
+    friction_unresolved: bool
+    """Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability
+    is then no answer.
     """
+    unresolved_by: list[ErrorCause]
+    """Why it is not: the pitch of the strips, or their difference from the scan. Empty if it is."""
     probability: float
     """Probability that a machine whose motion begins in stick vibrates longer than the fraction
     `vibration_threshold` of the second half of the duration, in the mean over realisations of friction. With mode

@@ -39,12 +39,15 @@ impl Headline {
     /// Returns the verdict. `interval` writes the interval of a number behind it.
     fn with_intervals(verdict: &VerdictResult, interval: &dyn Fn([f64; 2]) -> String) -> Self {
         let noun = noun(verdict);
-        if !verdict.friction_unresolved.is_empty() {
-            let causes = verdict.friction_unresolved.iter().map(|cause| match cause {
+        if verdict.friction_unresolved {
+            let causes = verdict.unresolved_by.iter().map(|cause| match cause {
                 ErrorCause::Model => "the random strips do not stand for the scan",
                 _ => "the pitch of the strips does not resolve the friction coefficient",
             });
-            let causes = causes.collect::<Vec<_>>().join(", and ");
+            let causes = match causes.collect::<Vec<_>>().join(", and ") {
+                causes if causes.is_empty() => "the friction coefficient is not resolved".into(),
+                causes => causes,
+            };
             let after = format!(": {causes}; the warnings say what would help.");
             return Self { before: String::new(), answer: "No verdict yet".into(), after };
         }
@@ -146,7 +149,7 @@ fn condition(verdict: &VerdictResult) -> String {
     let [low, high] = verdict.probability_interval;
     let reverses = |other: &f64| (other - verdict.probability).abs() > REVERSAL;
     let mut reversing = verdict.assumed.iter().filter(|assumed| assumed.probability_at.iter().any(reverses));
-    match reversing.next().filter(|_| verdict.friction_unresolved.is_empty() && high - low <= REVERSAL) {
+    match reversing.next().filter(|_| !verdict.friction_unresolved && high - low <= REVERSAL) {
         Some(assumed) => format!(
             " This holds if the {} is {}, which the study does not state.",
             named(&assumed.input),
@@ -273,7 +276,7 @@ fn interval_in_words([low, high]: [f64; 2]) -> String {
 fn probability_sentence(verdict: &VerdictResult) -> String {
     let Headline { before, answer, after } = Headline::with_intervals(verdict, &interval_in_words);
     let sentence = format!("{before}{answer}{after}");
-    if !verdict.friction_unresolved.is_empty() {
+    if verdict.friction_unresolved {
         return sentence;
     }
     if is_exact(verdict) {
@@ -323,7 +326,7 @@ pub fn not_stated(verdict: &VerdictResult) -> Vec<String> {
         let unit = if verdict.friction_fluctuates { " of the time" } else { "" };
         format!("{key} {} ({low}, {high}{unit})", number(assumed.value))
     };
-    verdict.assumed.iter().filter(|_| verdict.friction_unresolved.is_empty()).map(of_one).collect()
+    verdict.assumed.iter().filter(|_| !verdict.friction_unresolved).map(of_one).collect()
 }
 
 /// Returns the answer of the headline at one end of the range of a number that the study does not state.

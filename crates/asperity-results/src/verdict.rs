@@ -18,10 +18,12 @@ pub struct VerdictResult {
     pub expected_vibration_share: f64,
     /// Its 95 % interval: the error of the computation.
     pub expected_vibration_share_interval: Pair,
-    /// Why the friction coefficient is not resolved, so that the probability is no answer: the pitch of the strips, or their difference from the
-    /// scan. Empty if it is (`resolved` of the operating point).
+    /// Whether the friction coefficient is not resolved (`resolved` of the operating point is false): the probability is then no answer.
     #[serde(default)]
-    pub friction_unresolved: Vec<ErrorCause>,
+    pub friction_unresolved: bool,
+    /// Why it is not: the pitch of the strips, or their difference from the scan. Empty if it is.
+    #[serde(default)]
+    pub unresolved_by: Vec<ErrorCause>,
     /// Probability that a machine whose motion begins in stick vibrates longer than the fraction `vibration_threshold` of the second half of
     /// the duration, in the mean over realisations of friction. With mode coupling, the probability that steady sliding is unstable.
     pub probability: f64,

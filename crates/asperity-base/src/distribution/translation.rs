@@ -41,16 +41,16 @@ impl Translation {
         let (mean, std) = (marginal.mean(), marginal.std());
         let step = 1.0 / f64::from(STEPS_PER_UNIT);
         let mut coefficients = vec![0.0; ORDER + 1];
+        let roots: Vec<f64> = (0..=ORDER + 1).map(|n| (n as f64).sqrt()).collect();
         for node in -REACH..=REACH {
             let g = f64::from(node) * step;
             let root_density = standard_normal_pdf(g).sqrt();
             let weighted = step * root_density * (marginal.translate(g) - mean) / std;
             // h_{n+1} = (g h_n − √n h_{n−1})/√(n+1), times √φ so that high orders stay bounded.
             let (mut before, mut here) = (0.0, root_density);
-            for (n, coefficient) in coefficients.iter_mut().enumerate() {
+            for (coefficient, root) in coefficients.iter_mut().zip(roots.windows(2)) {
                 *coefficient += weighted * here;
-                let order = n as f64;
-                (before, here) = (here, (g * here - order.sqrt() * before) / (order + 1.0).sqrt());
+                (before, here) = (here, (g * here - root[0] * before) / root[1]);
             }
         }
         let mut fractions: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();

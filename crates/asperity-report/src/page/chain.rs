@@ -125,7 +125,7 @@ fn friction(run: &Run) -> Option<Link> {
 }
 
 fn vibration(run: &Run) -> Option<Link> {
-    let verdict = run.results.verdict.as_ref().filter(|verdict| verdict.friction_unresolved.is_empty())?;
+    let verdict = run.results.verdict.as_ref().filter(|verdict| !verdict.friction_unresolved)?;
     let cycle = run.tables.get("limit_cycle").map(Portrait::of);
     let picture = cycle.and_then(|cycle| curve(&cycle.displacement, &cycle.velocity));
     let (number, words) = match &verdict.if_vibrating {

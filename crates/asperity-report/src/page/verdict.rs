@@ -30,7 +30,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         p if p < 0.35 => "unlikely",
         _ => "vibrates",
     };
-    if !verdict.friction_unresolved.is_empty() {
+    if verdict.friction_unresolved {
         return html!(
             "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"headline\">{}<strong class=\"unlikely\">{}</strong>{}</p>\n\
              <div class=\"cards\">\n{}</div>\n{}</section>\n",

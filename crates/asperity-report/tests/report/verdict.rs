@@ -126,13 +126,13 @@ fn the_sentence_states_the_probability_with_its_interval() {
         text.contains("\nAt the printed friction coefficient nothing needs to change: the normal force may"),
         "{text}"
     );
-    exact.friction_unresolved = vec![ErrorCause::Grid];
+    (exact.friction_unresolved, exact.unresolved_by) = (true, vec![ErrorCause::Grid]);
     let sentence = verdict_sentence(&exact);
     assert!(
         sentence.starts_with("No verdict yet: the pitch of the strips does not resolve the friction"),
         "{sentence}"
     );
-    exact.friction_unresolved.push(ErrorCause::Model);
+    exact.unresolved_by.push(ErrorCause::Model);
     assert!(verdict_sentence(&exact).contains(", and the random strips do not stand for the scan; the warnings"));
 }
 
@@ -210,7 +210,7 @@ fn a_number_that_is_not_stated_stands_with_both_ends_of_its_range_below_the_verd
     assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: vibrates)"]);
     verdict.assumed[0].probability_interval_at[1] = [0.0, 1.0];
     assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: may vibrate)"]);
-    verdict.friction_unresolved = vec![ErrorCause::Model];
+    verdict.friction_unresolved = true;
     assert!(not_stated(&verdict).is_empty());
 }
 

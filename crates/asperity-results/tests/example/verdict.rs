@@ -37,7 +37,8 @@ pub(crate) fn verdict() -> VerdictResult {
     };
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
-        friction_unresolved: Vec::new(),
+        friction_unresolved: false,
+        unresolved_by: Vec::new(),
         model: MachineModel::StickSlip,
         vibration_threshold: 0.1,
         friction_fluctuates: false,

@@ -139,7 +139,8 @@ pub(super) fn run(
         margin_quantiles: margin_quantiles(sampled),
         remedies,
         turning_points: if turns { turning_points(&machines, &nominal, &rests_on)? } else { Vec::new() },
-        friction_unresolved: window.mean_errors.unresolved.clone(),
+        friction_unresolved: !window.mean_errors.unresolved.is_empty(),
+        unresolved_by: window.mean_errors.unresolved.clone(),
         rests_on,
         assumed,
         ..probabilities.result()

@@ -1,5 +1,7 @@
 //! Null distribution of the goodness of fit of distributions fitted to correlated records.
 
+use std::sync::LazyLock;
+
 use super::{FitGoodness, Goodness};
 use crate::blocks;
 use crate::distribution::fit::Fit;
@@ -227,22 +229,37 @@ impl Projection {
     }
 }
 
+/// Upper edge g of a cell: Φ(g), φ(g) and Φ(g) Φ(−g).
+struct Edge {
+    lower: f64,
+    density: f64,
+    variance: f64,
+}
+
+/// Edges between all cells.
+static EDGES: LazyLock<Vec<Edge>> = LazyLock::new(|| {
+    let edge = |i: usize| {
+        let g = i as f64 * CELL - REACH;
+        let lower = standard_normal_cdf(g);
+        Edge { lower, density: standard_normal_pdf(g), variance: lower * standard_normal_cdf(-g) }
+    };
+    (1..CELLS).map(edge).collect()
+});
+
 /// Returns the Kolmogorov–Smirnov and Anderson–Darling distances of cell fractions from the normal distribution, with
 /// the effect of a fit removed by `projection`.
 fn distances(fractions: &[f64], projection: Option<&Projection>) -> [f64; 2] {
     let moves: Vec<f64> = projection
         .map_or_else(Vec::new, |projection| projection.scores.iter().map(|score| dot(score, fractions)).collect());
     let (mut below, mut largest, mut squares) = (0.0, 0.0_f64, 0.0);
-    for (i, fraction) in fractions.iter().enumerate().take(CELLS - 1) {
+    for (i, (fraction, edge)) in fractions.iter().zip(EDGES.iter()).enumerate() {
         below += fraction;
-        let g = (i as f64 + 1.0) * CELL - REACH;
-        let (lower, upper) = (standard_normal_cdf(g), standard_normal_cdf(-g));
-        let mut difference = below - lower;
+        let mut difference = below - edge.lower;
         if let Some(projection) = projection {
             difference -= projection.slopes.iter().zip(&moves).map(|(slope, by)| slope[i] * by).sum::<f64>();
         }
         largest = largest.max(difference.abs());
-        squares += difference * difference * CELL * standard_normal_pdf(g) / (lower * upper);
+        squares += difference * difference * CELL * edge.density / edge.variance;
     }
     [largest, squares]
 }

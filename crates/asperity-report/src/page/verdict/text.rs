@@ -14,7 +14,7 @@ use crate::verdict::{RARE, is_exact, largest_error, not_stated, percent as proba
 /// measure next, and the largest error with what makes it smaller.
 pub fn verdict_summary(verdict: &VerdictResult) -> Vec<String> {
     let mut sentences = vec![verdict_sentence(verdict)];
-    if !verdict.friction_unresolved.is_empty() {
+    if verdict.friction_unresolved {
         return sentences;
     }
     sentences.extend(not_stated(verdict).into_iter().map(|value| format!("Not stated: {value}.")));
