@@ -33,7 +33,7 @@ use crate::{
     unique, utf8_or_latin1,
 };
 use header::{DECIMAL_SIGN, ESRI, Header};
-use interpretation::Interpretation;
+use interpretation::{Interpretation, Wrong};
 use rows::{Layout, Table};
 use separator::{COMMENT, Separator};
 pub(crate) use write::write_text;
@@ -96,9 +96,12 @@ impl Head {
         for line in bytes.split(|&byte| byte == line_end) {
             let (row, comment) = line.split_at(rows::comment_start(line));
             if !row.trim_ascii().is_empty() || row.contains(&b'\t') {
-                let layout = Layout::new(Format::Text, Separator::detect(row), COMMENT, line_end);
+                let separator = Separator::detect(row);
+                let layout = Layout::new(Format::Text, separator, COMMENT, line_end);
                 let words = utf8_or_latin1(row);
-                if layout.starts_with_value(row) || !free && !head.take_key(&words) {
+                // An index of the rows has no name.
+                let named = row.trim_ascii_start().strip_prefix(&[separator.sign()]).filter(|_| free);
+                if layout.starts_with_value(named.unwrap_or(row)) || !free && !head.take_key(&words) {
                     head.first_row = row.to_vec();
                     break;
                 }
@@ -205,9 +208,8 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");
     }
-    let interpretation = header
-        .interpret(shape, options.height_unit.is_some())
-        .map_err(|(key, value)| wrong_factor(bytes, line_end, lines, key, value))?;
+    let interpretation =
+        header.interpret(shape, options).map_err(|wrong| wrong_pair(bytes, line_end, lines, &wrong))?;
     if let Some(unit) = interpretation.unit.as_deref().filter(|unit| per_metre(unit).is_none())
         && options.height_unit.is_none()
     {
@@ -255,14 +257,14 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
     Ok((rows, columns))
 }
 
-/// Returns the error for an invalid conversion factor in a text that starts after `lines` lines.
-fn wrong_factor(bytes: &[u8], line_end: u8, lines: usize, key: &str, value: &str) -> FormatError {
+/// Returns the error for an invalid pair of the header in a text that starts after `lines` lines.
+fn wrong_pair(bytes: &[u8], line_end: u8, lines: usize, wrong: &Wrong<'_>) -> FormatError {
+    let Wrong { key, value, wanted } = *wrong;
     let states = |line: &[u8]| {
         let line = utf8_or_latin1(line);
         line.split_once(key).is_some_and(|(_, rest)| rest.contains(value))
     };
     let line = bytes.split(|&byte| byte == line_end).position(states).unwrap_or_default();
-    let wanted = "a number other than 0 (a stated height unit replaces the factor)";
     FormatError::field(Format::Text, shown(key), Location::Line(lines + line + 1), value, wanted)
 }
 

@@ -1,6 +1,6 @@
 //! Points x, y, z on a grid as text, one point per line, and the XYZ files of Zygo.
 //!
-//! Points follow each other along x or along y, in either direction. The reader determines the grid from the
+//! Points follow each other along x or along y, in either direction, or in any order. The reader determines the grid from the
 //! coordinates. A point may differ from its grid point by [a quarter of a step](grid::TOLERANCE), which allows for
 //! the rounding of coarse digits and for the jitter of a stage. The header may name the columns x, y and z in another order. A fourth column,
 //! often an intensity, is left out. Missing are grid points without a point, and heights
@@ -37,8 +37,9 @@ pub(crate) const CODEC: Description = Description {
     ..Description::new(Format::Xyz, detect, read)
 };
 
-/// Places of the columns x, y and z without names.
+/// Places of the columns x, y and z without names, and behind an index of the rows.
 const IN_ORDER: [usize; 3] = [0, 1, 2];
+const INDEXED: [usize; 3] = [1, 2, 3];
 /// Number of columns with another quantity.
 const MOST_COLUMNS: usize = 4;
 /// First bytes of a Zygo file.
@@ -53,7 +54,7 @@ const MIN_STEPS: usize = 8;
 const MAX_PLAUSIBLE_M: f64 = 1e-3;
 
 /// Returns whether the header names three columns x, y and z, or the first lines are points of a grid: along a line
-/// one of the first two values changes in steps and the other stays constant.
+/// one of the first two values changes in steps and the other stays constant, or the points fill a grid in any order.
 ///
 /// Maps with three columns of heights do not have this pattern.
 fn detect(bytes: &[u8]) -> bool {
@@ -75,8 +76,18 @@ fn detect(bytes: &[u8]) -> bool {
         return false;
     };
     let (before, points) = probe[..end].split_at(head.start.min(end));
-    let steps = |table: rows::Table| steps_like_a_grid(&points_of(&table.values, columns, IN_ORDER), whole);
-    named_columns(before, columns).is_some() || rows::read(points, &layout, 0).is_ok_and(steps)
+    let points_in = |text: &[u8]| {
+        rows::read(text, &layout, 0).map(|table| points_of(&table.values, columns, places_of(&table.values, columns)))
+    };
+    if named_columns(before, columns).is_some()
+        || points_in(points).is_ok_and(|points| steps_like_a_grid(&points, whole))
+    {
+        return true;
+    }
+    // Only the whole list shows that points in any order fill a grid.
+    let text = utf8(bytes);
+    let (text, _) = lines(&text);
+    points_in(&text[head.start.min(text.len())..]).is_ok_and(|points| Points(&points).are_shuffled())
 }
 
 /// Place and number of units per metre of the columns x, y and z.
@@ -105,6 +116,14 @@ fn named_columns(head: &[u8], columns: usize) -> Option<Columns> {
         let found = [place("x")?, place("y")?, place("z")?];
         (names.len() == columns).then_some(found)
     })
+}
+
+/// Returns the places of x, y and z without names: behind an index if the first of four columns counts the rows.
+fn places_of(values: &[f64], columns: usize) -> [usize; 3] {
+    let mut counted = values.chunks_exact(columns).map(|row| row[0]);
+    let first = counted.next().filter(|first| columns == MOST_COLUMNS && (*first == 0.0 || *first == 1.0));
+    let is_index = first.is_some_and(|first| counted.enumerate().all(|(row, value)| value == first + 1.0 + row as f64));
+    if is_index && values.len() > MIN_STEPS * columns { INDEXED } else { IN_ORDER }
 }
 
 /// Returns x, y and z of points with further columns or another order.
@@ -167,7 +186,7 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     }
     let (head, columns) = (&bytes[..start], list.layout.columns().unwrap_or(3));
     let named = named_columns(head, columns);
-    let places = named.map_or(IN_ORDER, |named| named.map(|(place, _)| place));
+    let places = named.map_or_else(|| places_of(&table.values, columns), |named| named.map(|(place, _)| place));
     if columns > 3 || places != IN_ORDER {
         table.values = points_of(&table.values, columns, places);
     }
@@ -176,7 +195,7 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     let units = units(&header, head, named)?;
     let grid = Points(&table.values).grid().map_err(|reason| {
         let names_point = repeats_a_point(&reason, &table.values) || steps_like_a_grid(&table.values, true);
-        if names_point { list.error(&reason) } else { no_grid() }
+        if names_point { list.error(&reason) } else { no_grid(Points(&table.values).spacing()) }
     })?;
     drop(table);
     let [per_metre_x, per_metre_y, per_metre_z] = units.map(|unit| unit.unwrap_or(1.0));
@@ -290,9 +309,12 @@ impl List<'_> {
                 format!("{steps:.2} steps off the grid"),
                 &format!("at most {TOLERANCE}; interpolate the heights onto a regular grid"),
             ),
-            NoGrid::Twice { point } => {
-                field("the point", point, "in the place of another".into(), "one point for each place of the grid")
-            }
+            NoGrid::Twice { point } => field(
+                "the point",
+                point,
+                "in the place of another".into(),
+                "one point for each place of the grid; leave repeated points out or average them",
+            ),
             NoGrid::Line { axis } => unsupported(format!("the points have no grid along {}", name(axis))),
             NoGrid::Sparse { columns, rows } => unsupported(format!(
                 "the points would fill less than 1 of {MAX_SPREAD} places of a grid of {columns} × {rows}"
@@ -306,9 +328,10 @@ fn unsupported(found: String) -> FormatError {
     FormatError::unsupported(Format::Xyz, found, wanted)
 }
 
-/// Returns the error for points without a grid.
-pub(crate) fn no_grid() -> FormatError {
-    unsupported("the three columns are points x, y, z that lie on no regular grid".into())
+/// Returns the error for points without a grid, which are so far apart on average.
+fn no_grid(spacing: f64) -> FormatError {
+    let apart = if spacing > 0.0 { format!(", some {spacing:.2e} apart") } else { String::new() };
+    unsupported(format!("the three columns are points x, y, z that lie on no regular grid{apart}"))
 }
 
 fn nothing(line: usize) -> FormatError {

@@ -3,7 +3,7 @@
 use crate::text::factor::{Factor, Factors};
 use crate::text::header::{Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
 use crate::text::length::Lengths;
-use crate::{Shape, shown, warn_if};
+use crate::{ReadOptions, Shape, shown, warn_if};
 
 /// Keys with one meaning, separated by bars.
 const DX: &str = "dx|delta x|x step|step x|x spacing|x pitch|x pixel size|pixel size x|pixel width|scale x";
@@ -16,6 +16,13 @@ const NO_DATA: &str = "nodata value|no data value|nodata|no data|missing value|f
 const QUOTED_FACTORS: usize = 8;
 /// Default mark of missing points in an ESRI grid.
 const ESRI_NO_DATA: f64 = -9999.0;
+
+/// Pair of a header that cannot be read.
+pub(crate) struct Wrong<'a> {
+    pub(crate) key: &'a str,
+    pub(crate) value: &'a str,
+    pub(crate) wanted: &'static str,
+}
 
 /// Interpretation of a header.
 pub(crate) struct Interpretation {
@@ -45,10 +52,15 @@ impl Header {
     /// unknown units give no warning and no factor is applied.
     ///
     /// # Errors
-    /// The key and the value of a conversion factor that is not a number or is 0, if no unit of length is stated.
-    pub(crate) fn interpret(&self, (rows, columns): Shape, is_stated: bool) -> Result<Interpretation, (&str, &str)> {
+    /// A conversion factor that is not a number or is 0, if no unit of length is stated, or a length of which a number cannot be read whole.
+    pub(crate) fn interpret(&self, (rows, columns): Shape, options: &ReadOptions) -> Result<Interpretation, Wrong<'_>> {
+        let is_stated = options.height_unit.is_some();
         let mut warnings = Vec::new();
-        let pitch_m = self.pitch((rows, columns), &mut warnings);
+        let pitch_m = match self.pitch((rows, columns), &mut warnings) {
+            // The stated pixel size replaces it.
+            Err(_) if options.pitch_m.is_some() => None,
+            found => found?,
+        };
         if let Some(stated) = self.shape().filter(|&stated| stated != (rows, columns)) {
             let (ny, nx) = stated;
             warnings.push(format!("the header states {nx} × {ny} points; there are {columns} × {rows}"));
@@ -63,7 +75,10 @@ impl Header {
                 warnings.push(replaced(pair));
                 Factors { used: None, unused: Vec::new() }
             }
-            Err(pair) => return Err((&pair.key, &pair.value)),
+            Err(Pair { key, value, .. }) => {
+                let wanted = "a number other than 0 (a stated height unit replaces the factor)";
+                return Err(Wrong { key, value, wanted });
+            }
             Ok(factors) => factors,
         };
         let not_used = |pair: &&Pair| format!("the header states {}, which was not used", pair.quoted());
@@ -120,48 +135,54 @@ impl Header {
     }
 
     /// Returns the pixel size from the first key that states it.
-    fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Option<(f64, f64)> {
+    ///
+    /// # Errors
+    /// A number that cannot be read whole.
+    fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, Wrong<'_>> {
         let [x_unit, y_unit, _] = self.units();
         let is_spip = || self.find("file format").is_some_and(|pair| pair.value == "ASCII");
-        let steps = |pair: &Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit));
-        if let Some(lengths) = self.find(PIXEL_SIZE).and_then(|pair| steps(pair, x_unit)) {
-            return Some(lengths.pair(warnings));
+        let read = |pair: &'_ Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit));
+        let of = |names, unit: Option<f64>| {
+            let Some(pair) = self.find(names) else { return Ok(None) };
+            let Pair { key, value, .. } = pair;
+            let lengths = read(pair, unit).map_err(|reason| Wrong { key, value, wanted: reason.wanted() })?;
+            Ok(lengths.map(|lengths| (pair, lengths)))
+        };
+        if let Some((_, lengths)) = of(PIXEL_SIZE, x_unit)? {
+            return Ok(Some(lengths.pair(warnings)));
         }
-        if let Some(x) = self.find(DX).and_then(|pair| steps(pair, x_unit)) {
-            let y = self.find(DY).and_then(|pair| steps(pair, y_unit));
+        if let Some((_, x)) = of(DX, x_unit)? {
+            let y = of(DY, y_unit)?;
             let (dx_m, _) = x.pair(warnings);
-            return Some((dx_m, y.map_or(dx_m, |y| y.metre[0])));
+            return Ok(Some((dx_m, y.map_or(dx_m, |(_, y)| y.metre[0]))));
         }
-        if let Some(cell) = self.find("cellsize").and_then(|pair| steps(pair, x_unit)) {
-            return Some((cell.metre[0], cell.metre[0]));
+        if let Some((_, cell)) = of("cellsize", x_unit)? {
+            return Ok(Some((cell.metre[0], cell.metre[0])));
         }
         // Numbers equal to the numbers of points are counts, unless they have a unit or the header names a lateral
         // unit.
         let has_lateral = self.find(X_UNIT).is_some_and(|pair| unit(&pair.value).is_some());
-        let is_length = |pair: &Pair| has_lateral || steps(pair, None).is_some_and(|lengths| lengths.has_unit);
+        let is_length =
+            |pair: &Pair| has_lateral || read(pair, None).is_ok_and(|lengths| lengths.is_some_and(|of| of.has_unit));
         // Sizes cover all points: columns · dx, as in Gwyddion and SPIP.
         let pitch = |(width_m, height_m): (f64, f64)| (width_m / columns as f64, height_m / rows as f64);
-        if let Some((pair, size)) = self.find(SIZE).and_then(|pair| Some((pair, steps(pair, x_unit)?)))
+        if let Some((pair, size)) = of(SIZE, x_unit)?
             && size.has_unit
             && (is_length(pair) || size.stated != [columns as f64, rows as f64])
         {
-            return Some(pitch(size.pair(warnings)));
+            return Ok(Some(pitch(size.pair(warnings))));
         }
         let nanometre = is_spip().then_some(1e9);
-        let named = |names, unit: Option<f64>| {
-            let pair = self.find(names)?;
-            Some((pair, steps(pair, unit.or(nanometre))?))
-        };
-        let (x, width) = named(WIDTH, x_unit)?;
-        let Some((y, height)) = named(HEIGHT, y_unit) else {
+        let Some((x, width)) = of(WIDTH, x_unit.or(nanometre))? else { return Ok(None) };
+        let Some((y, height)) = of(HEIGHT, y_unit.or(nanometre))? else {
             warn_if!(warnings, width.has_unit, "the header states a width but no height; no pixel size was read");
-            return None;
+            return Ok(None);
         };
         let counts = [&width.stated[..], &height.stated].concat();
         let are_counts =
             counts == [columns as f64, rows as f64] && nanometre.is_none() && !(is_length(x) && is_length(y));
         let are_lengths = width.has_unit && height.has_unit && !are_counts;
-        are_lengths.then(|| pitch((width.metre[0], height.metre[0])))
+        Ok(are_lengths.then(|| pitch((width.metre[0], height.metre[0]))))
     }
 }
 

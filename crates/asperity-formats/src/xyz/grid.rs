@@ -6,6 +6,11 @@ use crate::refuse_if;
 pub(super) const TOLERANCE: f64 = 0.25;
 /// Maximum number of grid points per point of the list.
 pub(super) const MAX_SPREAD: f64 = 4.0;
+/// Least ratio of a step to the jitter.
+const LEAST_RATIO: f64 = 4.0;
+/// Fewest points that show a grid by their coordinates alone, and the least fraction of it that they fill.
+const FEWEST: usize = 9;
+const LEAST_FILLED: f64 = 0.75;
 /// Fraction of the range of a coordinate below which differences are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
@@ -51,6 +56,16 @@ impl<'a> Points<'a> {
         self.0.chunks_exact(3).map(move |point| point[axis])
     }
 
+    /// Returns the spacing of a square grid with as many points on the same area.
+    pub(super) fn spacing(self) -> f64 {
+        let range = |axis| {
+            let ends = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
+            let (low, high) = self.coordinates(axis).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+            high - low
+        };
+        (range(0) * range(1) / self.len() as f64).sqrt()
+    }
+
     /// Returns the distances between successive points.
     fn steps(self, axis: usize) -> Vec<f64> {
         self.coordinates(axis).zip(self.coordinates(axis).skip(1)).map(|(a, b)| (b - a).abs()).collect()
@@ -58,9 +73,15 @@ impl<'a> Points<'a> {
 
     /// Arranges the points on their grid.
     ///
-    /// Points are in lines of any order: along a line the fast coordinate changes by the pitch, and the other only
-    /// jitters. Coordinates closer than the steps allow belong to one grid line.
+    /// # Errors
+    /// The points, taken line by line and in any order, do not lie on a grid.
     pub(super) fn grid(self) -> Result<Grid, NoGrid> {
+        self.by_lines().or_else(|reason| self.in_any_order().map_err(|_| reason))
+    }
+
+    /// Arranges points that are in lines of any order: along a line the fast coordinate changes by the pitch, and the other only
+    /// jitters. Coordinates closer than the steps allow belong to one grid line.
+    fn by_lines(self) -> Result<Grid, NoGrid> {
         for axis in [0, 1] {
             if let Some(point) = self.coordinates(axis).position(|x| !x.is_finite()) {
                 return Err(NoGrid::NotFinite { point, axis });
@@ -77,6 +98,27 @@ impl<'a> Points<'a> {
         let [columns, rows] = axes.map(|axis| axis.lines as f64);
         refuse_if!(columns * rows > MAX_SPREAD * self.len() as f64, NoGrid::Sparse { columns, rows });
         self.fill(axes)
+    }
+
+    /// Arranges points in any order. The distances between successive coordinates are jitter within a grid line and pitch between two;
+    /// the largest ratio between two of them tells one from the other.
+    fn in_any_order(self) -> Result<Grid, NoGrid> {
+        let axis = |axis| {
+            let coordinates: Vec<f64> = self.coordinates(axis).collect();
+            let width = jitter(&coordinates);
+            Axis::fit(coordinates, width).ok_or(NoGrid::Line { axis })
+        };
+        let axes = [axis(0)?, axis(1)?];
+        let [columns, rows] = axes.map(|axis| axis.lines as f64);
+        // Few numbers lie on some sparse grid by chance.
+        let is_grid = self.len() >= FEWEST && columns * rows * LEAST_FILLED <= self.len() as f64;
+        refuse_if!(!is_grid, NoGrid::Sparse { columns, rows });
+        self.fill(axes)
+    }
+
+    /// Returns whether the points fill a grid, in any order.
+    pub(super) fn are_shuffled(self) -> bool {
+        self.coordinates(0).chain(self.coordinates(1)).all(f64::is_finite) && self.in_any_order().is_ok()
     }
 
     fn fill(self, axes: [Axis; 2]) -> Result<Grid, NoGrid> {
@@ -123,6 +165,20 @@ impl Axis {
             lines: (steps as usize).saturating_add(1),
         })
     }
+}
+
+/// Returns the largest distance of coordinates on one grid line: the distance before the largest ratio of successive distances, and 0 if
+/// equal coordinates alone are on one line.
+fn jitter(coordinates: &[f64]) -> f64 {
+    let mut sorted = coordinates.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let [Some(low), Some(high)] = [sorted.first(), sorted.last()] else { return 0.0 };
+    let rounding = ROUNDING * (high - low);
+    let mut gaps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > rounding).collect();
+    gaps.sort_unstable_by(f64::total_cmp);
+    let widest = gaps.windows(2).map(|pair| (pair[1] / pair[0], pair[0])).max_by(|a, b| a.0.total_cmp(&b.0));
+    // Gaps of several steps, where points are missing, have smaller ratios.
+    widest.filter(|(ratio, _)| *ratio > LEAST_RATIO).map_or(0.0, |(_, gap)| gap)
 }
 
 /// Returns the quantile of the values; NaN if there is none.

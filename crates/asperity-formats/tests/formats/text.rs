@@ -502,3 +502,19 @@ fn a_long_text_is_the_same_in_pieces() {
     text.replace_range(start..start + 1, "x");
     assert_error(read_bytes(text.as_bytes()), "text: value 1 (line 2902)");
 }
+
+#[test]
+fn a_length_in_the_header_is_read_whole_or_refused() {
+    let text = |size: &str| format!("# pixel size: {size}\n1e-7 2e-7\n3e-7 5e-7\n");
+    assert_pitch(&read_bytes(text("1,234.5 um").as_bytes()).unwrap(), (1234.5e-6, 1234.5e-6));
+    assert_refused([
+        (text("12.34.5 um"), "text: pixel size (line 1) is `12.34.5 um`; wanted a length"),
+        (text("1,234 um"), "text: pixel size (line 1) is `1,234 um`; wanted a length without a comma or space"),
+        (text("1 234.5 um"), "text: pixel size (line 1) is `1 234.5 um`; wanted a length without a comma or space"),
+        ("# width: 1,234 um\n# height: 2 mm\n1 2\n3 4\n".into(), "text: width (line 1) is `1,234 um`"),
+        ("# width: 2 mm\n# height: 1.2.3 mm\n1 2\n3 4\n".into(), "text: height (line 2) is `1.2.3 mm`"),
+    ]);
+    // A stated pixel size replaces it.
+    let options = ReadOptions { pitch_m: Some((2e-6, 2e-6)), ..ReadOptions::default() };
+    assert_eq!(read_bytes_with(text("1,234 um").as_bytes(), &options).unwrap().pitch_m, options.pitch_m);
+}

@@ -84,6 +84,48 @@ fn points_are_put_in_their_places_in_any_order() {
 }
 
 #[test]
+fn shuffled_points_are_put_in_their_places() {
+    // 17 × 11 points, in steps of 0.5 and 0.25; 7 and 97 are coprime to their number, so multiples visit each once.
+    let (columns, rows) = (17, 11);
+    for (factor, jitter, left_out) in [(7, 0.0, 0), (97, 0.0, 0), (97, 0.01, 0), (101, 0.0, 30), (101, 0.02, 30)] {
+        let points = (0..columns * rows - left_out).map(|n| (n * factor + 5) % (columns * rows));
+        let noise = |place: usize, along: f64| jitter * ((place as f64 * along).fract() - 0.5);
+        let line = |place: usize| {
+            let (x, y) = (0.5 * (place % columns) as f64, 0.25 * (place / columns) as f64);
+            format!("{:.6} {:.6} {}\n", x + noise(place, 0.618_034), y + noise(place, 0.754_878), place as f64 / 8.0)
+        };
+        let scan = read(&points.map(line).collect::<String>());
+        assert_eq!(scan.heights_m.dim(), (rows, columns), "{factor} {jitter} {left_out}");
+        let (dx_m, dy_m) = scan.pitch_m.unwrap();
+        assert!((dx_m / 0.5 - 1.0).abs() < 1e-2 && (dy_m / 0.25 - 1.0).abs() < 1e-2, "{dx_m} {dy_m}");
+        let is_missing = |z: &f64| z.is_nan();
+        assert_eq!(scan.heights_m.iter().filter(|z| is_missing(z)).count(), left_out);
+        let in_place =
+            |((row, column), z): ((usize, usize), &f64)| z.is_nan() || *z == (row * columns + column) as f64 / 8.0;
+        assert!(scan.heights_m.indexed_iter().all(in_place), "{factor} {jitter} {left_out}");
+    }
+    // Quantised heights in three columns are no points: places repeat.
+    let map: String = (0..60).map(|n| format!("{} {} {}\n", n * 7 % 5, n * 3 % 4, n * 11 % 6)).collect();
+    assert_eq!(Format::detect(map.as_bytes()), Some(Format::Text));
+}
+
+#[test]
+fn an_index_of_the_rows_is_no_coordinate() {
+    let map: Vec<(usize, usize)> = (0..5).flat_map(|row| (0..6).map(move |column| (row, column))).collect();
+    let line = |(index, &(row, column)): (usize, &(usize, usize))| {
+        format!("{index},{}e-6,{}e-6,{}e-7\n", 2 * column, 3 * row, 10 * row + column)
+    };
+    let indexed: String = map.iter().enumerate().map(line).collect();
+    for head in ["", ",x,y,z\n", "index,x,y,z\n"] {
+        let scan = read(&format!("{head}{indexed}"));
+        assert_eq!(scan.heights_m.dim(), (5, 6), "{head}");
+        let (dx_m, dy_m) = scan.pitch_m.unwrap();
+        assert!((dx_m / 2e-6 - 1.0).abs() < 1e-12 && (dy_m / 3e-6 - 1.0).abs() < 1e-12, "{dx_m} {dy_m}");
+        assert!(scan.heights_m.indexed_iter().all(|((y, x), z)| (z * 1e7 - (10 * y + x) as f64).abs() < 1e-9));
+    }
+}
+
+#[test]
 fn lines_may_lie_closer_than_the_points_on_them() {
     // Pixels of 5 µm × 1 µm in lines along x: a new line starts a fifth of a step further.
     for (columns, rows) in [(4, 3), (2, 9), (7, 5), (3, 40)] {
