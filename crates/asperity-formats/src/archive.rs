@@ -318,12 +318,17 @@ pub(crate) fn written(
 /// First bytes of a gzip stream.
 pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Unpacks a gzip stream.
+/// Unpacks a gzip stream, and one in it.
 ///
 /// # Errors
 /// [`FormatError::TooLarge`] above the limit of its packed size, [`FormatError::Archive`] for a damaged stream.
 pub(crate) fn gunzip(bytes: &[u8]) -> Result<Vec<u8>> {
     let limit = unpacked_limit(bytes.len() as u64);
+    let content = gunzip_up_to(limit, bytes)?;
+    if content.starts_with(&GZIP_MAGIC) { gunzip_up_to(limit, &content) } else { Ok(content) }
+}
+
+fn gunzip_up_to(limit: u64, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut content = Vec::new();
     MultiGzDecoder::new(bytes)
         .take(limit + 1)

@@ -57,9 +57,14 @@ pub(crate) const TEXT_PROBE: usize = 4096;
 
 /// Returns whether bytes start without control characters.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
-    let probe = utf8(&bytes[..bytes.len().min(TEXT_PROBE)]);
+    let probe = utf8(without_end_mark(&bytes[..bytes.len().min(TEXT_PROBE)]));
     let is_text = |&byte: &u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
     !probe.is_empty() && probe.iter().all(is_text)
+}
+
+/// Returns a text without the character Ctrl-Z, which ends texts of DOS.
+fn without_end_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_suffix(b"\x1a").unwrap_or(bytes)
 }
 
 /// Number of rows from which three columns look like points rather than a map.
@@ -72,9 +77,9 @@ pub(crate) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     utf16(bytes).map_or(Cow::Borrowed(bytes), |text| Cow::Owned(text.into_bytes()))
 }
 
-/// Removes the byte-order mark of UTF-8. Returns the text and the byte that ends its lines.
+/// Removes the byte-order mark of UTF-8 and a mark of the end. Returns the text and the byte that ends its lines.
 pub(crate) fn lines(bytes: &[u8]) -> (&[u8], u8) {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_end_mark(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     (bytes, if bytes.contains(&b'\n') { b'\n' } else { b'\r' })
 }
 

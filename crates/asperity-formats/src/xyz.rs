@@ -23,6 +23,7 @@ use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::{COMMENT, Separator};
 use crate::text::{Head, TEXT_PROBE, is_text, lines, utf8};
+use crate::unit::in_words;
 use crate::{Description, Format, FormatError, Location, ReadOptions, Result, Scan, utf8_or_latin1, warn_if};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 
@@ -202,8 +203,11 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     let [dx_m, dy_m] = [grid.axes[0].step / per_metre_x, grid.axes[1].step / per_metre_y];
     if units[0].is_none() && dx_m.max(dy_m) > MAX_PLAUSIBLE_M {
         let taken = if options.height_unit.is_some() { "x and y" } else { "x, y and z" };
-        warnings
-            .push(format!("no unit is stated; {taken} count as metre, which gives pixels of {dx_m:e} × {dy_m:e} m"));
+        warnings.push(format!(
+            "no unit is stated; {taken} count as metre, which gives pixels of {} × {}",
+            in_words(dx_m),
+            in_words(dy_m)
+        ));
     }
     let heights_m = map(grid)?.mapv_into(|z| z / per_metre_z);
     let height_unit = units[2].and_then(crate::unit::name).map(str::to_owned);

@@ -19,8 +19,9 @@ fn a_gzip_stream_is_read_like_its_content() {
 }
 
 #[test]
-fn a_gzip_stream_in_another_is_refused() {
-    assert_error(read_bytes(&gzip(&gzip(TEXT))), "unknown format");
+fn a_gzip_stream_in_another_is_read_and_a_third_refused() {
+    assert_eq!(crate::bits(&read_bytes(&gzip(&gzip(TEXT))).unwrap()), crate::bits(&read_bytes(TEXT).unwrap()));
+    assert_error(read_bytes(&gzip(&gzip(&gzip(TEXT)))), "unknown format");
 }
 
 #[test]

@@ -518,3 +518,12 @@ fn a_length_in_the_header_is_read_whole_or_refused() {
     let options = ReadOptions { pitch_m: Some((2e-6, 2e-6)), ..ReadOptions::default() };
     assert_eq!(read_bytes_with(text("1,234 um").as_bytes(), &options).unwrap().pitch_m, options.pitch_m);
 }
+
+#[test]
+fn the_mark_at_the_end_of_a_text_of_dos_is_no_height() {
+    for end in ["\x1a", "\r\n\x1a"] {
+        let text = format!("# unit: nm\r\n1 2\r\n3 4{end}");
+        assert_scan(text.as_bytes(), Format::Text, (2, 2), None, &[1e-9, 2e-9, 3e-9, 4e-9]);
+    }
+    assert_eq!(Format::detect(b"1 2\n3 \x1a4\n"), None);
+}
