@@ -55,7 +55,8 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
     ];
     let page = Page {
         title: run.name.clone(),
-        intro: "One study with many values: report of a campaign by asperity.",
+        intro: "One study with many values: report of a campaign by asperity. The report of a single run of the study shows what decides, what would stop \
+                vibration, and what the answer rests on.",
         first_screen: None,
         answers: answers::answers(results),
         warnings: results.warnings.clone(),

@@ -163,6 +163,8 @@ fn condition(verdict: &VerdictResult) -> String {
 fn part_of(ratio: f64) -> String {
     match ratio {
         ratio if (ratio - 1.0).abs() < 0.005 => "just about".into(),
+        // A percentage would be read as a probability.
+        ratio if (ratio - 0.5).abs() < 0.01 => "half of".into(),
         ratio if ratio < 1.0 => format!("{} % of", significant(100.0 * ratio, 2)),
         ratio => format!("{} times", significant(ratio, if ratio < 1.1 { 3 } else { 2 })),
     }
