@@ -64,7 +64,9 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
 
 /// Returns a text without the character Ctrl-Z, which ends texts of DOS.
 fn without_end_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_suffix(b"\x1a").unwrap_or(bytes)
+    let text = bytes.trim_ascii_end();
+    let end = text.iter().rposition(|byte| *byte != 0x1a).map_or(0, |last| last + 1);
+    if end < text.len() { &text[..end] } else { bytes }
 }
 
 /// Number of rows from which three columns look like points rather than a map.
@@ -105,7 +107,9 @@ impl Head {
                 let layout = Layout::new(Format::Text, separator, COMMENT, line_end);
                 let words = utf8_or_latin1(row);
                 // An index of the rows has no name.
-                let named = row.trim_ascii_start().strip_prefix(&[separator.sign()]).filter(|_| free);
+                let start = row.iter().position(|byte| *byte != b' ').map_or(row, |start| &row[start..]);
+                let start = start.strip_prefix(b"\"\"").unwrap_or(start);
+                let named = start.strip_prefix(&[separator.sign()]).filter(|_| free);
                 if layout.starts_with_value(named.unwrap_or(row)) || !free && !head.take_key(&words) {
                     head.first_row = row.to_vec();
                     break;

@@ -41,6 +41,8 @@ pub(crate) const CODEC: Description = Description {
 /// Places of the columns x, y and z without names, and behind an index of the rows.
 const IN_ORDER: [usize; 3] = [0, 1, 2];
 const INDEXED: [usize; 3] = [1, 2, 3];
+/// Names of the heights.
+const HEIGHTS: [&str; 3] = ["z", "height", "h"];
 /// Number of columns with another quantity.
 const MOST_COLUMNS: usize = 4;
 /// First bytes of a Zygo file.
@@ -114,17 +116,25 @@ fn named_columns(head: &[u8], columns: usize) -> Option<Columns> {
             let place = names.iter().position(|(name, _)| name == wanted)?;
             Some((place, names[place].1))
         };
-        let found = [place("x")?, place("y")?, place("z")?];
-        (names.len() == columns).then_some(found)
+        let height = || HEIGHTS.iter().find_map(|name| place(name));
+        let found = [place("x")?, place("y")?, height()?];
+        // An index of the rows may have no name.
+        let unnamed = columns
+            .checked_sub(names.len())
+            .filter(|unnamed| *unnamed == 0 || columns == MOST_COLUMNS && *unnamed == 1)?;
+        Some(found.map(|(place, unit)| (place + unnamed, unit)))
     })
 }
 
-/// Returns the places of x, y and z without names: behind an index if the first of four columns counts the rows.
+/// Returns the places of x, y and z without names: behind an index if the first of four columns rises from row to row in whole numbers, as
+/// no coordinate of a grid does.
 fn places_of(values: &[f64], columns: usize) -> [usize; 3] {
-    let mut counted = values.chunks_exact(columns).map(|row| row[0]);
-    let first = counted.next().filter(|first| columns == MOST_COLUMNS && (*first == 0.0 || *first == 1.0));
-    let is_index = first.is_some_and(|first| counted.enumerate().all(|(row, value)| value == first + 1.0 + row as f64));
-    if is_index && values.len() > MIN_STEPS * columns { INDEXED } else { IN_ORDER }
+    let index = || values.chunks_exact(columns).map(|row| row[0]);
+    let is_index = columns == MOST_COLUMNS
+        && values.len() > columns
+        && index().all(|value| value.fract() == 0.0)
+        && index().zip(index().skip(1)).all(|(here, next)| next > here);
+    if is_index { INDEXED } else { IN_ORDER }
 }
 
 /// Returns x, y and z of points with further columns or another order.

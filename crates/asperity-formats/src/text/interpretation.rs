@@ -1,7 +1,7 @@
 //! Interpretation of headers: pixel size, unit and factor of the heights, missing points.
 
 use crate::text::factor::{Factor, Factors};
-use crate::text::header::{Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
+use crate::text::header::{DECIMAL_SIGN, Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
 use crate::text::length::Lengths;
 use crate::{ReadOptions, Shape, shown, warn_if};
 
@@ -141,7 +141,8 @@ impl Header {
     fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, Wrong<'_>> {
         let [x_unit, y_unit, _] = self.units();
         let is_spip = || self.find("file format").is_some_and(|pair| pair.value == "ASCII");
-        let read = |pair: &'_ Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit));
+        let comma = self.find(DECIMAL_SIGN).is_some();
+        let read = |pair: &'_ Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit), comma);
         let of = |names, unit: Option<f64>| {
             let Some(pair) = self.find(names) else { return Ok(None) };
             let Pair { key, value, .. } = pair;

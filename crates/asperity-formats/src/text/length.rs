@@ -1,6 +1,5 @@
 //! Lengths in the header of a text.
 
-use super::field::decimal_comma;
 use crate::{per_metre, warn_if};
 
 /// One or two lengths.
@@ -12,17 +11,21 @@ pub(super) struct Lengths {
 
 impl Lengths {
     /// Parses lengths such as `0.5 um x 0.25 um`, `1 2 mm` or `(3, 4)`. A unit applies to the numbers before it.
-    /// Numbers without a unit are in `unit`, or else in metre. `None` if the text does not state lengths.
+    /// Numbers without a unit are in `unit`, or else in metre. `comma` is whether all decimal signs of the file are commas. `None` if the
+    /// text does not state lengths.
     ///
     /// # Errors
     /// A number that cannot be read whole.
-    pub(super) fn parse(text: &str, unit: Option<f64>) -> Result<Option<Self>, NoNumber> {
+    pub(super) fn parse(text: &str, unit: Option<f64>, comma: bool) -> Result<Option<Self>, NoNumber> {
         let mut doubt = None;
-        let lengths = Self::read(text, unit, &mut doubt);
-        doubt.map_or(Ok(lengths), Err)
+        match (Self::read(text, unit, comma, &mut doubt), doubt) {
+            (Some(_), Some(doubt)) => Err(doubt),
+            (lengths, _) => Ok(lengths),
+        }
     }
 
-    fn read(text: &str, unit: Option<f64>, doubt: &mut Option<NoNumber>) -> Option<Self> {
+    /// Reads lengths; the first number that cannot be read whole goes to `doubt`.
+    fn read(text: &str, unit: Option<f64>, comma: bool, doubt: &mut Option<NoNumber>) -> Option<Self> {
         let mut lengths = Self { metre: Vec::new(), stated: Vec::new(), has_unit: true };
         let (mut scaled, mut rest) = (0, text);
         loop {
@@ -35,20 +38,15 @@ impl Lengths {
             }
             let times = rest.strip_prefix(['x', 'X']).filter(|after| !after.starts_with(char::is_alphabetic));
             if first.is_ascii_digit() || matches!(first, '+' | '-' | '.') {
-                let (number, length) = match leading_number(rest) {
-                    Ok(Some((_, length)))
-                        if is_space && may_continue(&text[..text.len() - between.len()], &rest[..length]) =>
-                    {
-                        *doubt = Some(NoNumber::Thousands);
-                        return None;
-                    }
-                    Ok(found) => found?,
-                    Err(reason) => {
-                        *doubt = Some(reason);
-                        return None;
-                    }
-                };
-                lengths.stated.push(number);
+                let is_open = text[..text.len() - rest.len()].ends_with(['(', '[']);
+                let (number, length) = leading_number(rest, comma, is_open)?;
+                if is_space && may_continue(&text[..text.len() - between.len()], &rest[..length]) {
+                    doubt.get_or_insert(NoNumber::Thousands);
+                }
+                lengths.stated.push(number.unwrap_or_else(|reason| {
+                    doubt.get_or_insert(reason);
+                    f64::NAN
+                }));
                 rest = &rest[length..];
             } else if let Some(after) = times.or_else(|| rest.strip_prefix("by ")) {
                 rest = after;
@@ -94,43 +92,59 @@ impl NoNumber {
     }
 }
 
-/// Returns whether a number may be the thousands of the next one, `1 234.5`.
+/// Returns whether a number may be the thousands of the next one, `1 234.5`; two equal numbers are the sides of a square.
 fn may_continue(before: &str, next: &str) -> bool {
     let digits = before.len() - before.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    let first = &before[before.len() - digits..];
-    let is_whole = !before[..before.len() - digits].ends_with([',', '.']);
+    let (text, first) = before.split_at(before.len() - digits);
+    let is_whole = text.is_empty() || text.ends_with([' ', '(', '[', 'x', '×', ';']);
     let group = next.find(|c: char| !c.is_ascii_digit()).unwrap_or(next.len());
-    is_whole && (1..=3).contains(&digits) && !first.starts_with('0') && group == 3
+    let is_plain = !next.contains(['e', 'E']) && first != next;
+    is_whole && is_plain && (1..=3).contains(&digits) && !first.starts_with('0') && group == 3
 }
 
 /// Returns the number at the start of a text and its length; `None` without one. `1,5` is one number, and so are `1,234.5` and `1.234,5`;
-/// a comma or a full stop at the end separates it from the next.
-fn leading_number(text: &str) -> Result<Option<(f64, usize)>, NoNumber> {
+/// a comma or a full stop at the end separates it from the next, and so does the comma of `0.5,0.25` and of `(1,2)`, which `is_open`.
+fn leading_number(text: &str, comma: bool, is_open: bool) -> Option<(Result<f64, NoNumber>, usize)> {
     let sign = usize::from(text.starts_with(['+', '-']));
     let run = text[sign..].find(|c: char| !c.is_ascii_digit() && !matches!(c, ',' | '.')).unwrap_or(text.len() - sign);
-    let digits = text[sign..sign + run].trim_end_matches([',', '.']);
-    let length = sign + digits.len();
-    let first = digits.find([',', '.']).map(|place| digits.as_bytes()[place]);
-    let other = if first == Some(b',') { '.' } else { ',' };
-    let (whole, decimals) = digits.split_once(other).unwrap_or((digits, ""));
-    let groups: Vec<&str> = whole.split([',', '.']).collect();
-    let in_thousands = groups.len() > 1
-        && (1..=3).contains(&groups[0].len())
-        && !groups[0].starts_with('0')
-        && groups[1..].iter().all(|group| group.len() == 3);
-    let is_one_of_both = whole.len() < digits.len();
-    match (groups.len(), first) {
-        // A number without or with one decimal sign, and its exponent.
-        (1, _) | (2, Some(b'.')) if !is_one_of_both => Ok(fast_float2::parse_partial(text).ok()),
-        (2, Some(b',')) if !is_one_of_both && in_thousands => Err(NoNumber::Thousands),
-        (2, Some(b',')) if !is_one_of_both => Ok(decimal_comma(digits.as_bytes())
-            .map(|number| (if text.starts_with('-') { -number } else { number }, length))),
-        _ if in_thousands && !decimals.contains([',', '.']) => {
-            let number = format!("{}{}.{decimals}", &text[..sign], groups.concat());
-            Ok(number.parse().ok().map(|number| (number, length)))
-        }
-        _ => Err(NoNumber::Signs),
+    let is_closed = is_open && text[sign + run..].starts_with([')', ']']);
+    let mut digits = text[sign..sign + run].trim_end_matches([',', '.']);
+    if let Some((first, second)) = digits.split_once(',')
+        && (is_closed || first.contains('.') && second.contains('.'))
+    {
+        digits = first;
     }
+    let commas = digits.matches(',').count();
+    let full_stops = digits.matches('.').count();
+    // A sign that occurs once, last, is the decimal one.
+    let (whole, decimals) = match digits.rfind([',', '.']) {
+        Some(place) if digits.matches(&digits[place..=place]).count() == 1 => (&digits[..place], &digits[place + 1..]),
+        _ => (digits, ""),
+    };
+    let groups: Vec<&str> = whole.split([',', '.']).collect();
+    let in_thousands = |groups: &[&str]| {
+        (1..=3).contains(&groups[0].len())
+            && !groups[0].starts_with('0')
+            && groups[1..].iter().all(|group| group.len() == 3)
+    };
+    let is_doubtful = match (commas, full_stops) {
+        // `1,234`, and `1,234,567`, which may be three numbers.
+        (1, 0) => !comma && in_thousands(&[whole, decimals]),
+        (2.., 0) => in_thousands(&groups),
+        _ => false,
+    };
+    let length = sign + digits.len();
+    if is_doubtful {
+        return Some((Err(NoNumber::Thousands), length));
+    }
+    let has_both = whole.contains(',') && whole.contains('.');
+    if groups.len() > 1 && (has_both || !in_thousands(&groups)) {
+        return Some((Err(NoNumber::Signs), length));
+    }
+    // With the exponent behind the digits.
+    let plain = format!("{}{}.{decimals}", &text[..sign], groups.concat());
+    let (number, read) = fast_float2::parse_partial::<f64, _>(format!("{plain}{}", &text[length..])).ok()?;
+    Some((Ok(number), length + read.saturating_sub(plain.len())))
 }
 
 #[cfg(test)]
@@ -138,7 +152,7 @@ mod tests {
     use super::*;
 
     fn metre(text: &str) -> Result<Option<Vec<f64>>, NoNumber> {
-        Lengths::parse(text, None).map(|lengths| lengths.map(|lengths| lengths.metre))
+        Lengths::parse(text, None, false).map(|lengths| lengths.map(|lengths| lengths.metre))
     }
 
     #[test]
@@ -155,23 +169,36 @@ mod tests {
             ("1.234,5 um", vec![1234.5e-6]),
             ("1,234,567.25 nm", vec![1_234_567.25e-9]),
             ("1.234.567 nm", vec![1_234_567e-9]),
+            ("1.234.567,5 nm", vec![1_234_567.5e-9]),
             ("2.5e-3 m", vec![2.5e-3]),
             ("1.234 um", vec![1.234e-6]),
             ("1000 1000 um", vec![1e-3; 2]),
             ("100, 200 um", vec![100e-6, 200e-6]),
+            ("0.5,0.25 um", vec![0.5e-6, 0.25e-6]),
+            ("(0.5,0.25) um", vec![0.5e-6, 0.25e-6]),
+            ("(1,1) um", vec![1e-6; 2]),
+            ("100 100 um", vec![100e-6; 2]),
+            ("[250 250] nm", vec![250e-9; 2]),
+            ("1e-6 200e-9 m", vec![1e-6, 200e-9]),
+            ("1.5e3 200 nm", vec![1.5e-6, 200e-9]),
+            ("2,5e-07 m", vec![2.5e-7]),
+            ("1,234.5e-6 m", vec![1234.5e-6]),
+            ("-1.5e2 mm", vec![-0.15]),
             ("1.5 250 um", vec![1.5e-6, 250e-6]),
         ] {
             let found = metre(text).unwrap().unwrap();
             assert_eq!(found.len(), wanted.len(), "{text}: {found:?}");
             assert!(found.iter().zip(&wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-15), "{text}: {found:?}");
         }
-        for text in ["12.34.5", "1,23.4", "1,2,3", "0,234.5", "1234,567.8", "1.234,567.8"] {
+        for text in ["12.34.5", "1,23.4", "1,2,3", "0,234.5", "1234,567.8", "1.234.567,8,9", "1,234.567,890"] {
             assert_eq!(metre(text), Err(NoNumber::Signs), "{text}");
         }
-        for text in ["1,234 um", "999,999", "1 234.5 um", "12 345 nm"] {
+        for text in ["1,234 um", "999,999", "1 234.5 um", "12 345 nm", "500,500,100 nm"] {
             assert_eq!(metre(text), Err(NoNumber::Thousands), "{text}");
         }
-        for text in ["unknown", "", "um", "1 2 3 4", "v 3"] {
+        // All decimal signs of the file are commas.
+        assert_eq!(Lengths::parse("10,000 um", None, true).unwrap().unwrap().metre, [10e-6]);
+        for text in ["unknown", "", "um", "1 2 3 4", "v 3", "123,456 bytes", "640 480 px", "1,000 rpm"] {
             assert_eq!(metre(text), Ok(None), "{text}");
         }
     }

@@ -10,7 +10,7 @@ pub(super) const MAX_SPREAD: f64 = 4.0;
 const LEAST_RATIO: f64 = 4.0;
 /// Fewest points that show a grid by their coordinates alone, and the least fraction of it that they fill.
 const FEWEST: usize = 9;
-const LEAST_FILLED: f64 = 0.75;
+const LEAST_FILLED: f64 = 0.6;
 /// Fraction of the range of a coordinate below which differences are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
@@ -103,9 +103,14 @@ impl<'a> Points<'a> {
     /// Arranges points in any order. The distances between successive coordinates are jitter within a grid line and pitch between two;
     /// the largest ratio between two of them tells one from the other.
     fn in_any_order(self) -> Result<Grid, NoGrid> {
+        // Coordinates without jitter may leave out lines, whose gaps would pass for steps.
+        self.with_lines_of(|_| 0.0).or_else(|_| self.with_lines_of(jitter))
+    }
+
+    fn with_lines_of(self, width: impl Fn(&[f64]) -> f64) -> Result<Grid, NoGrid> {
         let axis = |axis| {
             let coordinates: Vec<f64> = self.coordinates(axis).collect();
-            let width = jitter(&coordinates);
+            let width = width(&coordinates);
             Axis::fit(coordinates, width).ok_or(NoGrid::Line { axis })
         };
         let axes = [axis(0)?, axis(1)?];
@@ -155,7 +160,7 @@ impl Axis {
         drop(coordinates);
         let gaps = || centres.windows(2).map(|pair| pair[1] - pair[0]);
         let usual = part(&mut gaps().collect::<Vec<_>>(), 0.5);
-        let single: Vec<f64> = gaps().filter(|gap| (0.5..1.5).contains(&(gap / usual))).collect();
+        let single: Vec<f64> = gaps().filter(|gap| (0.5..=1.5).contains(&(gap / usual))).collect();
         let usual = single.iter().sum::<f64>() / single.len() as f64;
         let steps: f64 = gaps().map(|gap| (gap / usual).round().max(1.0)).sum();
         let step = (centres.last()? - centres.first()?) / steps;

@@ -521,7 +521,7 @@ fn a_length_in_the_header_is_read_whole_or_refused() {
 
 #[test]
 fn the_mark_at_the_end_of_a_text_of_dos_is_no_height() {
-    for end in ["\x1a", "\r\n\x1a"] {
+    for end in ["\x1a", "\r\n\x1a", "\x1a\x1a", "\x1a\r\n"] {
         let text = format!("# unit: nm\r\n1 2\r\n3 4{end}");
         assert_scan(text.as_bytes(), Format::Text, (2, 2), None, &[1e-9, 2e-9, 3e-9, 4e-9]);
     }

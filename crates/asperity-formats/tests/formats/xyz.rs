@@ -116,13 +116,48 @@ fn an_index_of_the_rows_is_no_coordinate() {
         format!("{index},{}e-6,{}e-6,{}e-7\n", 2 * column, 3 * row, 10 * row + column)
     };
     let indexed: String = map.iter().enumerate().map(line).collect();
-    for head in ["", ",x,y,z\n", "index,x,y,z\n"] {
+    for head in ["", ",x,y,z\n", "index,x,y,z\n", "\"\",\"x\",\"y\",\"z\"\n", "x,y,z\n", ",X,Y,Height\n"] {
         let scan = read(&format!("{head}{indexed}"));
         assert_eq!(scan.heights_m.dim(), (5, 6), "{head}");
         let (dx_m, dy_m) = scan.pitch_m.unwrap();
         assert!((dx_m / 2e-6 - 1.0).abs() < 1e-12 && (dy_m / 3e-6 - 1.0).abs() < 1e-12, "{dx_m} {dy_m}");
         assert!(scan.heights_m.indexed_iter().all(|((y, x), z)| (z * 1e7 - (10 * y + x) as f64).abs() < 1e-9));
     }
+    // Few rows, rows that were dropped, tabs, and x and y in another order.
+    let few = "0 0 0 0\n1 0 1 1\n2 1 0 10\n3 1 1 11\n4 2 0 20\n5 2 1 21\n";
+    assert_scan(few.as_bytes(), Format::Xyz, (2, 3), (1.0, 1.0), &[0.0, 10.0, 20.0, 1.0, 11.0, 21.0]);
+    let dropped = few.replace("2 1 0 10\n", "").replace(' ', "\t");
+    let text = format!("\tx\ty\tz\n{dropped}");
+    assert_scan(text.as_bytes(), Format::Xyz, (2, 3), (1.0, 1.0), &[0.0, NAN, 20.0, 1.0, 11.0, 21.0]);
+    assert_scan(
+        format!("y x z\n{few}").as_bytes(),
+        Format::Xyz,
+        (3, 2),
+        (1.0, 1.0),
+        &[0.0, 1.0, 10.0, 11.0, 20.0, 21.0],
+    );
+}
+
+#[test]
+fn shuffled_lists_may_lack_the_corners_of_a_disc_or_a_band() {
+    let of = |is_kept: fn(i32, i32) -> bool| -> String {
+        let places = (0..1681).map(|n| (n * 7 + 3) % 1681).map(|place| (place % 41 - 20, place / 41 - 20));
+        places.filter(|(x, y)| is_kept(*x, *y)).map(|(x, y)| format!("{x}e-6 {y}e-6 {}e-8\n", x + 3 * y)).collect()
+    };
+    for (is_kept, dim) in
+        [((|x, y| x * x + y * y <= 400) as fn(i32, i32) -> bool, (41, 41)), (|x, _| !(3..9).contains(&x), (41, 41))]
+    {
+        let scan = read(&of(is_kept));
+        assert_eq!(scan.heights_m.dim(), dim);
+        assert!((scan.pitch_m.unwrap().0 / 1e-6 - 1.0).abs() < 1e-9);
+    }
+    // Steps of 2.5 printed as whole numbers.
+    let rounded: String = (0..81)
+        .map(|n| {
+            format!("{} {} 0.5\n", [0, 2, 5, 8, 10, 12, 15, 18, 20][n % 9], [0, 2, 5, 8, 10, 12, 15, 18, 20][n / 9])
+        })
+        .collect();
+    assert_eq!(read(&rounded).heights_m.dim(), (9, 9));
 }
 
 #[test]
