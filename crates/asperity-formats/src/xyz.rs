@@ -263,7 +263,7 @@ fn units(header: &Header, head: &[u8], named: Option<Columns>) -> Result<[Option
         let words = words.filter(|word| !word.is_empty()).map(|word| unit(word.rsplit('/').next().unwrap_or(word)));
         words.collect::<Option<Vec<_>>>().filter(|units| matches!(units.len(), 1 | 3))
     };
-    let mut found: Vec<f64> = in_brackets.take(4).collect();
+    let mut found: Vec<f64> = in_brackets.take(MOST_COLUMNS).collect();
     if found.is_empty() {
         found = text.lines().find_map(in_columns).unwrap_or_default();
     }

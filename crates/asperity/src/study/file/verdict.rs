@@ -29,8 +29,8 @@ pub struct VerdictSection {
     /// Fraction of the time: a machine counts as vibrating if it vibrates longer than this fraction of the second half of the duration.
     #[serde(default = "threshold")]
     pub threshold: f64,
-    /// Values to change until the probability reaches the targets; when left out, of uncertain machines whose friction does not fluctuate, the damping ratio, and the
-    /// load, or for coupled modes a stated friction coefficient, if no contact needs to be solved for it.
+    /// Values to change until the probability reaches the targets; when left out, of uncertain machines whose friction does not fluctuate, the
+    /// damping ratio, and the load, or for coupled modes a stated friction coefficient, if no contact needs to be solved for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remedies: Option<Vec<RemedySection>>,
     /// Probabilities to reach.
