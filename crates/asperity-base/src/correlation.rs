@@ -18,7 +18,9 @@ mod spectrum;
 
 pub use asperity_results::EmpiricalCovariance;
 pub use estimate::{Autocorrelation, EstimateError, axis_correlation, axis_correlation_length_m};
-pub use fit::{CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance};
+pub use fit::{
+    CorrelationFamily, CovarianceFit, CovarianceFits, FitError, FitWarning, fit_covariance, fit_profile_covariance,
+};
 pub use measured::{MeasuredCovariance, MeasuredCovarianceError};
 pub use model::{CorrelationModel, Covariance, CovarianceError, Rotated, SeparableCovariance, StationaryCovariance};
 pub use profiles::Axis;

@@ -27,6 +27,15 @@ pub enum MapError {
         /// Points along y.
         ny: usize,
     },
+    /// Heights along one line, where a map is needed.
+    #[error(
+        "a profile of {points} points, without heights across it: `asperity surface stats` measures it, and a study takes it for a surface \
+         without lay (`isotropic = true` in [surface])"
+    )]
+    Profile {
+        /// Number of points.
+        points: usize,
+    },
     /// A pitch outside of [`PITCH_RANGE_M`].
     #[error(
         "the pixel size is {dx_m:?} × {dy_m:?} m; both must lie between {:e} m and {:e} m",
@@ -295,6 +304,9 @@ impl TryFrom<Scan> for HeightMap {
 
     fn try_from(scan: Scan) -> Result<Self, MapError> {
         let (ny, nx) = scan.heights_m.dim();
+        if scan.is_profile() {
+            return Err(MapError::Profile { points: nx });
+        }
         let (dx_m, dy_m) = scan.pitch_m.ok_or(MapError::NoPitch)?;
         Self::measured(Grid::new(nx, ny, dx_m, dy_m)?, scan.heights_m)
     }

@@ -215,6 +215,10 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
         options.choose(format, &[format.name().to_owned()])?;
     }
     scan.metadata.retain(|_, text| !text.is_empty());
+    if scan.is_profile() {
+        // Some formats state no distance across a profile, or 0.
+        scan.pitch_m = scan.pitch_m.map(|(step_m, across_m)| (step_m, if across_m > 0.0 { across_m } else { step_m }));
+    }
     scan.format = Some(format);
     scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
     Ok(scan.in_stated_unit(options).with_stated_pitch(options).checked(options))

@@ -31,10 +31,10 @@ pub(crate) fn check(format: Format, (ny, nx): Shape, (dx_m, dy_m): (f64, f64)) -
     Ok(())
 }
 
-/// Measured height map as stated in a file.
+/// Measured height map, or profile, as stated in a file.
 #[derive(Debug, Clone)]
 pub struct Scan {
-    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN for missing points.
+    /// Heights in metre, shape `[ny, nx]`, row 0 at the top; NaN for missing points. A profile is a single row.
     pub heights_m: Array2<f64>,
     /// Distance between points along (x, y) in metre; `None` if the file does not state it.
     pub pitch_m: Option<(f64, f64)>,
@@ -87,6 +87,11 @@ impl Scan {
     /// Returns the name of the map that was read; `None` for formats with a single map.
     pub fn channel_name(&self) -> Option<&str> {
         self.channels.get(self.channel).map(String::as_str)
+    }
+
+    /// Returns whether the heights lie along one line.
+    pub fn is_profile(&self) -> bool {
+        self.heights_m.nrows() == 1
     }
 
     /// Returns the number of missing heights.
@@ -155,7 +160,7 @@ impl Scan {
                 self.warnings.push(format!("the pixel size along {axis}, {pitch:e} m, is not between 1 pm and 1 m"));
             }
         }
-        if dx_m.max(dy_m) > PLAUSIBLE_PITCH_RATIO * dx_m.min(dy_m) {
+        if dx_m.max(dy_m) > PLAUSIBLE_PITCH_RATIO * dx_m.min(dy_m) && !self.is_profile() {
             self.warnings.push(format!("the pixels are far from square: {dx_m:e} × {dy_m:e} m"));
         }
         let (ny, nx) = self.heights_m.dim();

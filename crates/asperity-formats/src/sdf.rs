@@ -107,10 +107,6 @@ const COMMENT: &[u8] = b";";
 /// Returns the shape of the map and the type of the numbers.
 fn check(header: &Section) -> Result<(Shape, Sample)> {
     let (ny, nx) = header.shape(PROFILES, POINTS)?;
-    if ny == 1 && header.number::<f64>(SCALES[1])? == 0.0 {
-        let found = "the file holds a single profile";
-        return Err(FormatError::unsupported(Format::Sdf, found, "the profiles of a surface"));
-    }
     for key in [COMPRESSION, CHECK_TYPE] {
         refuse_if!(header.number::<i64>(key)? != 0, header.wrong(key, "0, heights without compression and checksum"));
     }
@@ -157,7 +153,7 @@ fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
 /// Reads the first map of a file.
 ///
 /// # Errors
-/// Single profiles, compression, checksums, absent or invalid fields of the header, and heights that end early.
+/// Compression, checksums, absent or invalid fields of the header, and heights that end early.
 fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     match Version::detect(bytes) {
         Some(Version::Binary { count_bytes }) => read_binary(&Input::new(Format::Sdf, bytes), count_bytes),

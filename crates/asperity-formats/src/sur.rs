@@ -27,7 +27,7 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["sur", "pro"],
     vendor: "Digital Surf",
     known_by: "`DIGITAL SURF`, `DSCOMPRESSED`",
-    reads: "int16, int32, plain or compressed, in either byte order; series and multilayer surfaces; no profiles",
+    reads: "int16, int32, plain or compressed, in either byte order; series and multilayer surfaces; single profiles",
     writes: "int32",
     missing_points: "z minimum − 2",
     orientation: "the first stored line is the top one, row 0",

@@ -7,17 +7,19 @@
 //! spreadsheets (`#N/A`), and special numbers of C libraries (`1.#QNAN`, `-nan(ind)`). Text may be UTF-8, UTF-16 with
 //! a byte-order mark, or Latin-1.
 //!
-//! A first row or column of equal steps is a row of labels, which spreadsheets and data frames export: see [`structure`]. A profile and
-//! several matrices divided by blank lines are refused.
+//! A first row or column of equal steps is a row of labels, which spreadsheets and data frames export: see [`structure`]. Several matrices
+//! divided by blank lines are refused. Heights along one line become a scan of one row: see [`profile`].
 //!
 //! Some programs write the matrices of several channels into one file, each after a comment `Channel: name`. Channels
 //! whose unit is not a length are left out.
 
+pub(crate) mod columns;
 mod factor;
 mod field;
 pub(crate) mod header;
 mod interpretation;
 mod length;
+mod profile;
 pub(crate) mod rows;
 pub(crate) mod separator;
 mod structure;
@@ -32,6 +34,7 @@ use crate::{
     Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, per_metre, refuse_if, shown,
     unique, utf8_or_latin1,
 };
+use columns::Column;
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::{Interpretation, Wrong};
 use rows::{Layout, Table};
@@ -42,8 +45,8 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["txt", "dat", "csv", "asc"],
     vendor: "any",
     known_by: "no control characters in UTF-8, UTF-16 or Latin-1",
-    reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; headers of Gwyddion, SPIP, Attocube, \
-            Nova, ESRI grids, and plain keys",
+    reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; profiles as one column or with positions; headers of \
+            Gwyddion, SPIP, Attocube, Nova, ESRI grids, Dektak profiles, and plain keys",
     writes: ".csv with commas, others with spaces; unit and pixel size as comments",
     missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
     orientation: "the first line is row 0",
@@ -129,6 +132,21 @@ impl Head {
         head
     }
 
+    /// Returns the layout of the rows.
+    fn layout(&self, line_end: u8) -> Layout {
+        Layout::new(Format::Text, Separator::detect(&self.first_row), COMMENT, line_end)
+    }
+
+    /// Returns the number of values of the first row; `None` if it contains anything else.
+    fn columns(&self) -> Option<usize> {
+        self.layout(b'\n').count(&self.first_row)
+    }
+
+    /// Returns the columns of a profile that the header names.
+    fn profile(&self, bytes: &[u8]) -> Option<Vec<Column>> {
+        profile::names(&bytes[..self.start], self.columns()?)
+    }
+
     /// Adds a line without a comment sign if it is a key with its value.
     fn take_key(&mut self, line: &str) -> bool {
         if let Some((key, value)) = line.trim().split_once([' ', '\t']).filter(|(key, _)| is_esri_key(key)) {
@@ -156,7 +174,11 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (bytes, line_end) = lines(&text);
     let blocks = blocks(bytes, line_end);
     if blocks.len() < 2 {
-        return read_block(bytes, line_end, 0, Head::read(bytes, line_end, false), options);
+        let strict = Head::read(bytes, line_end, false);
+        // The header of a profile names its columns in a line of words.
+        let words = strict.columns().is_none().then(|| Head::read(bytes, line_end, true));
+        let head = words.filter(|head| head.profile(bytes).is_some()).unwrap_or(strict);
+        return read_block(bytes, line_end, 0, head, options);
     }
     let mut maps: Vec<_> = blocks
         .into_iter()
@@ -194,9 +216,8 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 
 /// Reads one matrix.
 fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &ReadOptions) -> Result<Scan> {
+    let (layout, columns, names) = (head.layout(line_end), head.columns(), head.profile(bytes));
     let Head { mut header, start, lines: header_lines, first_row } = head;
-    let layout = Layout::new(Format::Text, Separator::detect(&first_row), COMMENT, line_end);
-    let columns = layout.count(&first_row);
     let layout = match columns.filter(|_| !header.is_esri()) {
         Some(columns) => layout.with_columns(columns),
         None => layout,
@@ -206,14 +227,30 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
         header.add(&comment);
     }
     let mut warnings = Vec::new();
-    let mut shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
-    let separator = Separator::detect(&first_row);
-    let is_corner_empty = separator != Separator::Space
-        && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
-    if header.shape().is_none() {
-        let corner = if is_corner_empty { structure::Corner::Empty } else { structure::Corner::Number };
-        shape = structure::without_labels(&mut table, shape, corner, header.states_extent(), &mut warnings)?;
-    }
+    let profile = match columns.filter(|_| !header.is_esri()) {
+        Some(columns) => profile::of(&table.values, (table.rows, columns), names, options)?,
+        None => None,
+    };
+    // Rows of heights that a header with the size of the map describes may rise by chance.
+    let profile = profile.filter(|profile| profile.step.is_none() || profile.is_named() || !header.states_extent());
+    let shape = match &profile {
+        Some(profile) => {
+            warnings.push(profile.describe(&mut header));
+            table.values.clone_from(&profile.heights);
+            (1, table.values.len())
+        }
+        None => {
+            let shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
+            let separator = Separator::detect(&first_row);
+            let is_corner_empty = separator != Separator::Space
+                && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
+            let corner = if is_corner_empty { structure::Corner::Empty } else { structure::Corner::Number };
+            match header.shape() {
+                None => structure::without_labels(&mut table, shape, corner, header.states_extent(), &mut warnings)?,
+                Some(_) => shape,
+            }
+        }
+    };
     if table.decimal_comma {
         header.insert(DECIMAL_SIGN, "comma");
     }
@@ -230,9 +267,16 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
         header.insert("converted", &format!("heights from {unit} to m"));
     }
     warnings.extend(interpretation.warnings);
-    let height_unit = interpretation.unit;
+    let (height_unit, mut pitch_m) = (interpretation.unit, interpretation.pitch_m);
     let heights_m = Array2::from_shape_vec(shape, table.values).map_err(|_| nothing())?;
-    Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, interpretation.pitch_m) })
+    let (mut channels, mut channel) = (vec![], 0);
+    if let Some(profile) = profile {
+        let of_positions = profile.step.zip(header.units()[0]).map(|(step, per_metre)| step / per_metre);
+        pitch_m = of_positions.or(pitch_m.map(|(dx_m, _)| dx_m)).map(|step_m| (step_m, step_m));
+        (channels, channel) = (profile.channels, profile.channel);
+    }
+    let scan = Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) };
+    Ok(scan.with_channels(channels, channel))
 }
 
 /// Returns the shape of a table after removing columns and rows that are not heights.

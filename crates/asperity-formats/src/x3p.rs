@@ -27,7 +27,7 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["x3p"],
     vendor: "ISO 25178-72, ISO 5436-2 (openGPS)",
     known_by: "zip archive with `main.xml`",
-    reads: "int16, int32, float32, float64, text lists in main.xml; layers; no profiles (PRF), no point clouds (PCL)",
+    reads: "int16, int32, float32, float64, text lists in main.xml; layers; profiles (PRF) as a matrix; no point clouds (PCL)",
     writes: "float64",
     missing_points: "NaN, ±inf, cleared bits of valid.bin",
     orientation: "the first stored line is the top one, row 0: the format does not say; programs show it so",

@@ -19,6 +19,7 @@ mod grid;
 
 use ndarray::Array2;
 
+use crate::text::columns::named;
 use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::{COMMENT, Separator};
@@ -98,31 +99,18 @@ type Columns = [(usize, Option<f64>); 3];
 
 /// Returns the columns x, y and z as the last line of the header that names all columns: `x [um] y [um] z [um]`, `X;Y;Z` or `# x/mm, y/mm, z/um`.
 fn named_columns(head: &[u8], columns: usize) -> Option<Columns> {
-    utf8_or_latin1(head).lines().rev().find_map(|line| {
-        let line = line.rsplit(':').next().unwrap_or(line).trim_matches(['#', '%', '"', ' ', '\r']);
-        let separated = line.contains([',', ';', '\t']);
-        let mut names: Vec<(String, Option<f64>)> = Vec::new();
-        let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ');
-        for word in words.map(|word| word.trim_matches([' ', '"'])).filter(|word| separated || !word.is_empty()) {
-            let (name, rest) = word.split_at(word.find(['[', '(', '/', '_', ' ']).unwrap_or(word.len()));
-            let own = unit(rest.trim_start_matches(['/', '_', ' ']));
-            match names.last_mut().filter(|_| name.is_empty() || unit(word).is_some() && !separated) {
-                // A unit behind its name.
-                Some(last) => last.1 = unit(word),
-                None => names.push((name.to_lowercase(), own)),
-            }
-        }
+    named(head, |found| {
         let place = |wanted: &str| {
-            let place = names.iter().position(|(name, _)| name == wanted)?;
-            Some((place, names[place].1))
+            let place = found.iter().position(|column| column.name.eq_ignore_ascii_case(wanted))?;
+            Some((place, found[place].per_metre()))
         };
         let height = || HEIGHTS.iter().find_map(|name| place(name));
-        let found = [place("x")?, place("y")?, height()?];
+        let places = [place("x")?, place("y")?, height()?];
         // An index of the rows may have no name.
         let unnamed = columns
-            .checked_sub(names.len())
+            .checked_sub(found.len())
             .filter(|unnamed| *unnamed == 0 || columns == MOST_COLUMNS && *unnamed == 1)?;
-        Some(found.map(|(place, unit)| (place + unnamed, unit)))
+        Some(places.map(|(place, unit)| (place + unnamed, unit)))
     })
 }
 

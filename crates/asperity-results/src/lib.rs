@@ -62,7 +62,7 @@ pub use schema::tidy;
 pub use stage::Stage;
 pub use surface::{
     CovarianceCandidateResult, CovarianceResult, EmpiricalCovariance, KarhunenLoeveResult, MeasuredSurface,
-    PartStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,
+    PartStatistics, ProfileStatistics, ScanOfPart, SurfaceResult, SurfaceStatistics,
 };
 pub use table::{Table, TableError};
 pub use uncertainty::{

@@ -174,6 +174,60 @@ impl SurfaceStatistics {
     }
 }
 
+/// Parameters of a profile after levelling and filters, ISO 21920-2; keys of `asperity surface stats`. With an L-filter they are those of
+/// the roughness profile, otherwise those of the primary profile (Pa, Pq, …) under the same keys.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[expect(non_snake_case, reason = "the names of ISO 21920-2 parameters are case-sensitive")]
+#[schemars(extend("unevaluatedProperties" = false))]
+pub struct ProfileStatistics {
+    /// Points along the profile.
+    pub nx: usize,
+    /// Distance between points.
+    pub dx_m: f64,
+    /// Missing points, rejected outliers included.
+    pub missing_points: usize,
+    /// Points rejected as outliers.
+    pub outliers: usize,
+    /// Radius of the circle that was removed, positive for a ridge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form_radius_m: Option<f64>,
+    /// Number of sections, of the length of the L-filter's cutoff; 1 without the filter.
+    pub sections: usize,
+    /// Arithmetic mean height.
+    pub Ra_m: f64,
+    /// Root mean square height.
+    pub Rq_m: f64,
+    /// Skewness of the heights.
+    pub Rsk: Option<f64>,
+    /// Kurtosis of the heights, 3 for a normal distribution.
+    pub Rku: Option<f64>,
+    /// Highest peak of a section, mean over the sections.
+    pub Rp_m: f64,
+    /// Deepest pit of a section, mean over the sections.
+    pub Rv_m: f64,
+    /// Maximum height of a section, mean over the sections.
+    pub Rz_m: f64,
+    /// Total height of the profile.
+    pub Rt_m: f64,
+    /// Mean spacing of profile elements, a hill with a dale.
+    pub RSm_m: Option<f64>,
+    /// Root mean square gradient by forward differences.
+    pub Rdq: Option<f64>,
+    /// Root mean square gradient by the seven-point stencil, as ISO 21920-2 defines Rdq.
+    pub Rdq_7point: Option<f64>,
+    /// 1/e correlation length; none if the correlation does not decay within half the profile.
+    pub correlation_length_m: Option<f64>,
+    /// Lower end of the wavenumbers at which the spectrum is reliable.
+    pub psd_reliable_low_rad_per_m: f64,
+    /// Upper end of the wavenumbers at which the spectrum is reliable; none is if it is not above the lower end.
+    pub psd_reliable_high_rad_per_m: f64,
+    /// Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`.
+    pub psd_upper_limit: String,
+    /// Intervals and standard errors of the parameters.
+    #[serde(flatten)]
+    pub intervals: Companions<SpreadResult>,
+}
+
 /// Pooled statistics of several scans of a part, and those of the scans.
 ///
 /// Each pooled statistic `x` is the weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the

@@ -1,7 +1,8 @@
 //! Distributions fitted to the heights of a scan.
 
 use asperity_base::correlation::Autocorrelation;
-use asperity_base::distribution::fit::{Family, Ranking, rank_by_aic};
+use asperity_base::distribution::fit::{Family, Fit, Ranking, rank_by_aic};
+use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::map::HeightMap;
 use asperity_base::stats::sorted_present;
 
@@ -10,6 +11,10 @@ const MOST_FITTED: usize = 16_384;
 /// Smallest and largest correlation at which the lobe around zero may end.
 const LOW: f64 = 0.02;
 const HIGH: f64 = 0.2;
+/// Difference of Akaike's criterion from which a distribution is better than the normal one.
+const BETTER: f64 = 2.0;
+/// Probability below which heights differ from a distribution.
+const SIGNIFICANT: f64 = 0.05;
 
 /// Returns the effective sample size of the heights of a map: its area over ∬ρ, between 1 and the number of present heights.
 ///
@@ -87,6 +92,33 @@ impl HeightFits {
         let thinned: Vec<f64> = sorted_m.iter().copied().skip(stride / 2).step_by(stride).collect();
         let ranking = rank_by_aic(&Family::HEIGHTS, &thinned, Some(effective_size));
         Self { sorted_m, ranking }
+    }
+
+    /// Returns the distribution of the heights of random surfaces: the normal distribution unless another one of [`Family::HEIGHTS`] fits
+    /// better by more than 2 in Akaike's criterion at the effective sample size, which a likelihood-ratio test at 5 % requires; else the
+    /// best of them, unless the heights differ from it too (Anderson and Darling, 5 %); else the distribution of the heights
+    /// themselves.
+    ///
+    /// The contact rests on the few highest points of a scan. A smooth distribution estimates them from all points.
+    ///
+    /// # Errors
+    /// The heights have no distribution.
+    pub fn marginal(self) -> Result<Marginal, DistributionError> {
+        let Self { sorted_m, ranking } = self;
+        let criterion = |fit: &Fit| fit.aic_correlated(ranking.effective_size);
+        let least = ranking.fits.first().map_or(f64::NAN, criterion);
+        let normal = ranking.fits.iter().find(|fit| fit.family == Family::Normal);
+        if let Some(normal) = normal.filter(|normal| criterion(normal) - least <= BETTER) {
+            return Ok(normal.marginal.clone());
+        }
+        let is_adequate = |place: &usize| {
+            let distance = ranking.distance(*place).and_then(|goodness| goodness.anderson_darling);
+            distance.is_some_and(|distance| distance.p_value >= SIGNIFICANT)
+        };
+        match ranking.place().filter(is_adequate) {
+            Some(place) => Ok(ranking.fits[place].marginal.clone()),
+            None => Marginal::empirical(sorted_m),
+        }
     }
 }
 

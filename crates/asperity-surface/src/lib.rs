@@ -15,6 +15,7 @@ pub mod level;
 pub mod model;
 pub mod pooling;
 pub mod preparation;
+pub mod profile;
 pub mod scanned;
 mod spectral;
 mod translation;

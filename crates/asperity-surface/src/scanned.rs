@@ -9,7 +9,6 @@ pub use statistics::{MapStatistics, uncertainty};
 use std::f64::consts::TAU;
 
 use asperity_base::correlation::{Autocorrelation, EstimateError};
-use asperity_base::distribution::fit::{Family, Fit};
 use asperity_base::distribution::{DistributionError, Marginal};
 use asperity_base::map::HeightMap;
 use asperity_base::stats::Interval;
@@ -20,11 +19,6 @@ use crate::model::{Roughness, SurfaceModelError};
 use crate::pooling::{PoolingError, pooled_heights_m};
 use crate::preparation::Prepared;
 use crate::uncertainty::Values;
-
-/// Difference of Akaike's criterion from which a distribution is better than the normal one.
-const BETTER: f64 = 2.0;
-/// Probability below which heights differ from a distribution.
-const SIGNIFICANT: f64 = 0.05;
 
 /// Prepared scan with its statistics and, if there are several scans of a part, those of the part.
 #[derive(Debug, Clone)]
@@ -151,34 +145,14 @@ impl ScannedSurface {
         self.part.as_ref().map_or_else(|| Roughness::new(&[&self.map]), |part| Ok(part.roughness.clone()))
     }
 
-    /// Returns the distribution of the heights of random surfaces: the normal distribution unless another one of
-    /// [`Family::HEIGHTS`] fits better by more than 2 in Akaike's criterion at the effective sample size, which a likelihood-ratio
-    /// test at 5 % requires; else the best of them, unless the heights differ from it too (Anderson and Darling, 5 %); else the
-    /// distribution of the heights themselves.
-    ///
-    /// The contact rests on the few highest points of a scan. A smooth distribution estimates them from all points.
+    /// Returns the distribution of the heights of random surfaces ([`HeightFits::marginal`]).
     ///
     /// # Errors
     /// The heights have no distribution.
     pub fn marginal(&self) -> Result<Marginal, DistributionError> {
         let heights_m = self.heights_of_all_m();
         let correlation = self.part.as_ref().map_or(&self.correlation, |part| &part.correlation);
-        let HeightFits { sorted_m, ranking } =
-            HeightFits::with_effective_size(heights_m.into_iter(), effective_heights(correlation));
-        let criterion = |fit: &Fit| fit.aic_correlated(ranking.effective_size);
-        let least = ranking.fits.first().map_or(f64::NAN, criterion);
-        let normal = ranking.fits.iter().find(|fit| fit.family == Family::Normal);
-        if let Some(normal) = normal.filter(|normal| criterion(normal) - least <= BETTER) {
-            return Ok(normal.marginal.clone());
-        }
-        let is_adequate = |place: &usize| {
-            let distance = ranking.distance(*place).and_then(|goodness| goodness.anderson_darling);
-            distance.is_some_and(|distance| distance.p_value >= SIGNIFICANT)
-        };
-        match ranking.place().filter(is_adequate) {
-            Some(place) => Ok(ranking.fits[place].marginal.clone()),
-            None => Marginal::empirical(sorted_m),
-        }
+        HeightFits::with_effective_size(heights_m.into_iter(), effective_heights(correlation)).marginal()
     }
 
     /// Returns the heights of the scan, or of the part, in metre.

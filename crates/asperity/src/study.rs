@@ -21,6 +21,7 @@ mod output;
 mod parse;
 mod plausibility;
 mod pressure_stage;
+mod profile;
 #[cfg(feature = "report")]
 mod report;
 pub mod result;
@@ -72,6 +73,7 @@ pub use file::StudyFile;
 pub use friction_process::simulated_record;
 pub use parse::StudyFileError;
 pub use plausibility::{implausible_damping, implausible_friction, implausible_material};
+pub use profile::profile_of;
 #[cfg(feature = "report")]
 pub use report::ReportFiles;
 pub use result::{
@@ -83,7 +85,7 @@ pub use scan_sizes::ScanSizes;
 pub use schema::study_schema;
 pub use specimen::{Sampler, Specimen, draw_map};
 pub use stored_run::StoredRun;
-pub use surface_result::{covariance_result, part_statistics, surface_statistics};
+pub use surface_result::{covariance_result, part_statistics, profile_statistics, surface_statistics};
 pub use twin::{TwinError, TwinOptions, TwinTables, Twins};
 pub use uncertain::UncertainValue;
 pub use verdict::VERDICT_SAMPLES;

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::model::{CorrelationModel, Covariance, CovarianceError};
 use super::profiles::Axis;
-use super::spectrum::BlockSpectrum;
+use super::spectrum::{BlockSpectrum, LineBlocks, ProfileSpectrum, ReliableBand};
 use crate::numeric::{Range, least_squares};
 
 /// Limit of the degrees of freedom of a block: model error of about 10 % makes more of them meaningless, and the few
@@ -150,12 +150,12 @@ impl CorrelationFamily {
         }
     }
 
-    /// Returns the model with the shape parameter, the third of `parameters`.
-    fn model(self, parameters: &[f64]) -> CorrelationModel {
-        match (self, parameters.get(2)) {
+    /// Returns the model with a shape parameter.
+    fn model(self, shape: Option<f64>) -> CorrelationModel {
+        match (self, shape) {
             (Self::SquaredExponential, _) => CorrelationModel::SquaredExponential,
-            (Self::SelfAffine, Some(&hurst)) => CorrelationModel::SelfAffine { hurst },
-            (Self::Matern, Some(&nu)) => CorrelationModel::Matern { nu },
+            (Self::SelfAffine, Some(hurst)) => CorrelationModel::SelfAffine { hurst },
+            (Self::Matern, Some(nu)) => CorrelationModel::Matern { nu },
             (Self::Exponential | Self::SelfAffine | Self::Matern, _) => CorrelationModel::Exponential,
         }
     }
@@ -181,10 +181,105 @@ pub fn fit_covariance(
     std_m: f64,
     families: &[CorrelationFamily],
 ) -> Result<CovarianceFits, FitError> {
+    let observed: Vec<&dyn Observed> = spectra.iter().map(|spectrum| *spectrum as &dyn Observed).collect();
+    let fits = ranked(&observed, std_m, families)?;
+
+    let best = fits[0].covariance;
+    let mut warnings = Vec::new();
+    for (place, axis) in [Axis::X, Axis::Y].into_iter().enumerate() {
+        let lengths = spectra.iter().map(|s| s.size_m()[place] / decay_lengths_m(best)[place]).fold(0.0, f64::max);
+        if lengths < FEW_LENGTHS {
+            warnings.push(FitWarning::FewLengths { axis, lengths });
+        }
+    }
+    let slope_correlation =
+        spectra.iter().map(|spectrum| spectrum.slope_correlation()).sum::<f64>() / spectra.len() as f64;
+    let oblique = slope_correlation.abs() > OBLIQUE;
+    if oblique {
+        warnings.push(FitWarning::ObliqueLay { slope_correlation });
+    }
+    Ok(CovarianceFits { fits, oblique, warnings })
+}
+
+/// Fits isotropic models of `families` to the spectrum of a profile at points `pitch_m` apart, of standard deviation `std_m`, in metre, as
+/// [`fit_covariance`] does to maps. The profile of an isotropic surface of covariance C(r) has this covariance along x, and the density
+/// P₁(q) = ∫ C(x) e^{−iqx} dx.
+///
+/// # Errors
+/// No family, or too few wavenumbers in the reliable band.
+pub fn fit_profile_covariance(
+    spectrum: &ProfileSpectrum,
+    pitch_m: f64,
+    std_m: f64,
+    families: &[CorrelationFamily],
+) -> Result<CovarianceFits, FitError> {
+    let blocks = LineBlocks::new(spectrum, pitch_m);
+    let fits = ranked(&[&blocks], std_m, families)?;
+    let lengths = blocks.length_m() / decay_lengths_m(fits[0].covariance)[0];
+    let few = (lengths < FEW_LENGTHS).then_some(FitWarning::FewLengths { axis: Axis::X, lengths });
+    Ok(CovarianceFits { fits, oblique: false, warnings: few.into_iter().collect() })
+}
+
+/// Spectral density of a map or a profile, averaged over blocks.
+trait Observed: Sync {
+    /// Returns the density and the degrees of freedom of each block.
+    fn measured(&self) -> Vec<(f64, f64)>;
+
+    /// Returns the density that a covariance leads to expect in a block.
+    fn expected(&self, block: usize, covariance: &Covariance) -> f64;
+
+    fn band(&self) -> ReliableBand;
+
+    /// Returns the pitch and the size in metre along the axes that have a length of their own.
+    fn sides_m(&self) -> Vec<[f64; 2]>;
+}
+
+impl Observed for BlockSpectrum {
+    fn measured(&self) -> Vec<(f64, f64)> {
+        self.blocks().iter().map(|block| (block.density_m4, block.degrees_of_freedom)).collect()
+    }
+
+    fn expected(&self, block: usize, covariance: &Covariance) -> f64 {
+        self.expected_m4(&self.blocks()[block], covariance)
+    }
+
+    fn band(&self) -> ReliableBand {
+        self.reliable()
+    }
+
+    fn sides_m(&self) -> Vec<[f64; 2]> {
+        self.pitch_m().into_iter().zip(self.size_m()).map(|(pitch_m, size_m)| [pitch_m, size_m]).collect()
+    }
+}
+
+impl Observed for LineBlocks {
+    fn measured(&self) -> Vec<(f64, f64)> {
+        LineBlocks::measured(self).collect()
+    }
+
+    fn expected(&self, block: usize, covariance: &Covariance) -> f64 {
+        self.expected_m3(block, covariance)
+    }
+
+    fn band(&self) -> ReliableBand {
+        self.band
+    }
+
+    fn sides_m(&self) -> Vec<[f64; 2]> {
+        vec![[self.pitch_m, self.length_m()]]
+    }
+}
+
+/// Fits all families and ranks them.
+fn ranked(
+    spectra: &[&dyn Observed],
+    std_m: f64,
+    families: &[CorrelationFamily],
+) -> Result<Vec<CovarianceFit>, FitError> {
     let (false, Some(first)) = (families.is_empty(), spectra.first()) else { return Err(FitError::NoFamily) };
-    let blocks = spectra.iter().map(|spectrum| spectrum.blocks().len()).sum();
+    let blocks = spectra.iter().map(|spectrum| spectrum.measured().len()).sum();
     if blocks < FEWEST_BLOCKS {
-        let band = first.reliable();
+        let band = first.band();
         return Err(FitError::NoBand {
             low_rad_per_m: band.low_rad_per_m,
             high_rad_per_m: band.high_rad_per_m,
@@ -211,22 +306,7 @@ pub fn fit_covariance(
         fits.drain(..).enumerate().map(|(place, fit)| (score(place, &fit), fit)).collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
     fits.extend(scored.into_iter().map(|(_, fit)| fit));
-
-    let best = fits[0].covariance;
-    let mut warnings = Vec::new();
-    for (place, axis) in [Axis::X, Axis::Y].into_iter().enumerate() {
-        let lengths = spectra.iter().map(|s| s.size_m()[place] / decay_lengths_m(best)[place]).fold(0.0, f64::max);
-        if lengths < FEW_LENGTHS {
-            warnings.push(FitWarning::FewLengths { axis, lengths });
-        }
-    }
-    let slope_correlation =
-        spectra.iter().map(|spectrum| spectrum.slope_correlation()).sum::<f64>() / spectra.len() as f64;
-    let oblique = slope_correlation.abs() > OBLIQUE;
-    if oblique {
-        warnings.push(FitWarning::ObliqueLay { slope_correlation });
-    }
-    Ok(CovarianceFits { fits, oblique, warnings })
+    Ok(fits)
 }
 
 /// Rough lags along x and y at which the correlation falls to 1/e.
@@ -241,37 +321,40 @@ fn decay_lengths_m(covariance: Covariance) -> [f64; 2] {
 /// Search for the parameters of one family.
 struct Search<'a> {
     family: CorrelationFamily,
-    spectra: &'a [&'a BlockSpectrum],
+    spectra: &'a [&'a dyn Observed],
     std_m: f64,
-    /// Bounds of two lengths and of the shape.
+    /// Bounds of the lengths, one of a profile and two of a map, and of the shape.
     ranges: Vec<Range>,
-    pitch_m: [f64; 2],
-    size_m: [f64; 2],
+    /// Pitch and largest size along the axes with a length of their own.
+    sides_m: Vec<[f64; 2]>,
 }
 
 impl<'a> Search<'a> {
-    fn new(family: CorrelationFamily, spectra: &'a [&'a BlockSpectrum], std_m: f64) -> Self {
-        let [pitch_m, size_m] = [spectra[0].pitch_m(), largest_size_m(spectra)];
+    fn new(family: CorrelationFamily, spectra: &'a [&'a dyn Observed], std_m: f64) -> Self {
+        let mut sides_m = spectra[0].sides_m();
+        for spectrum in spectra {
+            sides_m.iter_mut().zip(spectrum.sides_m()).for_each(|(side, own)| side[1] = side[1].max(own[1]));
+        }
         let mut ranges: Vec<Range> =
-            (0..2).map(|axis| Range { low: SHORTEST * pitch_m[axis], high: LONGEST * size_m[axis] }).collect();
+            sides_m.iter().map(|[pitch_m, size_m]| Range { low: SHORTEST * pitch_m, high: LONGEST * size_m }).collect();
         ranges.extend(family.shape().map(|(range, _)| range));
-        Self { family, spectra, std_m, ranges, pitch_m, size_m }
+        Self { family, spectra, std_m, ranges, sides_m }
     }
 
     fn covariance(&self, parameters: &[f64]) -> Result<Covariance, CovarianceError> {
-        Covariance::new(self.family.model(parameters), self.std_m, parameters[0], parameters[1])
+        let lengths = self.sides_m.len();
+        let model = self.family.model(parameters.get(lengths).copied());
+        Covariance::new(model, self.std_m, parameters[0], parameters[lengths - 1])
     }
 
     /// Returns ratios of measured to expected density, and effective degrees of freedom.
     fn ratios(&self, parameters: &[f64]) -> Vec<(f64, f64)> {
         let Ok(covariance) = self.covariance(parameters) else { return vec![] };
-        let of = |spectrum: &&BlockSpectrum| {
-            let blocks = spectrum.blocks();
-            let ratio = |block| {
-                let expected = spectrum.expected_m4(block, &covariance);
-                (block.density_m4 / expected.max(f64::MIN_POSITIVE), block.degrees_of_freedom)
+        let of = |spectrum: &&dyn Observed| {
+            let ratio = |(block, (density, degrees)): (usize, (f64, f64))| {
+                (density / spectrum.expected(block, &covariance).max(f64::MIN_POSITIVE), degrees)
             };
-            blocks.iter().map(ratio).collect()
+            spectrum.measured().into_iter().enumerate().map(ratio).collect()
         };
         self.spectra.iter().map(of).collect::<Vec<Vec<(f64, f64)>>>().concat()
     }
@@ -284,8 +367,8 @@ impl<'a> Search<'a> {
         };
         let residuals = |p: &[f64]| -> Vec<f64> { self.ratios(p).into_iter().map(residual).collect() };
         let fraction = (start as f64 + 1.0) / (STARTS as f64 + 1.0);
-        let length = |axis: usize| self.pitch_m[axis] * (self.size_m[axis] / self.pitch_m[axis]).powf(fraction);
-        let mut first: Vec<f64> = (0..2).map(length).collect();
+        let length = |[pitch_m, size_m]: &[f64; 2]| pitch_m * (size_m / pitch_m).powf(fraction);
+        let mut first: Vec<f64> = self.sides_m.iter().map(length).collect();
         first.extend(self.family.shape().map(|(_, value)| value));
         least_squares(&residuals, &first, &self.ranges)
     }
@@ -310,16 +393,6 @@ impl<'a> Search<'a> {
             deviance,
         })
     }
-}
-
-/// Returns the largest sides of all maps along x and y, in metre.
-fn largest_size_m(spectra: &[&BlockSpectrum]) -> [f64; 2] {
-    let mut largest_m = [0.0_f64; 2];
-    for spectrum in spectra {
-        let size_m = spectrum.size_m();
-        (0..2).for_each(|axis| largest_m[axis] = largest_m[axis].max(size_m[axis]));
-    }
-    largest_m
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ mod area;
 mod band;
 mod binned;
 mod blocks;
+mod line_blocks;
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,6 +20,7 @@ pub use band::{ReliableBand, UpperLimit};
 pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
 pub(super) use binned::{bin_of, edges};
 pub use blocks::{Block, BlockSpectrum};
+pub(super) use line_blocks::LineBlocks;
 
 /// Estimator of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +59,14 @@ pub struct ProfileSpectrum {
     pub profiles_left_out: usize,
     /// Reliable wavenumbers.
     pub reliable: ReliableBand,
+}
+
+impl ProfileSpectrum {
+    /// Returns the length in metre of the shortest wave that profiles of points `pitch_m` apart resolve, as
+    /// [`BlockSpectrum::shortest_wave_m`] does for maps.
+    pub fn shortest_wave_m(&self, pitch_m: f64) -> f64 {
+        TAU / LineBlocks::new(self, pitch_m).high_rad_per_m
+    }
 }
 
 /// Returns the Hann window, sin²(π(i + ½)/n).

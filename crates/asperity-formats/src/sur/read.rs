@@ -51,16 +51,13 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
 /// Refuses files without a surface.
 fn check_kind(header: &Header) -> Result<()> {
     let unsupported = |kind: &str| Err(header.input.unsupported(format!("the file holds {kind}"), "a surface"));
-    match (header.i16(OBJECT_TYPE)?, header.i32(LINES)?) {
-        (PROFILE, 1) => unsupported("a profile"),
-        (code, _) => kind(code).map_or_else(unsupported, |_| Ok(())),
-    }
+    kind(header.i16(OBJECT_TYPE)?).map_or_else(unsupported, |_| Ok(()))
 }
 
 /// Warns about surfaces with another object type.
 fn warn_about_kind(object: &Object, warnings: &mut Vec<String>) -> Result<()> {
     // Gwyddion stores surfaces with the type of profiles.
-    if let (UNKNOWN | PROFILE, Ok(kind)) = (object.code, kind(object.code)) {
+    if let (UNKNOWN | PROFILE, Ok(kind), 2..) = (object.code, kind(object.code), object.ny) {
         warnings.push(format!("the type of the file is {kind}; its {} lines were read as a surface", object.ny));
     }
     if object.header.i16(INVERTED)? != 0 {
@@ -77,8 +74,9 @@ fn surfaces<'o, 'a>(objects: &'o [Object<'a>]) -> Result<(Vec<String>, Vec<&'o O
     let only_first = is_followed_by_images(objects[0].code);
     for object in objects.iter().take(if only_first { 1 } else { objects.len() }) {
         let header = &object.header;
-        let is_profile = object.code == PROFILE && object.ny == 1;
-        if is_profile || kind(object.code).is_err() || per_metre(&header.unit(Z.step_unit)?).is_none() {
+        let is_profile = |object: &Object<'_>| object.code == PROFILE && object.ny == 1;
+        let is_beside = is_profile(object) && !is_profile(&objects[0]);
+        if is_beside || kind(object.code).is_err() || per_metre(&header.unit(Z.step_unit)?).is_none() {
             continue;
         }
         surfaces.push(object);

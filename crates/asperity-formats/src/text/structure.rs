@@ -1,4 +1,4 @@
-//! What a matrix of numbers is: heights alone, heights with labels, or a profile.
+//! What a matrix of numbers is: heights alone, or heights with labels.
 
 use super::rows::Table;
 use crate::{Format, FormatError, Result, Shape};
@@ -24,7 +24,7 @@ pub(super) enum Corner {
 /// few others in this direction, and if they cannot be heights; a header with the size of the map (`has_extent`) belongs to heights alone.
 ///
 /// # Errors
-/// The numbers are a profile or several matrices, or it is open whether they are labels.
+/// The numbers are several matrices, or it is open whether they are labels.
 pub(super) fn without_labels(
     table: &mut Table,
     shape: Shape,
@@ -38,10 +38,6 @@ pub(super) fn without_labels(
         let found = format!("{} blocks of numbers, divided by blank lines", table.gaps + 1);
         let wanted = "one matrix; write each block into a file of its own";
         return Err(FormatError::unsupported(Format::Text, found, wanted));
-    }
-    if let Some(found) = profile(&table.values, shape).filter(|_| !has_extent) {
-        let wanted = "the heights of a map, which asperity needs along x and along y";
-        return Err(FormatError::unsupported(Format::Text, format!("a profile: {found}"), wanted));
     }
     if rows <= 2 || columns <= 2 || corner == Corner::Number && has_extent {
         return Ok(shape);
@@ -89,32 +85,6 @@ pub(super) fn without_labels(
 fn are_indices(labels: &[f64], others: &[f64]) -> bool {
     let from_first = |first: f64| labels.iter().enumerate().all(|(place, label)| *label == first + place as f64);
     (from_first(0.0) || from_first(1.0)) && others.iter().any(|value| value.fract() != 0.0)
-}
-
-/// Describes a profile; `None` for a map.
-fn profile(values: &[f64], (rows, columns): Shape) -> Option<String> {
-    let rises = |mut pairs: Vec<f64>| {
-        let is_falling = pairs.first() > pairs.last();
-        if is_falling {
-            pairs.reverse();
-        }
-        pairs.windows(2).all(|pair| pair[0] < pair[1])
-    };
-    // Nothing is known about a row or column of voids alone.
-    if values.iter().all(|value| value.is_nan()) {
-        return None;
-    }
-    match (rows, columns) {
-        (4.., 1) => Some(format!("a single column of {rows} numbers")),
-        (1, 4..) => Some(format!("a single row of {columns} numbers")),
-        (4.., 2) if rises(values.iter().copied().step_by(2).collect()) => {
-            Some(format!("two columns, of which the first rises or falls over {rows} rows"))
-        }
-        (2, 4..) if rises(values[..columns].to_vec()) => {
-            Some(format!("two rows, of which the first rises or falls over {columns} columns"))
-        }
-        _ => None,
-    }
 }
 
 /// Returns whether labels have equal steps.

@@ -19,8 +19,9 @@ const MAX_LAYERS: u64 = 1 << 12;
 const TOP_LEFT: &str = "NW";
 /// Program that writes the integers as unsigned. It names itself as the manufacturer.
 const UNSIGNED_WRITER: &str = "SurfaceTopography";
-/// Feature type of a height map.
+/// Feature types of a height map and of a profile.
 const SURFACE: &str = "SUR";
+const PROFILE: &str = "PRF";
 
 /// Stored matrix and the selected layer.
 struct Matrix {
@@ -75,7 +76,10 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     record.mask(&mut heights)?;
     let Record { document, mut warnings, .. } = record;
 
-    let pitch_m = document.number(&axis_path("CX", "Increment"))?.zip(document.number(&axis_path("CY", "Increment"))?);
+    let is_profile = document.text("Record1/FeatureType") == Some(PROFILE);
+    let increment = |axis: &str| document.number(&axis_path(axis, "Increment"));
+    // A profile has no other axis.
+    let pitch_m = increment("CX")?.zip(increment(if is_profile { "CX" } else { "CY" })?);
     warn_if!(warnings, pitch_m.is_none(), "the x or y axis has no increment; no pixel size was read");
     if let Some(origin) = document.text("Record1/Axes/Origin").filter(|origin| *origin != TOP_LEFT) {
         let origin = shown(origin);
@@ -156,14 +160,19 @@ fn check_kind(document: &Document) -> Result<()> {
     let is_list =
         document.text("Record3/ListDimension").is_some() && document.text("Record3/MatrixDimension/SizeX").is_none();
     let kind = match feature.text.as_str() {
-        SURFACE if is_list => Some("is a list of points (ListDimension), a profile or a point cloud".into()),
+        SURFACE | PROFILE if is_list => Some("is a list of points (ListDimension), a profile or a point cloud".into()),
         SURFACE => None,
-        "PRF" => Some("is a profile (PRF)".into()),
+        PROFILE if document.text("Record3/MatrixDimension/SizeY") == Some("1") => None,
+        PROFILE => Some("is a profile (PRF) of several lines".into()),
         "PCL" => Some("is a point cloud (PCL)".into()),
         other => Some(format!("has the feature type `{}`", shown(other))),
     };
     if let Some(kind) = kind {
-        return Err(FormatError::unsupported(Format::X3p, format!("the record {kind}"), "a surface (SUR)"));
+        return Err(FormatError::unsupported(
+            Format::X3p,
+            format!("the record {kind}"),
+            "a surface (SUR) or a profile (PRF) as a matrix",
+        ));
     }
     for axis in ["CX", "CY"] {
         if document.text(&axis_path(axis, "AxisType")) == Some("A") {

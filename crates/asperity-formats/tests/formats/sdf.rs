@@ -134,6 +134,13 @@ fn every_type_of_number_is_read_with_the_mark_of_its_dialect() {
 }
 
 #[test]
+fn a_single_profile_needs_no_distance_across_it() {
+    let scan = read_bytes(&binary("bISO-1.0", [6, 1], [1e-6, 0.0, 1e-12], [0, 5, 0], HEIGHTS)).unwrap();
+    assert_eq!((scan.heights_m.dim(), scan.pitch_m), ((1, 6), Some((1e-6, 1e-6))));
+    assert_no_warning(&scan);
+}
+
+#[test]
 fn files_without_a_map_are_refused_with_the_reason_and_the_line() {
     // The counts are after 8 + 10 + 12 + 12 bytes, the scales after 4 more, the codes after 4 · 8 more.
     let with = |at, field: &dyn Fn(&[u8], usize) -> Vec<u8>| field(&usual(), at);
@@ -141,10 +148,6 @@ fn files_without_a_map_are_refused_with_the_reason_and_the_line() {
     let scale = |scale: f64| patched(&usual(), 62, scale);
     let counts = |counts: [u16; 2]| patched(&usual(), 42, counts);
     assert_refused([
-        (
-            binary("bISO-1.0", [6, 1], [1e-6, 0.0, 1e-6], [0, 5, 0], HEIGHTS),
-            "SDF: the file holds a single profile; wanted the profiles of a surface",
-        ),
         (code(78, 1), "SDF: Compression (byte 78) is `1`"),
         (code(80, 1), "SDF: CheckType (byte 80) is `1`"),
         (code(79, 8), "SDF: DataType (byte 79) is `8`"),

@@ -262,10 +262,21 @@ fn surplus_bytes_missing_objects_and_profiles_of_many_lines_give_a_warning() {
 }
 
 #[test]
+fn a_profile_of_one_line_is_a_single_row() {
+    let map = read_bytes(&Sur::default().bytes()).unwrap();
+    let profile = read_bytes(&Sur { object_type: 1, size: (6, 1), ..Sur::default() }.bytes()).unwrap();
+    assert!(profile.is_profile());
+    assert_eq!(profile.warnings, map.warnings);
+    assert!(profile.heights_m.iter().eq(map.heights_m.iter()));
+    // Beside a surface it is no height map.
+    let both = [Sur::default().bytes(), Sur { object_type: 1, size: (6, 1), ..Sur::default() }.bytes()].concat();
+    assert_eq!(read_bytes(&both).unwrap().heights_m, map.heights_m);
+}
+
+#[test]
 fn other_objects_and_headers_that_exceed_the_file_are_refused() {
     let usual = Sur::default;
     let files = [
-        (Sur { object_type: 1, size: (6, 1), ..usual() }, "profile"),
         (Sur { object_type: 12, ..usual() }, "colour image"),
         (Sur { object_type: 99, ..usual() }, "not published"),
         (Sur { size: (i32::MAX, i32::MAX), ..usual() }, "the limit is"),

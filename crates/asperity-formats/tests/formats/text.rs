@@ -157,7 +157,56 @@ fn labels_along_the_sides_are_left_out_and_heights_are_not() {
 }
 
 #[test]
-fn profiles_blocks_and_doubtful_labels_are_refused() {
+fn heights_along_a_line_are_a_profile() {
+    let um = |text: &str| {
+        let options = ReadOptions { height_unit: Some("um".parse().unwrap()), ..ReadOptions::default() };
+        read_bytes_with(text.as_bytes(), &options).unwrap()
+    };
+    for (text, heights, words) in [
+        (
+            "0 0.10\n0.5 0.20\n1 0.15\n1.5 0.30\n",
+            [0.1, 0.2, 0.15, 0.3],
+            "two columns, of which the first rises or falls over 4 rows",
+        ),
+        ("3,1\n2.1,5\n1,2\n0,4\n", [4.0, 2.0, 5.0, 1.0], "two columns"),
+        ("0 0.5 1 1.5\n0.10 0.20 0.15 0.30\n", [0.1, 0.2, 0.15, 0.3], "two rows"),
+        ("1\n5\n3\n4\n", [1.0, 5.0, 3.0, 4.0], "a single column of 4 numbers"),
+        ("1 5 3 4\n", [1.0, 5.0, 3.0, 4.0], "a single row of 4 numbers"),
+    ] {
+        let scan = um(text);
+        assert!(scan.is_profile() && scan.pitch_m.is_none(), "{text:?}");
+        assert_heights(&scan, &heights.map(|z| z * 1e-6));
+        assert_warns(&scan, words);
+    }
+    // Units and names of columns, among them those of a stylus with empty cells at the end of lines.
+    let dektak = "Meta Data\nSavedAs,C:\\a.OPDx\nScanLength,2000\n\nData\nLateral(µm),Total Profile(Å),,\n\
+                  0,-5528.24,,\n0.5,-5547.78,,\n1,12,,\n1.5,7,,\n";
+    for (text, heights_nm) in [
+        (dektak, [-552.824, -554.778, 1.2, 0.7]),
+        ("# x [mm]  z [nm]\n0 1\n0.0005 2\n0.001 3\n0.0015 5\n", [1.0, 2.0, 3.0, 5.0]),
+        ("# x unit: um\n# z unit: nm\n0 1\n.5 2\n1 3\n1.5 5\n", [1.0, 2.0, 3.0, 5.0]),
+        ("# unit: nm\n# dx: 0.5 um\n1\n2\n3\n5\n", [1.0, 2.0, 3.0, 5.0]),
+    ] {
+        let scan = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!(scan.heights_m.dim(), (1, 4), "{text}");
+        let (step_m, _) = scan.pitch_m.unwrap_or_else(|| panic!("{text}"));
+        assert!((step_m / 5e-7 - 1.0).abs() < 1e-12, "{text}: {step_m}");
+        assert!(scan.heights_m.iter().zip(heights_nm).all(|(z, nm)| (z / nm * 1e9 - 1.0).abs() < 1e-12), "{text}");
+    }
+    let two = "Lateral(µm),Raw(nm),Level(nm)\n0,1,11\n1,2,12\n2,3,13\n3,5,15\n";
+    let scan = read_channel(two.as_bytes(), "level").unwrap();
+    assert_eq!(scan.channels, ["Raw", "Level"]);
+    assert_heights(&scan, &[11e-9, 12e-9, 13e-9, 15e-9]);
+    assert_refused([
+        ("0 1\n1 2\n5 3\n6 2\n", "whose positions step by 1.0000e0 to 4.0000e0; wanted positions in equal steps"),
+        ("Lateral(µm),Force(mN)\n0,1\n1,2\n2,3\n3,5\n", "numbers in `mN`; wanted a unit of length"),
+    ]);
+    // A header with the size of the map describes heights, which may rise.
+    assert_eq!(read("# dx: 1 um\n1 2\n3 4\n5 6\n7 8\n").heights_m.dim(), (4, 2));
+}
+
+#[test]
+fn blocks_and_doubtful_labels_are_refused() {
     let line: String = (0..9).map(|k| format!("{k} {} {}\n", k * k % 7, k * k % 5)).collect();
     let cone: String = (0..12)
         .map(|y| (0..12).map(|x| format!("{} ", f64::from(x * x + y * y).sqrt())).collect::<String>() + "\n")
@@ -165,13 +214,6 @@ fn profiles_blocks_and_doubtful_labels_are_refused() {
     let ramp: String = (0..12).map(|y| format!("{} {} 1 {}\n", 2 * y, y * y % 7, y * y % 5)).collect();
     let open = "evenly: labels, coordinates or heights";
     assert_refused([
-        (
-            "0 0.10\n0.5 0.20\n1 0.15\n1.5 0.30\n",
-            "a profile: two columns, of which the first rises or falls over 4 rows",
-        ),
-        ("3,1\n2.1,5\n1.2,2\n0,4\n", "a profile: two columns"),
-        ("0 0.5 1 1.5\n0.10 0.20 0.15 0.30\n", "a profile: two rows"),
-        ("1\n5\n3\n4\n", "a profile: a single column of 4 numbers"),
         ("1 2\n3 4\n\n5 6\n7 8\n\n9 0\n1 2\n", "3 blocks of numbers, divided by blank lines"),
         (&line, open),
         (&cone, open),

@@ -215,8 +215,24 @@ fn layers_are_channels_each_with_its_own_numbers_and_validity() {
 }
 
 #[test]
+fn a_profile_of_one_line_is_a_single_row() {
+    let profile = X3p { feature: "PRF", size: (4, 1, 1), ..X3p::default() };
+    let scan = read(&profile.bytes());
+    assert_heights(&scan, &HEIGHTS);
+    assert!(scan.is_profile());
+    let main =
+        between(&profile.main_xml(), "<CY>", "</CY>", "<CY><AxisType>I</AxisType></CY>").replace("</CY></CY>", "</CY>");
+    let scan = read(&profile.with_main(main.as_bytes()));
+    assert_eq!(scan.pitch_m.map(|(step_m, across_m)| step_m == across_m), Some(true));
+}
+
+#[test]
 fn profiles_points_and_absolute_axes_are_refused_with_a_reason() {
-    let cases = [("PRF", "I", "profile"), ("PCL", "I", "a point cloud (PCL)"), ("SUR", "A", "CX is absolute")];
+    let cases = [
+        ("PRF", "I", "a profile (PRF) of several lines"),
+        ("PCL", "I", "a point cloud (PCL)"),
+        ("SUR", "A", "CX is absolute"),
+    ];
     for (feature, x_axis_type, reason) in cases {
         assert_refused([(X3p { feature, x_axis_type, ..X3p::default() }.bytes(), reason)]);
     }

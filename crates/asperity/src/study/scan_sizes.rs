@@ -6,6 +6,7 @@ use std::path::Path;
 use super::check::SurfaceStudy;
 use super::file::FrictionSection;
 use super::output::StageOutput;
+use super::profile::MeasuredProfile;
 use super::surface_scans::measure_all;
 use super::{Study, StudyError, StudyFile, sentence};
 use crate::correlation::Axis;
@@ -67,7 +68,7 @@ impl Study {
         let surface = self.surface.as_ref().ok_or(StudyError::NoStage("surface"))?;
         for (_, scan) in surface.read_scans(folder)? {
             let (ny, nx) = scan.heights_m.dim();
-            if nx.min(ny) < LEAST_POINTS {
+            if nx.min(if scan.is_profile() { nx } else { ny }) < LEAST_POINTS {
                 return Err(StudyError::FewPoints { found: [nx, ny], least: LEAST_POINTS });
             }
         }
@@ -87,6 +88,10 @@ impl fmt::Display for ScanSizes {
 impl ScanSizes {
     fn of(surface: &SurfaceStudy, folder: &Path) -> Result<Self, StudyError> {
         let scans = surface.read_scans(folder)?;
+        if let Some(profile) = MeasuredProfile::of(surface, &scans, &mut StageOutput::default())? {
+            let length_m = profile.statistics.correlation_length_m.ok_or(StudyError::NoCorrelationLength)?;
+            return Ok(Self::new(profile.statistics.shortest_wave_m(), [length_m; 2]));
+        }
         let measured = measure_all(&surface.preparation, scans, &mut StageOutput::default())?;
         let scan = measured.ok_or(StudyError::NoStage("surface"))?;
         let length_m = |axis| scan.correlation.correlation_length_m(axis);

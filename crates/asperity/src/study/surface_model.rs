@@ -2,6 +2,7 @@
 
 use crate::correlation::{CorrelationModel, StationaryCovariance};
 use crate::study::output::StageOutput;
+use crate::study::profile::MeasuredProfile;
 use crate::study::{StudyError, sentence};
 use crate::surface::model::{
     CovarianceRequest, GAMMA, Measurable, RIDGES, SelectedCovariance, SurfaceCovariance, SurfaceModel, SurfaceRequest,
@@ -10,18 +11,23 @@ use crate::surface::model::{
 use crate::surface::scanned::ScannedSurface;
 use crate::translation::TranslationKind;
 
-/// Makes the model of the random surfaces and, if it has a covariance, reports its selection. `stated_marginal` is the text of
-/// a stated marginal distribution.
+/// Makes the model of the random surfaces from the scans or the profile and, if it has a covariance, reports its selection.
+/// `stated_marginal` is the text of a stated marginal distribution.
 pub(super) fn model_of(
-    request: &SurfaceRequest,
+    stated: &SurfaceRequest,
     stated_marginal: Option<&str>,
     measured: Option<&ScannedSurface>,
+    profile: Option<&MeasuredProfile>,
     output: &mut StageOutput,
 ) -> Result<(SurfaceModel, Option<SelectedCovariance>), StudyError> {
-    let (model, selected) = SurfaceModel::new(request.clone(), measured)?;
-    let part = measured.and_then(|m| m.part.as_ref());
-    let scans = if part.is_some() { "the scans" } else { "the scan" };
-    output.assumptions.push(model_sentence(request, stated_marginal, &model, scans));
+    let request = profile.map_or_else(|| stated.clone(), |profile| profile.state(stated.clone()));
+    let (model, selected) = SurfaceModel::new(request, measured)?;
+    let source = match measured.and_then(|measured| measured.part.as_ref()) {
+        _ if profile.is_some() => "the profile",
+        Some(_) => "the scans",
+        None => "the scan",
+    };
+    output.assumptions.push(model_sentence(stated, stated_marginal, &model, source));
     if let Some(selected) = &selected {
         output.assumptions.extend(selected.reason.clone());
         output.warnings.extend(selected.warnings.iter().cloned());

@@ -2,11 +2,12 @@
 
 use crate::correlation::{CorrelationModel, StationaryCovariance};
 use crate::study::result::{
-    Companions, CovarianceResult, PartStatistics, PooledResult, ScanOfPart, SpreadResult, SurfaceStatistics, finite,
-    pair,
+    self, Companions, CovarianceResult, PartStatistics, PooledResult, ScanOfPart, SpreadResult, SurfaceStatistics,
+    finite, pair,
 };
 use crate::surface::model::{SelectedCovariance, SurfaceCovariance};
 use crate::surface::pooling::Pooled;
+use crate::surface::profile::ProfileStatistics;
 use crate::surface::scanned::{MapStatistics, PooledStatistics};
 use crate::surface::uncertainty::Estimate;
 
@@ -64,6 +65,40 @@ pub fn surface_statistics(map: &MapStatistics) -> SurfaceStatistics {
         hurst_range_high_m: range_m.map(|range_m| range_m.1),
         fractal_dimension: scaling.map(|s| s.fractal_dimension),
         intervals: Companions(estimates.named().map(|(name, found)| (name.to_owned(), found.map(spread))).into()),
+    }
+}
+
+/// Returns the parameters of a profile as `asperity surface stats` prints them.
+pub fn profile_statistics(profile: &ProfileStatistics) -> result::ProfileStatistics {
+    let (prepared, features, reliable) = (&profile.prepared, &profile.features, profile.spectrum.reliable);
+    let of_estimates = profile.estimates.iter().map(|(name, found)| ((*name).to_owned(), found.map(spread)));
+    let of_features = profile.feature_intervals.iter().map(|(name, found)| {
+        let spread = |(interval, standard_error)| SpreadResult { interval: pair(interval), standard_error };
+        ((*name).to_owned(), found.map(spread))
+    });
+    result::ProfileStatistics {
+        nx: prepared.profile.heights_m().len(),
+        dx_m: prepared.profile.pitch_m(),
+        missing_points: profile.missing,
+        outliers: prepared.outliers,
+        form_radius_m: prepared.radius_m,
+        sections: features.sections,
+        Ra_m: profile.ra_m,
+        Rq_m: profile.rq_m,
+        Rsk: finite(profile.rsk),
+        Rku: finite(profile.rku),
+        Rp_m: features.rp_m,
+        Rv_m: features.rv_m,
+        Rz_m: features.rz_m,
+        Rt_m: features.rt_m,
+        RSm_m: features.rsm_m,
+        Rdq: profile.rdq,
+        Rdq_7point: profile.rdq_7point,
+        correlation_length_m: profile.correlation_length_m,
+        psd_reliable_low_rad_per_m: reliable.low_rad_per_m,
+        psd_reliable_high_rad_per_m: reliable.high_rad_per_m,
+        psd_upper_limit: reliable.upper_limit.name().into(),
+        intervals: Companions(of_estimates.chain(of_features).collect()),
     }
 }
 

@@ -7,6 +7,7 @@ use crate::map::HeightMap;
 use crate::pressure::ContactLikeness;
 use crate::study::check::SurfaceStudy;
 use crate::study::output::StageOutput;
+use crate::study::profile::MeasuredProfile;
 use crate::study::result::{
     CovarianceResult, KarhunenLoeveResult, MeasuredSurface, SurfaceResult, distribution_result,
 };
@@ -23,6 +24,8 @@ pub(super) struct SurfaceStage {
     /// Model of the surface, and of a rough counterface.
     pub(super) model: CompositeModel,
     pub(super) measured: Option<ScannedSurface>,
+    /// Profile of a surface without lay.
+    pub(super) profile: Option<MeasuredProfile>,
     /// Scans of a rough counterface.
     pub(super) measured_counterface: Option<ScannedSurface>,
     /// Shortest wavelength in metre at which the spectra of all scans are reliable.
@@ -54,6 +57,10 @@ impl SurfaceStage {
 /// statistics of the scans only if the random surfaces need their fractal dimension.
 pub(super) fn check_scans(study: &SurfaceStudy, folder: &Path) -> Result<Vec<String>, StudyError> {
     let scans = study.read_scans(folder)?;
+    let mut of_profile = StageOutput::default();
+    if MeasuredProfile::of(study, &scans, &mut of_profile)?.is_some() {
+        return Ok(of_profile.warnings);
+    }
     let several = scans.len() > 1;
     let mut warnings = Vec::new();
     for (file, mut scan) in scans {
@@ -86,9 +93,11 @@ pub(super) fn run(study: &SurfaceStudy, folder: &Path) -> Result<SurfaceStage, S
 /// Runs the stage without the tables of the scan, which take most of its time.
 pub(super) fn without_tables(study: &SurfaceStudy, folder: &Path) -> Result<SurfaceStage, StudyError> {
     let mut output = StageOutput::default();
-    let measured = measure_all(&study.preparation, study.read_scans(folder)?, &mut output)?;
-    let stated_marginal = study.stated_marginal.as_deref();
-    let (model, selected) = model_of(&study.request, stated_marginal, measured.as_ref(), &mut output)?;
+    let scans = study.read_scans(folder)?;
+    let profile = MeasuredProfile::of(study, &scans, &mut output)?;
+    let measured = if profile.is_some() { None } else { measure_all(&study.preparation, scans, &mut output)? };
+    let (model, selected) =
+        model_of(&study.request, study.stated_marginal.as_deref(), measured.as_ref(), profile.as_ref(), &mut output)?;
     let covariance = selected.as_ref().map(covariance_result);
     if let Some(measured) = &measured {
         let is_like_the_scan = matches!(
@@ -118,6 +127,7 @@ pub(super) fn without_tables(study: &SurfaceStudy, folder: &Path) -> Result<Surf
     Ok(SurfaceStage {
         model,
         measured,
+        profile,
         measured_counterface: None,
         band_end_m,
         is_of_the_scan,

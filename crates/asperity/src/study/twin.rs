@@ -93,13 +93,13 @@ impl Twins {
         let measured = measure(&section.preparation(), file, scan, &mut output)?;
         output.warnings.extend(section.keys_without_effect("surface"));
         let request = section.request(&options.families)?;
-        let model = model_of(&request, section.stated_marginal(), Some(&measured), &mut output);
+        let model = model_of(&request, section.stated_marginal(), Some(&measured), None, &mut output);
         let (model, chosen) = match model {
             Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
                 let request = section.request(&options.families)?;
-                model_of(&request, section.stated_marginal(), Some(&measured), &mut output)?
+                model_of(&request, section.stated_marginal(), Some(&measured), None, &mut output)?
             }
             model => model?,
         };

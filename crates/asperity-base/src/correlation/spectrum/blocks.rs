@@ -22,8 +22,8 @@ const STEEP: f64 = 2.0;
 const INDEPENDENT: f64 = 0.264;
 /// A band of less than one octave means a surface that is smooth on the scale of the map. Then the first wavenumbers
 /// are used, up to this many steps, and densities below this fraction of the largest count as leakage of the window.
-const FIRST_STEPS: f64 = 4.0;
-const LEAKAGE: f64 = 1e-3;
+pub(super) const FIRST_STEPS: f64 = 4.0;
+pub(super) const LEAKAGE: f64 = 1e-3;
 /// Number of steps from zero beyond which the smoothing by the window is negligible.
 const SMOOTHED_STEPS: f64 = 12.0;
 
@@ -234,7 +234,7 @@ impl BlockSpectrum {
 }
 
 /// Returns the lower edges of the blocks along an axis, from wavenumber 0 to `last`.
-fn edges(last: usize) -> Vec<f64> {
+pub(super) fn edges(last: usize) -> Vec<f64> {
     let ratio = (1.0 / PER_OCTAVE).exp2();
     let mut edges = vec![0.0, 0.5];
     let mut edge: f64 = 0.5;

@@ -1,11 +1,12 @@
 //! Statistics of measured surfaces.
 
-use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use asperity::study::{part_statistics, surface_statistics};
+use asperity::study::{part_statistics, profile_of, profile_statistics, surface_statistics};
 use asperity::surface::preparation::PreparationError;
+use asperity::surface::profile::ProfileStatistics;
 use asperity::surface::scanned::{MapStatistics, PooledStatistics};
+use asperity_formats::Scan;
 use clap::Args;
 
 use super::preparation::PreparationOptions;
@@ -14,8 +15,8 @@ use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::Answer;
 
-/// Computes ISO 25178-2 parameters, correlation lengths and the fractal dimension of a map, with 95 % intervals. Pools
-/// the statistics of several scans of one part.
+/// Computes ISO 25178-2 parameters, correlation lengths and the fractal dimension of a map, with 95 % intervals, or the ISO 21920-2
+/// parameters of a profile. Pools the statistics of several scans of one part.
 ///
 /// Heights are relative to their mean after the form is removed. Missing points are left out of every sum, never
 /// filled. A map of n pixels is n pixels wide. Sdq uses forward differences, Sdq 7point the seven-point stencil of ISO
@@ -25,6 +26,11 @@ use crate::output::Answer;
 /// % of the material ratio curve, and additionally the secant. The Hurst exponent is fitted to the structure functions
 /// from two pixels to an eighth of the map. Intervals treat the map as a sample of a stationary surface. They are
 /// undefined if the map is too short for its correlation lengths, and for Ssk and Sku if Sku exceeds 4.
+///
+/// Of a profile, Rp, Rv and Rz are means over sections of the length of the L-filter's cutoff, or values of the whole profile without the
+/// filter. A profile element is a hill with a dale; hills below 10 % of Rp and dales below 10 % of Rv belong to their neighbours. All
+/// of the profile is evaluated: filters weight only present heights, also at the ends. Rdq uses forward differences, Rdq 7point the
+/// stencil of ISO 21920-2.
 #[derive(Debug, Args)]
 pub(crate) struct Stats {
     /// Measured or generated heights, in any format that `asperity formats` lists; the content decides the format.
@@ -44,7 +50,11 @@ impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (mut scans, mut sources) = (vec![], vec![]);
         for file in &self.files {
-            let (statistics, source) = self.statistics(file, monitor)?;
+            let scan = input::scan(file, &self.options, monitor)?;
+            if scan.is_profile() && self.files.len() == 1 {
+                return self.profile(file, scan, monitor);
+            }
+            let (statistics, source) = self.statistics(file, scan, monitor)?;
             scans.push((file.display().to_string(), statistics));
             sources.push(source);
         }
@@ -66,26 +76,50 @@ impl Stats {
     }
 
     /// Returns the statistics of a file, and its format and channel.
-    fn statistics(&self, file: &Path, monitor: &Terminal) -> Result<(MapStatistics, Answer), Failure> {
-        let scan = input::scan(file, &self.options, monitor)?;
+    fn statistics(&self, file: &Path, scan: Scan, monitor: &Terminal) -> Result<(MapStatistics, Answer), Failure> {
         let source = input::source(&scan);
         let map = input::height_map(scan, file)?;
         let preparation = self.preparation.preparation();
-        let unusable = |e: &dyn Error| Failure::data(file.display(), e);
-        let prepared = monitor.killable(|| preparation.apply(&map))?.map_err(|e| match e {
-            // An invalid band or cutoff is an error of the flags.
-            PreparationError::EmptyBand { .. } | PreparationError::SFilter(_) | PreparationError::LFilter(_) => {
-                Failure::usage(format_args!("{}: {e}", file.display()))
-            }
-            e => unusable(&e),
-        })?;
-        if prepared.lost > 0 {
-            let (file, lost) = (file.display(), prepared.lost);
+        let prepared = monitor.killable(|| preparation.apply(&map))?.map_err(|e| not_prepared(file, e))?;
+        warn_of_lost(file, prepared.lost, monitor);
+        let statistics = monitor.killable(|| MapStatistics::new(&prepared))?;
+        Ok((statistics.map_err(|e| Failure::data(file.display(), &e))?, source))
+    }
+
+    /// Prints the parameters of a profile.
+    fn profile(&self, file: &Path, scan: Scan, monitor: &Terminal) -> Result<(), Failure> {
+        let source = input::source(&scan);
+        let profile = profile_of(scan).map_err(|e| input::no_map(&e, file))?;
+        let preparation = self.preparation.preparation();
+        let prepared = monitor.killable(|| profile.prepare(&preparation))?.map_err(|e| not_prepared(file, e))?;
+        warn_of_lost(file, prepared.lost, monitor);
+        if prepared.section_m.is_none() {
             monitor.warn(&format!(
-                "{file}: the robust filter found no surface around {lost} heights; they count as missing"
+                "{}: without --l-filter these are parameters of the primary profile (Pa, Pq, …), waviness included",
+                file.display()
             ));
         }
-        let statistics = monitor.killable(|| MapStatistics::new(&prepared))?.map_err(|e| unusable(&e))?;
-        Ok((statistics, source))
+        let statistics = monitor.killable(|| ProfileStatistics::new(prepared))?;
+        let answer = Answer::new(&profile_statistics(&statistics.map_err(|e| Failure::data(file.display(), &e))?))?;
+        if self.json { answer.and(source).print(true) } else { answer.print(false) }
+    }
+}
+
+/// Returns the error of a map or profile that could not be prepared.
+fn not_prepared(file: &Path, error: PreparationError) -> Failure {
+    match error {
+        // An invalid band or cutoff is an error of the flags.
+        PreparationError::EmptyBand { .. } | PreparationError::SFilter(_) | PreparationError::LFilter(_) => {
+            Failure::usage(format_args!("{}: {error}", file.display()))
+        }
+        error => Failure::data(file.display(), &error),
+    }
+}
+
+fn warn_of_lost(file: &Path, lost: usize, monitor: &Terminal) {
+    if lost > 0 {
+        let file = file.display();
+        monitor
+            .warn(&format!("{file}: the robust filter found no surface around {lost} heights; they count as missing"));
     }
 }

@@ -21,6 +21,8 @@ pub(in crate::study) struct SurfaceStudy {
     /// Scan files, relative to the study file.
     pub(in crate::study) files: Vec<PathBuf>,
     options: ReadOptions,
+    /// Whether a profile may stand for the surface.
+    pub(in crate::study) isotropic: bool,
     /// Preparation of the scans before their statistics are computed.
     pub(in crate::study) preparation: Preparation,
     pub(in crate::study) request: SurfaceRequest,
@@ -105,6 +107,7 @@ impl SurfaceSection {
         Ok(SurfaceStudy {
             files: self.files().to_vec(),
             options: ReadOptions { channel, height_unit, pitch_m },
+            isotropic: self.isotropic,
             preparation: self.preparation(),
             request: self.request(CorrelationFamily::ALL)?,
             stated_marginal: self.stated_marginal().map(str::to_owned),

@@ -73,6 +73,10 @@ pub struct SurfaceSection {
     /// and a conversion factor in the header of a text file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_unit: Option<String>,
+    /// Whether the surface has no lay. A study takes a profile, heights along one line, only for such a surface: its spectrum is then that in
+    /// all directions.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub isotropic: bool,
     /// Form removed from the scan.
     #[serde(default)]
     pub level: Level,
@@ -180,6 +184,7 @@ impl Default for SurfaceSection {
             channel: None,
             pixel_size: None,
             height_unit: None,
+            isotropic: false,
             level: Level::default(),
             outliers: None,
             s_filter: None,

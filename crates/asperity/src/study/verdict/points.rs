@@ -64,7 +64,9 @@ impl ContactPoints<'_> {
         };
         let mut model = self.surface.model.clone();
         if own.surface != self.study.surface {
-            model.surface = SurfaceModel::new(surface.request.clone(), self.surface.measured.as_ref())?.0;
+            let stated = surface.request.clone();
+            let request = self.surface.profile.as_ref().map_or_else(|| stated.clone(), |own| own.state(stated.clone()));
+            model.surface = SurfaceModel::new(request, self.surface.measured.as_ref())?.0;
         }
         let [of_surface, of_counterface] = errors;
         vary(&mut model.surface, &surface.request, of_surface)?;

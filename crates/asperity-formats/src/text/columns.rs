@@ -1,0 +1,72 @@
+//! Names and units of columns.
+
+use super::header::{bare, unit};
+use crate::utf8_or_latin1;
+
+/// Signs between the name of a column and its unit.
+const BEFORE_UNIT: [char; 5] = ['[', '(', '/', '_', ' '];
+
+/// Name of a column and the unit behind it, `Lateral (µm)`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Column {
+    pub(crate) name: String,
+    pub(crate) unit: Option<String>,
+}
+
+impl Column {
+    fn new(word: &str) -> Self {
+        let place = word.rfind(BEFORE_UNIT).unwrap_or(word.len());
+        let behind = bare(word[place..].trim_start_matches(['/', '_', ' ']));
+        let is_bracket = word[place..].starts_with(['[', '(']);
+        let known = Some(behind).filter(|behind| !behind.is_empty() && (is_bracket || unit(behind).is_some()));
+        let name = known.map_or(word, |_| &word[..place]).trim_end_matches(BEFORE_UNIT);
+        Self { name: name.to_owned(), unit: known.map(str::to_owned) }
+    }
+
+    /// Returns the number of units per metre; `None` without a unit of length.
+    pub(crate) fn per_metre(&self) -> Option<f64> {
+        unit(self.unit.as_deref()?)
+    }
+}
+
+/// Returns the columns that a line of a header names: `x [um] y [um] z [um]`, `X;Y;Z` or `# x/mm, y/mm, z/um`.
+pub(crate) fn columns_in(line: &str) -> Vec<Column> {
+    let line = line.rsplit(':').next().unwrap_or(line).trim_matches(['#', '%', '"', ' ', '\r']);
+    let separated = line.contains([',', ';', '\t']);
+    let mut columns: Vec<Column> = Vec::new();
+    let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ');
+    for word in words.map(|word| word.trim_matches([' ', '"'])).filter(|word| separated || !word.is_empty()) {
+        let is_unit = !separated && (word.starts_with(BEFORE_UNIT) || unit(word).is_some());
+        match columns.last_mut().filter(|last| is_unit && last.unit.is_none()) {
+            // A unit behind its name.
+            Some(last) => last.unit = Some(bare(word.trim_start_matches('/')).to_owned()),
+            None => columns.push(Column::new(word)),
+        }
+    }
+    columns
+}
+
+/// Returns the columns that the last line of a header with a name for each of them names, as `choose` sees it.
+pub(crate) fn named<T>(head: &[u8], choose: impl Fn(&[Column]) -> Option<T>) -> Option<T> {
+    utf8_or_latin1(head).lines().rev().find_map(|line| choose(&columns_in(line)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_have_names_and_units_in_any_usual_form() {
+        let found = |line: &str| -> Vec<String> {
+            let of = |column: Column| format!("{}|{}", column.name, column.unit.unwrap_or_default());
+            columns_in(line).into_iter().map(of).collect()
+        };
+        for line in ["x [um] z [nm]", "# x [um], z [nm]", "x_um;z_nm", "\"x (um)\"\t\"z (nm)\"", "columns: x/um, z/nm"]
+        {
+            assert_eq!(found(line), ["x|um", "z|nm"], "{line}");
+        }
+        assert_eq!(found("Lateral(µm),Total Profile(Å),,"), ["Lateral|µm", "Total Profile|Å", "|", "|"]);
+        assert_eq!(found("Position (mm), Deflection (V)"), ["Position|mm", "Deflection|V"]);
+        assert_eq!(found("x;max_height"), ["x|", "max_height|"]);
+    }
+}

@@ -1,0 +1,121 @@
+//! Profiles: heights along one line, as styluses record them.
+
+use super::columns::{Column, named};
+use super::header::Header;
+use crate::{Format, FormatError, ReadOptions, Result, Shape};
+
+/// Fewest points of a profile with positions.
+const FEWEST: usize = 4;
+/// Distance of a position from its place in equal steps, in steps, up to which the steps count as equal.
+const TOLERANCE: f64 = 0.25;
+
+/// Heights of a profile in the order of rising positions.
+pub(super) struct Profile {
+    pub(super) heights: Vec<f64>,
+    /// Distance between points in the unit of the positions; `None` for heights alone.
+    pub(super) step: Option<f64>,
+    /// Names of all columns of heights; empty without names.
+    pub(super) channels: Vec<String>,
+    /// Index of the column that was read.
+    pub(super) channel: usize,
+    /// Units of positions and heights behind the names of their columns.
+    pub(super) units: [Option<String>; 2],
+    /// Form of the text, for the user.
+    pub(super) form: String,
+}
+
+impl Profile {
+    /// Returns whether the header names the columns.
+    pub(super) fn is_named(&self) -> bool {
+        !self.channels.is_empty()
+    }
+
+    /// Adds the units of the columns to the header, and returns a sentence for the user.
+    pub(super) fn describe(&self, header: &mut Header) -> String {
+        for (key, unit) in ["x unit", "z unit"].into_iter().zip(&self.units) {
+            if let Some(unit) = unit {
+                header.insert(key, unit);
+            }
+        }
+        format!("this is a profile: {}", self.form)
+    }
+}
+
+/// Returns the columns of a header that names a position and heights, both with a unit of which that of the position is a length; further
+/// columns have no name.
+pub(super) fn names(head: &[u8], columns: usize) -> Option<Vec<Column>> {
+    named(head, |found| {
+        let count = found.iter().rposition(|column| !column.name.is_empty())? + 1;
+        let are_named = found[..count].iter().all(|column| !column.name.is_empty() && column.unit.is_some());
+        let is_profile = are_named && (2..=columns).contains(&count) && found[0].per_metre().is_some();
+        is_profile.then(|| found[..count].to_vec())
+    })
+}
+
+/// Returns the profile that a matrix of numbers is; `None` for a map. A profile is a single row or column, two columns or rows of which the
+/// first rises or falls, or columns with `names`.
+///
+/// # Errors
+/// The positions do not step equally, or the options choose a column that does not exist.
+pub(super) fn of(
+    values: &[f64],
+    (rows, columns): Shape,
+    names: Option<Vec<Column>>,
+    options: &ReadOptions,
+) -> Result<Option<Profile>> {
+    let column = |place: usize| values.iter().copied().skip(place).step_by(columns).collect::<Vec<f64>>();
+    let plain = |heights: Vec<f64>, form: String| {
+        Ok(Some(Profile { heights, step: None, channels: vec![], channel: 0, units: [None, None], form }))
+    };
+    if let Some(names) =
+        names.filter(|names| (names.len()..columns).all(|place| column(place).iter().all(|z| z.is_nan())))
+    {
+        let channels: Vec<String> = names[1..].iter().map(|column| column.name.clone()).collect();
+        let channel = options.choose(Format::Text, &channels)?;
+        let units = [&names[0], &names[channel + 1]].map(|column| column.unit.clone());
+        let found = stepped(&column(0), column(channel + 1), "columns of positions and heights".into())?;
+        return Ok(Some(Profile { channels, channel, units, ..found }));
+    }
+    // Nothing is known about a row or column of voids alone.
+    if values.iter().all(|value| value.is_nan()) {
+        return Ok(None);
+    }
+    match (rows, columns) {
+        (FEWEST.., 1) => plain(values.to_vec(), format!("a single column of {rows} numbers")),
+        (1, FEWEST..) => plain(values.to_vec(), format!("a single row of {columns} numbers")),
+        (FEWEST.., 2) if runs(&column(0)) => {
+            let form = format!("two columns, of which the first rises or falls over {rows} rows");
+            stepped(&column(0), column(1), form).map(Some)
+        }
+        (2, FEWEST..) if runs(&values[..columns]) => {
+            let form = format!("two rows, of which the first rises or falls over {columns} columns");
+            stepped(&values[..columns], values[columns..].to_vec(), form).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Returns whether numbers rise or fall from each to the next.
+fn runs(numbers: &[f64]) -> bool {
+    let rise = |pair: &[f64]| pair[1] - pair[0];
+    let all = |sign: f64| numbers.windows(2).all(|pair| sign * rise(pair) > 0.0);
+    all(1.0) || all(-1.0)
+}
+
+/// Returns the profile of heights at positions in equal steps.
+fn stepped(positions: &[f64], mut heights: Vec<f64>, form: String) -> Result<Profile> {
+    let (first, last) = (positions[0], positions[positions.len() - 1]);
+    let step = (last - first) / (positions.len() - 1) as f64;
+    let fits =
+        |(place, position): (usize, &f64)| (position - first - step * place as f64).abs() <= TOLERANCE * step.abs();
+    if step == 0.0 || !positions.iter().enumerate().all(fits) {
+        let steps = || positions.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let [low, high] = [steps().fold(f64::INFINITY, f64::min), steps().fold(0.0, f64::max)];
+        let found = format!("a profile ({form}) whose positions step by {low:.4e} to {high:.4e}");
+        return Err(FormatError::unsupported(Format::Text, found, "positions in equal steps"));
+    }
+    if step < 0.0 {
+        heights.reverse();
+    }
+    Ok(Profile { heights, step: Some(step.abs()), channels: vec![], channel: 0, units: [None, None], form })
+}
