@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn doubtful_heights_and_pitches_give_a_warning() {
-        let flat = array![[0.0, 0.0]];
+        let flat = array![[0.0, 0.0], [0.0, 0.0]];
         let beyond = "between 1 pm and 1 m";
         for (heights_m, pitch_m, wanted) in [
             (array![[0.0, 1e-6], [2e-6, f64::NAN]], (1e-6, 2e-6), &[][..]),
