@@ -52,14 +52,23 @@ impl ScanOptions {
 
 /// Reads a scan and prints its warnings.
 pub(crate) fn scan(path: &Path, options: &ScanOptions, monitor: &Terminal) -> Result<Scan, Failure> {
-    let pitch_m = options.pixel_size.map(OneOrTwo::both).map(|(dx, dy)| checked_pitch_m((dx.0, dy.0)));
-    let pitch_m = pitch_m.transpose().map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
-    let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone(), pitch_m };
-    let scan = asperity_formats::read_with(path, &choice).map_err(|e| read_failure(&e))?;
+    let scan = read(path, options)?;
     for warning in &scan.warnings {
         monitor.warn(&format!("{}: {warning}", path.display()));
     }
     Ok(scan)
+}
+
+/// Returns whether a file holds a profile.
+pub(crate) fn is_profile(path: &Path, options: &ScanOptions) -> bool {
+    read(path, options).is_ok_and(|scan| scan.is_profile())
+}
+
+fn read(path: &Path, options: &ScanOptions) -> Result<Scan, Failure> {
+    let pitch_m = options.pixel_size.map(OneOrTwo::both).map(|(dx, dy)| checked_pitch_m((dx.0, dy.0)));
+    let pitch_m = pitch_m.transpose().map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
+    let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone(), pitch_m };
+    asperity_formats::read_with(path, &choice).map_err(|e| read_failure(&e))
 }
 
 /// Reads a height map.

@@ -20,7 +20,7 @@ use crate::filter::GaussianFilter;
 use crate::level::Level;
 use crate::model::SurfaceModelError;
 use crate::preparation::{Preparation, PreparationError, Prepared};
-use crate::uncertainty::{Estimate, Uncertainty, Values};
+use crate::uncertainty::{Estimate, JointErrors, Uncertainty, Values};
 
 pub use parameters::FeatureParameters;
 
@@ -150,6 +150,8 @@ pub struct ProfileStatistics {
     pub spectrum: ProfileSpectrum,
     /// Estimates of Ra, Rq, Rsk, Rku, Rdq and the correlation length.
     pub estimates: [(&'static str, Option<Estimate>); 6],
+    /// Joint errors of Rq, Rdq and Rsk, which are those of Sq, Sdq and Ssk of a surface without lay.
+    pub joint: Option<JointErrors>,
     /// Intervals of Rz and RSm, from their values in sections and elements.
     pub feature_intervals: [(&'static str, Option<(Interval, f64)>); 2],
 }
@@ -192,6 +194,7 @@ impl ProfileStatistics {
                 ("Rdq", estimates.sdq),
                 ("correlation_length_m", estimates.correlation_length_x_m),
             ],
+            joint: estimates.joint,
             feature_intervals: [("Rz_m", features.rz_interval()), ("RSm_m", features.rsm_interval())],
             features,
             prepared,

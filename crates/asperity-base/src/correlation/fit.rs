@@ -225,8 +225,8 @@ trait Observed: Sync {
     /// Returns the density and the degrees of freedom of each block.
     fn measured(&self) -> Vec<(f64, f64)>;
 
-    /// Returns the density that a covariance leads to expect in a block.
-    fn expected(&self, block: usize, covariance: &Covariance) -> f64;
+    /// Returns the density that a covariance leads to expect in each block.
+    fn expected(&self, covariance: &Covariance) -> Vec<f64>;
 
     fn band(&self) -> ReliableBand;
 
@@ -239,8 +239,8 @@ impl Observed for BlockSpectrum {
         self.blocks().iter().map(|block| (block.density_m4, block.degrees_of_freedom)).collect()
     }
 
-    fn expected(&self, block: usize, covariance: &Covariance) -> f64 {
-        self.expected_m4(&self.blocks()[block], covariance)
+    fn expected(&self, covariance: &Covariance) -> Vec<f64> {
+        self.blocks().iter().map(|block| self.expected_m4(block, covariance)).collect()
     }
 
     fn band(&self) -> ReliableBand {
@@ -257,8 +257,8 @@ impl Observed for LineBlocks {
         LineBlocks::measured(self).collect()
     }
 
-    fn expected(&self, block: usize, covariance: &Covariance) -> f64 {
-        self.expected_m3(block, covariance)
+    fn expected(&self, covariance: &Covariance) -> Vec<f64> {
+        self.expected_m3(covariance)
     }
 
     fn band(&self) -> ReliableBand {
@@ -351,10 +351,8 @@ impl<'a> Search<'a> {
     fn ratios(&self, parameters: &[f64]) -> Vec<(f64, f64)> {
         let Ok(covariance) = self.covariance(parameters) else { return vec![] };
         let of = |spectrum: &&dyn Observed| {
-            let ratio = |(block, (density, degrees)): (usize, (f64, f64))| {
-                (density / spectrum.expected(block, &covariance).max(f64::MIN_POSITIVE), degrees)
-            };
-            spectrum.measured().into_iter().enumerate().map(ratio).collect()
+            let pairs = spectrum.measured().into_iter().zip(spectrum.expected(&covariance));
+            pairs.map(|((found, degrees), expected)| (found / expected.max(f64::MIN_POSITIVE), degrees)).collect()
         };
         self.spectra.iter().map(of).collect::<Vec<Vec<(f64, f64)>>>().concat()
     }

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 
 use super::study_file;
 use crate::failure::{Failure, Kind};
-use crate::input::ScanOptions;
+use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::output::replace_file;
 
@@ -119,6 +119,10 @@ impl Init {
         let folder = scan.parent().unwrap_or(Path::new(""));
         let mut text = with_value(QUICKSTART, "surface", "file", &toml::Value::from(name.as_str()));
         text = text.replacen("synthetic scan; put your own here", "your scan", 1);
+        if input::is_profile(scan, &self.options) {
+            let line = format!("{:<COMMENT$}# a profile stands for a surface without lay", "isotropic = true");
+            text = text.replacen("\nlevel = ", &format!("\n{line}\nlevel = "), 1);
+        }
         for (key, value) in self.options.study_keys() {
             text = text.replacen("\nlevel = ", &format!("\n{key} = {value}\nlevel = "), 1);
         }

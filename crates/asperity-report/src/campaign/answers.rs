@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{CampaignResults, InputValue, MemberResult};
+use asperity_results::{CampaignResults, InputValue, MemberResult, Pair};
 
 use crate::campaign::words::{
     capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown, values_in_words,
@@ -19,8 +19,8 @@ const MOST_NAMES: usize = 4;
 pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
     // Beside probabilities, the verdicts on central values would be other answers to the same question.
     let found = match results.members.iter().any(|member| member.answers.probability.is_some()) {
-        true => [effects(results), probabilities(results), friction(results)],
-        false => [verdicts(results), change(results), friction(results)],
+        true => [effects(results), probabilities(results), certainty(results), limits(results), friction(results)],
+        false => [verdicts(results), change(results), limits(results), friction(results), None],
     };
     let found: Vec<Answer> = found.into_iter().flatten().collect();
     if !found.is_empty() {
@@ -296,25 +296,57 @@ fn probabilities(results: &CampaignResults) -> Option<Answer> {
     };
     let detail = match extremes {
         Some([(least, low), (largest, high)]) if probability(low) != probability(high) => {
-            format!("Least in {least} ({}), largest in {largest} ({}).", probability(low), probability(high))
+            format!("{} in {least}, {} in {largest}.", probability(low), probability(high))
         }
         _ => String::new(),
     };
-    let ranges = results.members.iter().filter_map(|member| member.answers.probability_range);
-    let widest = ranges.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    let unknown = widest.map_or_else(String::new, |[low, high]| {
-        format!(
-            " The values that are not known alone move the probability of a member between {} and {}.",
-            probability(low),
-            probability(high)
-        )
-    });
     let determined =
         if open.is_empty() { "" } else { " Intervals that contain nearly every probability are not determined." };
     Some(Answer {
         question: "How probable is vibration?",
         answer,
-        detail: format!("{detail}{unknown}{determined}").trim_start().to_owned(),
+        detail: format!("{detail}{determined}").trim_start().to_owned(),
+    })
+}
+
+/// Answers how sure the probabilities are: the widest interval of the computation, and the widest range over values that are not known.
+fn certainty(results: &CampaignResults) -> Option<Answer> {
+    let widest = |ends: &dyn Fn(&MemberResult) -> Option<Pair>| {
+        let members = results.members.iter().enumerate().filter(|(_, member)| !is_undetermined(member));
+        let found = members.filter_map(|(index, member)| Some((member_in_words(results, index), ends(member)?)));
+        found.max_by(|(_, a), (_, b)| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+    };
+    let (_, [low, high]) = widest(&|member| member.answers.probability_interval)?;
+    let detail =
+        widest(&|member| member.answers.probability_range).map_or_else(String::new, |(member, [low, high])| {
+            let [low, high] = [low, high].map(probability);
+            format!("Values that are not known move {member} between {low} and {high}.")
+        });
+    Some(Answer {
+        question: "How sure is that?",
+        answer: format!("Computed to ± {} percentage points", significant((50.0 * (high - low)).max(0.01), 2)),
+        detail,
+    })
+}
+
+/// Answers what would stop vibration: the damping ratios at which it ends.
+fn limits(results: &CampaignResults) -> Option<Answer> {
+    let [(least, low), (largest, high)] = extremes(results, |member| member.answers.limit_damping_ratio)?;
+    let detail = if low < high {
+        format!(
+            "With values at their centres, vibration ends at {} in {least} and at {} in {largest}.",
+            significant(low, 3),
+            significant(high, 3)
+        )
+    } else {
+        "With values at their centres, vibration ends there.".into()
+    };
+    let further = " The report of a single run has the changes that reach 5 % and 1 %.";
+    Some(Answer {
+        question: "What would stop it?",
+        answer: format!("A damping ratio above {}", significant(high, 3)),
+        detail: detail
+            + if results.members.iter().any(|member| member.answers.probability.is_some()) { further } else { "" },
     })
 }
 

@@ -1,6 +1,6 @@
 //! The figure of a campaign: the main answer over the values.
 
-use asperity_results::{CampaignResults, InputValue, MemberResult, Pair};
+use asperity_results::{CampaignResults, InputValue, MemberAnswers, MemberResult, Pair};
 
 use crate::campaign::words::{SOURCE, capitalised, differs, key_in_words, number, unit_of, values_in_words, verdict};
 use crate::cells::DASH;
@@ -12,6 +12,10 @@ use crate::plot::{Axis, BLUE, Chart, Colour, Mark, VERMILION, pen, range};
 const MOST_CURVES: usize = 6;
 
 const PROBABILITY: &str = "Probability of vibration";
+/// Name of the band of a curve.
+const RANGE: &str = "90 % range over unknown values";
+/// Largest number of curves with a band.
+const MOST_BANDS: usize = 3;
 const MARGIN: &str = "Margin of the damping ratio";
 
 /// Main answer of a member, by title and value.
@@ -81,10 +85,20 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         chart.band("ζ < ζ_v: vibrates", &x, [&[y_ends.0; 2], &[0.0; 2]], VERMILION);
         chart.band("ζ > ζ_v: quiet", &x, [&[0.0; 2], &[y_ends.1; 2]], BLUE);
     }
-    if title == PROBABILITY && is_curves && groups.len() == 1 {
-        let interval =
-            |(index, member): (usize, &MemberResult)| Some((at(index, member), member.answers.probability_interval?));
-        band(&mut chart, members.iter().enumerate().filter_map(interval).collect());
+    let has_bands = title == PROBABILITY && is_curves && groups.len() <= MOST_BANDS;
+    let has_ranges = has_bands && members.iter().any(|member| member.answers.probability_range.is_some());
+    if has_bands {
+        let words = if has_ranges { RANGE } else { "95 % interval" };
+        for (place, (curve, _)) in groups.iter().enumerate() {
+            let ends = |(index, member): (usize, &MemberResult)| {
+                let MemberAnswers { probability_range, probability_interval, .. } = member.answers;
+                let ends = if has_ranges { probability_range } else { probability_interval };
+                (others(member) == *curve).then_some((at(index, member), ends?))
+            };
+            // The legend names bands once.
+            let name = if place == 0 { words } else { "" };
+            band(&mut chart, name, members.iter().enumerate().filter_map(ends).collect(), pen(place).colour);
+        }
     }
     for (place, (name, mut points)) in groups.into_iter().enumerate() {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -107,20 +121,20 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
     Some(CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
 }
 
-/// Adds the intervals of the members of one curve, at their values.
-fn band(chart: &mut Chart, mut intervals: Vec<(f64, Pair)>) {
+/// Adds the intervals or ranges of the members of one curve, at their values.
+fn band(chart: &mut Chart, name: &str, mut intervals: Vec<(f64, Pair)>, colour: Colour) {
     intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
     let x: Vec<f64> = intervals.iter().map(|(x, _)| *x).collect();
     let [low, high] = [0, 1].map(|end| intervals.iter().map(|(_, ends)| ends[end]).collect::<Vec<f64>>());
     if !x.is_empty() {
-        chart.band("95 % interval", &x, [&low, &high], BLUE);
+        chart.band(name, &x, [&low, &high], colour);
     }
 }
 
 /// Returns the axis of an answer.
 fn axis_of(title: &str, low: f64, high: f64) -> Axis {
     match title {
-        PROBABILITY => Axis::linear(title, Unit::none(), (0.0, 1.0)),
+        PROBABILITY => Axis::linear(title, Unit::new("%", 0.01), (0.0, 1.0)),
         // Both sides of the limit are in the figure.
         MARGIN => {
             let reach = 0.2 * (high.max(0.0) - low.min(0.0));

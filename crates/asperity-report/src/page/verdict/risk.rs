@@ -15,8 +15,9 @@ const LEFT: f64 = 40.0;
 const RIGHT: f64 = 232.0;
 const TOP: f64 = 8.0;
 const BASE: f64 = 66.0;
-/// Characters that have room along the axis.
+/// Characters that have room along the axis, and lines beside it.
 const ACROSS: usize = 28;
+const LINES: usize = 4;
 
 /// Draws the curve of the remedy that has one.
 pub(super) fn picture(verdict: &VerdictResult) -> Html {
@@ -50,11 +51,11 @@ pub(super) fn picture(verdict: &VerdictResult) -> Html {
         line.join("L"),
         of(last.value),
         reached(remedy, range, &place),
-        scale(&x, ACROSS, &|tick| {
+        scale(&x, &|ticks, widest| (ticks * (widest + 2)).div_ceil(ACROSS), &|tick| {
             let at = LEFT + (RIGHT - LEFT) * tick.position;
             html!("<text x=\"{}\" y=\"82\" text-anchor=\"middle\">{}</text>\n", format!("{at:.1}"), &tick.label)
         }),
-        scale(&y, usize::MAX, &|tick| {
+        scale(&y, &|ticks, _| ticks.div_ceil(LINES), &|tick| {
             let at = BASE - (BASE - TOP) * tick.position;
             let label = unbroken(&format!("{} %", tick.label));
             html!("<text x=\"36\" y=\"{}\" text-anchor=\"end\">{}</text>\n", format!("{:.1}", at + 4.0), label)
@@ -79,11 +80,10 @@ fn reached(remedy: &Remedy, (low, high): (f64, f64), place: &dyn Fn(&Risk) -> St
     points.collect()
 }
 
-/// Writes as many ticks as have room, in characters.
-fn scale(axis: &Axis, room: usize, text: &dyn Fn(&Tick) -> Html) -> Html {
+/// Writes one of so many ticks as `stride` returns for their number and their widest label in characters.
+fn scale(axis: &Axis, stride: &dyn Fn(usize, usize) -> usize, text: &dyn Fn(&Tick) -> Html) -> Html {
     let mut ticks = axis.ticks(3);
     ticks.retain(|tick| !tick.label.is_empty() && (-1e-9..=1.0 + 1e-9).contains(&tick.position));
     let widest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0);
-    let stride = (ticks.len() * (widest + 2)).div_ceil(room);
-    ticks.iter().step_by(stride.max(1)).map(text).collect()
+    ticks.iter().step_by(stride(ticks.len(), widest).max(1)).map(text).collect()
 }

@@ -19,6 +19,7 @@ use crate::study::output::StageOutput;
 use crate::study::uncertain::Place;
 use crate::study::{Study, StudyError};
 use crate::surface::pooling::{Mean, Reading, pool};
+use crate::surface::profile::ProfileStatistics;
 use crate::surface::scanned::{MapStatistics, ScannedSurface};
 use crate::surface::uncertainty::{Estimate, JointErrors};
 use asperity_base::numeric::dot;
@@ -51,9 +52,10 @@ impl ScanErrors {
     pub(super) fn new(points: &ContactPoints<'_>, output: &mut StageOutput) -> Result<Self, StudyError> {
         let mut found = Self::default();
         for body in [Body::Surface, Body::Counterface] {
-            if let Some(scan) = body.scan(points.surface) {
+            let scans = body.scans(points.surface);
+            if !scans.is_empty() {
                 let ln_friction = |errors| points.ln_friction(body.alone(errors));
-                found.add(body, scan, &ln_friction, points.mean_errors.scan, output)?;
+                found.add(body, &scans, &ln_friction, points.mean_errors.scan, output)?;
             }
         }
         let file = points.study.file();
@@ -73,16 +75,12 @@ impl ScanErrors {
     fn add(
         &mut self,
         body: Body,
-        scan: &ScannedSurface,
+        scans: &[Measurement],
         ln_friction: &dyn Fn(StatisticErrors) -> Result<f64, StudyError>,
         error_of_parts: f64,
         output: &mut StageOutput,
     ) -> Result<(), StudyError> {
-        let scans: Vec<&MapStatistics> = match &scan.part {
-            Some(part) => part.statistics.scans.iter().map(|(_, statistics)| statistics).collect(),
-            None => vec![&scan.statistics],
-        };
-        let Some(joint) = scans.iter().map(|scan| scan.estimates.joint).collect::<Option<Vec<_>>>() else {
+        let Some(joint) = scans.iter().map(|scan| scan.joint).collect::<Option<Vec<_>>>() else {
             let instead = match body {
                 Body::Surface if error_of_parts > 0.0 => "; the differences between its parts stand for them",
                 _ => ", which the verdict takes as exact",
@@ -97,7 +95,7 @@ impl ScanErrors {
         let own: Vec<f64> = joint.iter().map(|joint| quadratic(joint, &gradient).sqrt()).collect();
         let [scan_std, between_std] = match scans.len() {
             1 => [own[0], 0.0],
-            _ => pooled(&scans, &own, &gradient)?,
+            _ => pooled(scans, &own, &gradient)?,
         };
         let unit = expected_errors(&mean, &gradient);
         for (key, std, unknown) in [(SCAN, scan_std, true), (BETWEEN_SCANS, between_std, false)] {
@@ -110,6 +108,37 @@ impl ScanErrors {
         }
         output.assumptions.push(body.sentence(scans.len(), scan_std, between_std));
         Ok(())
+    }
+}
+
+/// Statistics of one scan or profile that friction depends on.
+#[derive(Debug, Clone, Copy)]
+struct Measurement {
+    /// ln Sq, ln Sdq and Ssk.
+    statistics: StatisticErrors,
+    joint: Option<JointErrors>,
+    area_m2: f64,
+}
+
+impl Measurement {
+    fn new(map: &MapStatistics) -> Self {
+        let parameters = &map.parameters;
+        let statistics = [parameters.sq_m.ln(), parameters.sdq.unwrap_or(1.0).ln(), parameters.ssk];
+        Self { statistics, joint: map.estimates.joint, area_m2: map.present_area_m2() }
+    }
+
+    /// Returns the scan, or all scans of the part.
+    fn all_of(scan: &ScannedSurface) -> Vec<Self> {
+        match &scan.part {
+            Some(part) => part.statistics.scans.iter().map(|(_, statistics)| Self::new(statistics)).collect(),
+            None => vec![Self::new(&scan.statistics)],
+        }
+    }
+
+    /// Returns a profile, whose area is that of a line: it is the only measurement of its body.
+    fn of_profile(profile: &ProfileStatistics) -> Self {
+        let statistics = [profile.rq_m.ln(), profile.rdq.unwrap_or(1.0).ln(), profile.rsk];
+        Self { statistics, joint: profile.joint, area_m2: 0.0 }
     }
 }
 
@@ -137,18 +166,16 @@ fn expected_errors(mean: &JointErrors, gradient: &StatisticErrors) -> StatisticE
 }
 
 /// Returns the standard error of the change of ln μ that several scans determine together, and its standard deviation between them.
-fn pooled(scans: &[&MapStatistics], own: &[f64], gradient: &StatisticErrors) -> Result<[f64; 2], StudyError> {
+fn pooled(scans: &[Measurement], own: &[f64], gradient: &StatisticErrors) -> Result<[f64; 2], StudyError> {
     let readings: Vec<Reading> = scans
         .iter()
         .zip(own)
         .map(|(scan, &standard_error)| {
-            let parameters = &scan.parameters;
-            let statistics = [parameters.sq_m.ln(), parameters.sdq.unwrap_or(1.0).ln(), parameters.ssk];
-            let value = dot(&statistics, gradient);
+            let value = dot(&scan.statistics, gradient);
             let interval = Interval { low: value, high: value };
             let estimate = Estimate { value, surface: value, standard_error, interval, blocks: 1.0 };
-            let area_m2 = scan.present_area_m2();
-            Reading { value, estimate: Some(estimate).filter(|_| standard_error > 0.0), area_m2 }
+            let estimate = Some(estimate).filter(|_| standard_error > 0.0);
+            Reading { value, estimate, area_m2: scan.area_m2 }
         })
         .collect();
     let pooled = pool(&readings, Mean::Arithmetic, LEVEL).map_err(|error| StudyError::Verdict(error.to_string()))?;
@@ -190,7 +217,7 @@ mod tests {
     /// Returns the uncertain values of a body whose friction is inversely proportional to the slopes.
     fn elastic(body: Body, scan: &ScannedSurface) -> (ScanErrors, StageOutput) {
         let (mut found, mut output) = (ScanErrors::default(), StageOutput::default());
-        found.add(body, scan, &|[_, slope, _]| Ok(-slope), 0.0, &mut output).unwrap();
+        found.add(body, &Measurement::all_of(scan), &|[_, slope, _]| Ok(-slope), 0.0, &mut output).unwrap();
         (found, output)
     }
 

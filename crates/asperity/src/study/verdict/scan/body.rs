@@ -6,6 +6,8 @@ use crate::study::sentence::digits;
 use crate::study::surface_stage::SurfaceStage;
 use crate::surface::scanned::ScannedSurface;
 
+use super::Measurement;
+
 /// Body of the contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Body {
@@ -57,10 +59,13 @@ impl Body {
         }
     }
 
-    pub(super) fn scan(self, stage: &SurfaceStage) -> Option<&ScannedSurface> {
-        match self {
-            Self::Surface => stage.measured.as_ref(),
-            Self::Counterface => stage.measured_counterface.as_ref(),
+    /// Returns the scans of this body, or its profile; none for a stated surface.
+    pub(super) fn scans(self, stage: &SurfaceStage) -> Vec<Measurement> {
+        let scans = |scan: &Option<ScannedSurface>| scan.as_ref().map_or_else(Vec::new, Measurement::all_of);
+        match (self, &stage.profile) {
+            (Self::Surface, Some(profile)) => vec![Measurement::of_profile(&profile.statistics)],
+            (Self::Surface, None) => scans(&stage.measured),
+            (Self::Counterface, _) => scans(&stage.measured_counterface),
         }
     }
 
