@@ -68,6 +68,38 @@ fn a_tilt_left_in_a_converted_map_gives_a_warning() {
 }
 
 #[test]
+fn a_profile_of_a_stylus_has_its_parameters_and_is_no_map() {
+    let folder = TempDir::new().unwrap();
+    let row = |k: u32| {
+        let (x, wave) = (0.5 * f64::from(k), (std::f64::consts::TAU * f64::from(k) / 100.0).sin());
+        format!("{x},{:.4},,\n", 2e4 * wave)
+    };
+    let text: String = (0..4000).map(row).collect();
+    fs::write(
+        folder.path().join("line.csv"),
+        format!("Meta Data\nSavedAs,a.OPDx\n\nData\nLateral(µm),Raw(Å),,\n{text}"),
+    )
+    .unwrap();
+    let found = surface(folder.path(), "stats line.csv --l-filter 0.4mm --json");
+    let json = found.json(0);
+    // Waves of 2 µm and 50 µm; the filter transmits 1 − 2^−64 of them.
+    let known =
+        [("Ra_m", 1.2732e-6), ("Rq_m", 1.4142e-6), ("Rz_m", 4e-6), ("RSm_m", 5e-5), ("Rdq", 0.17769), ("dx_m", 5e-7)];
+    known.iter().for_each(|(key, wanted)| close(number(&json, key), *wanted, 0.02));
+    assert_eq!((number(&json, "sections"), number(&json, "nx")), (5.0, 4000.0));
+    assert!(json["Ra_m_interval"].is_array() && json["format"] == "text", "{json}");
+    let primary = surface(folder.path(), "stats line.csv");
+    assert!(primary.code == 0 && primary.stderr.contains("primary profile"), "{primary:?}");
+    surface(folder.path(), "fill line.csv out.x3p")
+        .refuses(3, &["line.csv", "a profile of 4000 points", "isotropic = true"]);
+    surface(folder.path(), "stats line.csv --l-filter 9mm").refuses(2, &["line.csv", "L-filter"]);
+    let started = run_in(folder.path(), "init my --scan line.csv");
+    assert_eq!(started.code, 0, "{started:?}");
+    let study = fs::read_to_string(folder.path().join("my/study.toml")).unwrap();
+    assert!(study.contains("isotropic = true") && study.contains("file = \"line.csv\""), "{study}");
+}
+
+#[test]
 fn a_conversion_that_cannot_be_done_leaves_nothing_behind() {
     let folder = TempDir::new().unwrap();
     npy(folder.path(), "map.npy", array![[1e-6, 2e-6], [3e-6, 4e-6]]);

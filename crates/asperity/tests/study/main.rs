@@ -12,6 +12,7 @@ mod friction_uncertainty;
 mod paper_fig3;
 mod paper_fig5;
 mod pressure;
+mod profile;
 mod scans;
 mod stages;
 mod support;
