@@ -91,7 +91,7 @@ impl Scan {
 
     /// Returns whether the heights lie along one line.
     pub fn is_profile(&self) -> bool {
-        self.heights_m.nrows() == 1
+        self.heights_m.nrows() == 1 && self.heights_m.ncols() > 1
     }
 
     /// Returns the number of missing heights.

@@ -15,7 +15,7 @@ use asperity_base::stats::Interval;
 use ndarray::Array2;
 
 use crate::HeightFits;
-use crate::areal;
+use crate::areal::{self, ArealError};
 use crate::filter::GaussianFilter;
 use crate::level::Level;
 use crate::model::SurfaceModelError;
@@ -48,7 +48,11 @@ impl Profile {
     fn with_distance(heights_m: &[f64], pitch_m: f64, between_rows_m: f64) -> Result<Self, MapError> {
         let grid = Grid::new(heights_m.len(), ROWS, pitch_m, between_rows_m)?;
         let rows = Array2::from_shape_fn(grid.shape(), |(_, column)| heights_m[column]);
-        Ok(Self { map: HeightMap::measured(grid, rows)? })
+        let map = HeightMap::measured(grid, rows).map_err(|error| match error {
+            MapError::Empty { .. } => MapError::Empty { points: heights_m.len() },
+            error => error,
+        })?;
+        Ok(Self { map })
     }
 
     /// Returns the heights in metre.
@@ -163,7 +167,10 @@ impl ProfileStatistics {
     /// The profile is flat.
     pub fn new(prepared: PreparedProfile) -> Result<Self, SurfaceModelError> {
         let map = &prepared.profile.map;
-        let parameters = areal::parameters(map)?;
+        let parameters = areal::parameters(map).map_err(|error| match error {
+            ArealError::Flat { present } => ArealError::Flat { present: present / ROWS },
+            error => error,
+        })?;
         let correlation = Autocorrelation::within(map, map.grid().nx() / 2, 0)?;
         let length_m = correlation.correlation_length_m(Axis::X);
         let values = Values { correlation_length_y_m: None, ..Values::new(&parameters, &correlation) };

@@ -87,7 +87,7 @@ fn a_profile_of_a_stylus_has_its_parameters_and_is_no_map() {
         [("Ra_m", 1.2732e-6), ("Rq_m", 1.4142e-6), ("Rz_m", 4e-6), ("RSm_m", 5e-5), ("Rdq", 0.17769), ("dx_m", 5e-7)];
     known.iter().for_each(|(key, wanted)| close(number(&json, key), *wanted, 0.02));
     assert_eq!((number(&json, "sections"), number(&json, "nx")), (5.0, 4000.0));
-    assert!(json["Ra_m_interval"].is_array() && json["format"] == "text", "{json}");
+    assert!(json["Rz_m_interval"].is_array() && json["format"] == "text", "{json}");
     let primary = surface(folder.path(), "stats line.csv");
     assert!(primary.code == 0 && primary.stderr.contains("primary profile"), "{primary:?}");
     surface(folder.path(), "fill line.csv out.x3p")
