@@ -167,10 +167,8 @@ impl ProfileStatistics {
     /// The profile is flat.
     pub fn new(prepared: PreparedProfile) -> Result<Self, SurfaceModelError> {
         let map = &prepared.profile.map;
-        let parameters = areal::parameters(map).map_err(|error| match error {
-            ArealError::Flat { present } => ArealError::Flat { present: present / ROWS },
-            error => error,
-        })?;
+        let once = |ArealError::Flat { present }| ArealError::Flat { present: present / ROWS };
+        let parameters = areal::parameters(map).map_err(once)?;
         let correlation = Autocorrelation::within(map, map.grid().nx() / 2, 0)?;
         let length_m = correlation.correlation_length_m(Axis::X);
         let values = Values { correlation_length_y_m: None, ..Values::new(&parameters, &correlation) };
