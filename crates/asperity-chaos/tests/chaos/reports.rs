@@ -9,16 +9,17 @@ use asperity_testing::ISHIGAMI;
 
 /// Returns independent inputs with these distributions.
 fn inputs(distributions: &[&str]) -> UncertainInputs {
-    let input = |(i, text): (usize, &&str)| {
-        UncertainInput::new(&format!("x{i}"), text.parse().unwrap(), false).unwrap()
-    };
+    let input =
+        |(i, text): (usize, &&str)| UncertainInput::new(&format!("x{i}"), text.parse().unwrap(), false).unwrap();
     UncertainInputs::new(distributions.iter().enumerate().map(input).collect(), &[]).unwrap()
 }
 
 /// Returns standard variables of these families by the design.
 fn points(method: SamplingMethod, seed: u64, samples: usize, families: &[PolynomialFamily]) -> Vec<Vec<f64>> {
     let design = Design::new(method, seed, "reports", samples, families.len()).unwrap();
-    (0..samples).map(|i| design.unit(i).iter().zip(families).map(|(u, family)| family.from_unit(*u)).collect()).collect()
+    (0..samples)
+        .map(|i| design.unit(i).iter().zip(families).map(|(u, family)| family.from_unit(*u)).collect())
+        .collect()
 }
 
 #[test]

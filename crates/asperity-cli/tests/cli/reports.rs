@@ -74,7 +74,8 @@ fn units_of_lengths_and_pressures_change_no_result() {
             };
             (0..32).map(|column| format!("{:e} ", height(column) * per_metre)).collect::<String>() + "\n"
         };
-        let header = format!("# unit: {unit}\n# dx: {:e} {unit}\n# dy: {:e} {unit}\n", 1e-6 * per_metre, 1.5e-6 * per_metre);
+        let header =
+            format!("# unit: {unit}\n# dx: {:e} {unit}\n# dy: {:e} {unit}\n", 1e-6 * per_metre, 1.5e-6 * per_metre);
         let text = header + &(0..24).map(row).collect::<String>();
         fs::write(folder.path().join(format!("{unit}.txt")), text).unwrap();
     }

@@ -71,7 +71,8 @@ fn grooves_of_any_direction_have_the_lengths_of_a_cosine_across_and_none_along()
         let pitch = 1.0 / f64::from(points);
         let grid = Grid::new(points as usize, points as usize, pitch, pitch).unwrap();
         let q = TAU / period;
-        let map = HeightMap::from_function(grid, |x, y| (q * (x * f64::cos(angle) + y * f64::sin(angle))).cos()).unwrap();
+        let map =
+            HeightMap::from_function(grid, |x, y| (q * (x * f64::cos(angle) + y * f64::sin(angle))).cos()).unwrap();
         let bound = 0.0014 + (pitch / period).powi(2);
         let parameters = areal::parameters(&map).unwrap();
         let close = |name: &str, found: Option<f64>, wanted: f64, bound: f64| {

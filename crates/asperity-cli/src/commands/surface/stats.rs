@@ -47,7 +47,8 @@ pub(crate) struct Stats {
 }
 
 /// Statistics that are undefined if the correlation of the heights does not decay within the field.
-const DECAYING: [&str; 5] = ["Sal_m", "Str", "correlation_length_x_m", "correlation_length_y_m", "correlation_length_m"];
+const DECAYING: [&str; 5] =
+    ["Sal_m", "Str", "correlation_length_x_m", "correlation_length_y_m", "correlation_length_m"];
 
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
