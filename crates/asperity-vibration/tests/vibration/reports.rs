@@ -17,8 +17,8 @@ fn the_period_and_the_number_of_reattachments_depend_on_no_step() {
     let settings = TrajectorySettings { duration: 60.0, start, drive: Drive::Time };
     let steady = Trajectory::simulate(&oscillator, Steady, &settings).unwrap();
     // Steps of the friction record: each has its own grid points, at which the motion is computed.
-    for step in [0.007, 0.1, 2.0] {
-        let record = RecordedProcess::new(step, vec![0.0; (61.0 / step) as usize + 2]).unwrap();
+    for step in [3e-4, 2e-3, 0.05] {
+        let record = RecordedProcess::new(step, vec![0.0; (0.2 / step) as usize + 2]).unwrap();
         let found = Trajectory::simulate(&oscillator, record.path(), &settings).unwrap();
         for kind in [EventKind::Detach, EventKind::Restick] {
             let times: Vec<f64> = found.events.iter().filter(|e| e.kind == kind).map(|e| e.tau).collect();
