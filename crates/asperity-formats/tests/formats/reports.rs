@@ -1,9 +1,9 @@
 //! Cases that users of other programs reported; docs/validation/reports.md lists them.
 
-use asperity_formats::{Format, ReadOptions};
+use asperity_formats::Format;
 
-use crate::check::{assert_pitch, assert_warns};
-use crate::fixture::{read_bytes, read_bytes_with};
+use crate::check::assert_pitch;
+use crate::fixture::read_bytes;
 use crate::{NAN, assert_heights};
 
 #[test]
@@ -53,11 +53,6 @@ fn every_spelling_of_a_unit_of_heights_is_understood() {
             assert_heights(&scan, &numbers.map(|number| number * metre));
         }
     }
-    // Without a unit metre is assumed, and the user asked to check it if the heights exceed the field.
-    let options = ReadOptions { pitch_m: Some((1e-6, 1e-6)), ..ReadOptions::default() };
-    let scan = read_bytes_with(b"1.5 -2 3\n4.25 5 6\n", &options).unwrap();
-    assert_heights(&scan, &numbers);
-    assert_warns(&scan, "check the units");
 }
 
 #[test]
