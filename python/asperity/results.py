@@ -105,6 +105,8 @@ class ScanOfPart(WithCompanions):
     """
     psd_upper_limit: str
     """Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`."""
+    psd_corners_m2: float
+    """Variance outside the rings of the radial spectrum; in the corners of its plane, or below the first ring."""
     correlation_length_x_m: float | None
     """1/e correlation length along x."""
     correlation_length_y_m: float | None
@@ -253,6 +255,8 @@ class SurfaceStatistics(WithCompanions):
     """
     psd_upper_limit: str
     """Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`."""
+    psd_corners_m2: float
+    """Variance outside the rings of the radial spectrum; in the corners of its plane, or below the first ring."""
     correlation_length_x_m: float | None
     """1/e correlation length along x."""
     correlation_length_y_m: float | None
@@ -474,6 +478,8 @@ class SurfaceResult(WithCompanions):
     """Core void volume per area."""
     Vvv_m: float | None = None
     """Dale void volume per area."""
+    psd_corners_m2: float | None = None
+    """Variance outside the rings of the radial spectrum; in the corners of its plane, or below the first ring."""
     correlation_length_x_m: float | None = None
     """1/e correlation length along x."""
     correlation_length_y_m: float | None = None

@@ -52,7 +52,10 @@ class Autocorrelation(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class RadialSpectrum(Record):
-    """Radially averaged power spectral density, two-sided: its integral over d²q/(2π)² is the variance."""
+    """Radially averaged power spectral density, two-sided.
+
+    Its integral over d²q/(2π)² is the variance less that in the corners, ``psd_corners_m2`` of the statistics.
+    """
 
     q_rad_per_m: NDArray[np.float64]
     """Mean wavenumber of each ring."""

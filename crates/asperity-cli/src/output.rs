@@ -102,6 +102,13 @@ impl Answer {
         self
     }
 
+    /// Replaces the undefined results among `keys` by the reason, for a table.
+    pub(crate) fn with_reason(mut self, keys: &[&str], reason: &str) -> Self {
+        let undefined = self.0.iter_mut().filter(|(key, value)| value.is_null() && keys.contains(&key.as_str()));
+        undefined.for_each(|(_, value)| *value = reason.into());
+        self
+    }
+
     /// Merges answers with the same keys: each key gets the list of its values.
     pub(crate) fn lists(answers: &[Self]) -> Self {
         let keys = answers.first().map_or(&[][..], |first| &first.0);

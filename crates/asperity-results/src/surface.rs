@@ -140,6 +140,9 @@ pub struct SurfaceStatistics {
     pub psd_reliable_high_rad_per_m: f64,
     /// Limit that sets the upper end of the reliable spectrum: `pixel`, `roll_off` or `noise_floor`.
     pub psd_upper_limit: String,
+    /// Variance outside the rings of the radial spectrum; in the corners of its plane, or below the first ring.
+    #[serde(default)]
+    pub psd_corners_m2: f64,
     /// 1/e correlation length along x.
     pub correlation_length_x_m: Option<f64>,
     /// 1/e correlation length along y.

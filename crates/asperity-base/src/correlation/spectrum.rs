@@ -86,7 +86,11 @@ fn parzen(u: f64) -> f64 {
     }
 }
 
-/// Returns the mean power spectral density of the profiles along `axis`, relative to the mean of the map.
+/// Returns the mean power spectral density of the profiles along `axis`.
+///
+/// Heights are relative to the mean of the map. The means of single profiles differ from it, and are in the first bins: the wavenumber
+/// 0 and, under the window, its neighbours. The density is therefore that of the surface, in which waves across the profiles belong to
+/// the variance, and the sum over all bins and both signs of q is the windowed mean square of all profiles.
 ///
 /// If at least half of the profiles are complete, it is the mean of their periodograms, |Σ w z e^{−iqx}|² Δ/Σw² with a
 /// Hann window w. Otherwise it is the transform Δ Σ w(l) C(l) e^{−iql} of the mean product C(l) over all pairs of

@@ -15,6 +15,7 @@ mod friction;
 mod headlines;
 mod mode_coupling;
 mod outputs;
+mod reports;
 #[cfg(unix)]
 mod resumed;
 mod slurm;

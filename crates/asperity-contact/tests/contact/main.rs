@@ -9,4 +9,5 @@ mod edges;
 mod half_space;
 mod random;
 mod reference;
+mod reports;
 mod substrate;

@@ -35,6 +35,7 @@ mod opdx;
 mod plu;
 mod plux;
 mod reference;
+mod reports;
 mod round_trip;
 mod sdf;
 mod series;

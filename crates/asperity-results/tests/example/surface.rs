@@ -68,6 +68,7 @@ pub(crate) fn scan() -> SurfaceStatistics {
         psd_reliable_low_rad_per_m: 6.3e4,
         psd_reliable_high_rad_per_m: 2e6,
         psd_upper_limit: "roll_off".into(),
+        psd_corners_m2: 1.2e-15,
         intervals: Companions(vec![
             ("Sq_m".into(), spread([9.41e-7, 1.0614e-6], 3.1e-8)),
             ("Ssk".into(), spread([-0.4, -0.03], 0.1)),

@@ -23,6 +23,8 @@ pub struct MapStatistics {
     pub parameters: ArealParameters,
     /// Wavenumbers at which the power spectral density is reliable.
     pub reliable: ReliableBand,
+    /// Variance on no ring of the radial spectrum in m² ([`RadialSpectrum::corners_m2`](asperity_base::correlation::RadialSpectrum)).
+    pub corners_m2: f64,
     /// 1/e correlation lengths along x and y in metre.
     pub correlation_lengths_m: [Option<f64>; 2],
     /// Hurst exponent and fractal dimension.
@@ -67,6 +69,7 @@ impl MapStatistics {
             form_radius_m: prepared.radius_m,
             parameters,
             reliable: spectrum.reliable,
+            corners_m2: spectrum.corners_m2,
             correlation_lengths_m: [correlation_length_m(Axis::X)?, correlation_length_m(Axis::Y)?],
             scaling,
             estimates,

@@ -4,3 +4,4 @@
 
 mod block_spectrum;
 mod measured_covariance;
+mod reports;

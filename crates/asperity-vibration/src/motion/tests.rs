@@ -162,3 +162,22 @@ fn no_extreme_of_a_step_is_missed() {
     // At least: two ends, two extremes and a zero of X′ in between.
     assert!(most >= 5, "{most} times at most");
 }
+
+#[test]
+fn a_start_at_the_limit_and_the_grid_of_a_record_leave_the_number_of_steps_bounded() {
+    // docs/validation/reports.md, SciPy #10319: nine cycles of some five steps, and one step for each grid point.
+    let oscillator = Oscillator::with_stribeck(0.1, 4.2, 0.17, 0.003).unwrap();
+    for grid_points in [0, 600] {
+        let end = |point: usize| if point == grid_points { f64::INFINITY } else { 3e-4 * (point + 1) as f64 };
+        let cells: Vec<Cell> =
+            (0..=grid_points).map(|point| Cell { end: end(point), length: 3e-4, left: 0.0, right: 0.0 }).collect();
+        let mut motion =
+            Motion::new(&oscillator, Levels(cells.into_iter()), Drive::Time, 0.1 - 2.0 * 0.17 * 0.003).unwrap();
+        let mut steps = 0;
+        while motion.tau < 60.0 {
+            motion.step(60.0).unwrap();
+            steps += 1;
+        }
+        assert!(steps <= 60 + grid_points, "{steps} steps, {grid_points} grid points");
+    }
+}

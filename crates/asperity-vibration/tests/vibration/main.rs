@@ -6,3 +6,4 @@
 mod crossings;
 mod ensembles;
 mod kinds;
+mod reports;

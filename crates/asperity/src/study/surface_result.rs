@@ -57,6 +57,7 @@ pub fn surface_statistics(map: &MapStatistics) -> SurfaceStatistics {
         psd_reliable_low_rad_per_m: reliable.low_rad_per_m,
         psd_reliable_high_rad_per_m: reliable.high_rad_per_m,
         psd_upper_limit: reliable.upper_limit.name().into(),
+        psd_corners_m2: map.corners_m2,
         correlation_length_x_m: correlation_lengths_m[0],
         correlation_length_y_m: correlation_lengths_m[1],
         hurst: scaling.map(|s| s.hurst),

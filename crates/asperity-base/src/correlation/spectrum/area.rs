@@ -35,6 +35,12 @@ pub struct RadialSpectrum {
     pub psd_m4: Vec<f64>,
     /// Number of wavevectors on each ring.
     pub wavevectors: Vec<usize>,
+    /// Variance in m² of the wavevectors on no ring: those in the corners beyond the last ring and, below the first, the mean and the
+    /// longest waves of an oblong map.
+    ///
+    /// Together with the sum over the rings of `wavevectors`·`psd_m4`/(LxLy) it is the windowed mean square Σ w²z²/Σw² of a complete
+    /// map, z being relative to the mean, and the variance of the present heights of a map with missing points.
+    pub corners_m2: f64,
     /// Estimator of the spectrum.
     pub route: SpectrumRoute,
     /// Reliable wavenumbers.
@@ -207,7 +213,8 @@ impl AreaSpectrum {
         let psd_m4: Vec<f64> = kept.iter().map(|[_, density, count]| density / count).collect();
         let reliable = ReliableBand::from_area(&q_rad_per_m, &psd_m4, self.route.resolution() * width, nyquist);
         let wavevectors = kept.iter().map(|[_, _, count]| *count as usize).collect();
-        RadialSpectrum { q_rad_per_m, psd_m4, wavevectors, route: self.route, reliable }
+        let corners_m2 = (sums[0][1] + sums[rings + 1][1]) / self.grid.area_m2();
+        RadialSpectrum { q_rad_per_m, psd_m4, wavevectors, corners_m2, route: self.route, reliable }
     }
 
     /// Returns the integrals along rays of wavevectors; `None` if the map is too small for a wavenumber between the
@@ -392,6 +399,33 @@ mod tests {
             assert_eq!(found.wavevectors[ring], members.len());
             assert!((found.q_rad_per_m[ring] / mean(&|m| m.0) - 1.0).abs() < 1e-12);
             assert!((found.psd_m4[ring] / mean(&|m| m.1) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn rings_and_corners_are_the_windowed_mean_square() {
+        for (nx, ny, dx_m, dy_m) in [(31, 24, 0.7, 1.1), (64, 32, 1.0, 3.0), (96, 6, 1.0, 1.0)] {
+            let grid = Grid::new(nx, ny, dx_m, dy_m).unwrap();
+            let white = random::standard_normal(&mut random::stream(15, "corners", nx as u64), grid.points());
+            let mut heights = Array2::from_shape_vec(grid.shape(), white).unwrap();
+            let total = |heights: &Array2<f64>| {
+                let found = radial_spectrum(&HeightMap::new(grid, heights.clone()).unwrap()).unwrap();
+                let rings = found.psd_m4.iter().zip(&found.wavevectors).map(|(psd, n)| psd * *n as f64);
+                rings.sum::<f64>() / grid.area_m2() + found.corners_m2
+            };
+            let (window_x, window_y, mean) = (hann(nx), hann(ny), heights.mean().unwrap());
+            let weight = |row: usize, column: usize| (window_x[column] * window_y[row]).powi(2);
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for ((row, column), z) in heights.indexed_iter() {
+                sum += weight(row, column) * (z - mean).powi(2);
+                weights += weight(row, column);
+            }
+            assert!((total(&heights) * weights / sum - 1.0).abs() < 1e-12);
+            heights[[2, 5]] = f64::NAN;
+            let present: Vec<f64> = heights.iter().copied().filter(|z| !z.is_nan()).collect();
+            let (n, mean) = (present.len() as f64, Extent::new(&present).mean);
+            let variance = present.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / n;
+            assert!((total(&heights) / variance - 1.0).abs() < 1e-12);
         }
     }
 }

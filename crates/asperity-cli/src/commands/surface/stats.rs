@@ -46,6 +46,10 @@ pub(crate) struct Stats {
     json: bool,
 }
 
+/// Statistics that are undefined if the correlation of the heights does not decay within the field.
+const DECAYING: [&str; 5] =
+    ["Sal_m", "Str", "correlation_length_x_m", "correlation_length_y_m", "correlation_length_m"];
+
 impl Stats {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         let (mut scans, mut sources) = (vec![], vec![]);
@@ -59,8 +63,7 @@ impl Stats {
             sources.push(source);
         }
         if let ([(_, statistics)], [source]) = (scans.as_slice(), sources.as_slice()) {
-            let answer = Answer::new(&surface_statistics(statistics))?;
-            return if self.json { answer.and(source.clone()).print(true) } else { answer.print(false) };
+            return self.print(Answer::new(&surface_statistics(statistics))?, source.clone());
         }
         for (place, file) in self.files.iter().enumerate() {
             let same =
@@ -71,8 +74,15 @@ impl Stats {
             }
         }
         let pooled = PooledStatistics::new(scans).map_err(|e| Failure::data("the scans", &e))?;
-        let answer = Answer::new(&part_statistics(&pooled))?;
-        if self.json { answer.and(Answer::lists(&sources)).print(true) } else { answer.without("scans").print(false) }
+        self.print(Answer::new(&part_statistics(&pooled))?, Answer::lists(&sources))
+    }
+
+    /// Prints the statistics; JSON also states the `source` of the heights and the statistics of every scan.
+    fn print(&self, answer: Answer, source: Answer) -> Result<(), Failure> {
+        if self.json {
+            return answer.and(source).print(true);
+        }
+        answer.without("scans").with_reason(&DECAYING, "no decay within the field").print(false)
     }
 
     /// Returns the statistics of a file, and its format and channel.
@@ -100,8 +110,8 @@ impl Stats {
             ));
         }
         let statistics = monitor.killable(|| ProfileStatistics::new(prepared))?;
-        let answer = Answer::new(&profile_statistics(&statistics.map_err(|e| Failure::data(file.display(), &e))?))?;
-        if self.json { answer.and(source).print(true) } else { answer.print(false) }
+        let statistics = statistics.map_err(|e| Failure::data(file.display(), &e))?;
+        self.print(Answer::new(&profile_statistics(&statistics))?, source)
     }
 }
 
