@@ -266,7 +266,7 @@ fn a_profile_of_one_line_is_a_single_row() {
     let map = read_bytes(&Sur::default().bytes()).unwrap();
     let profile = read_bytes(&Sur { object_type: 1, size: (6, 1), ..Sur::default() }.bytes()).unwrap();
     assert!(profile.is_profile());
-    assert_eq!(profile.warnings, map.warnings);
+    assert!(profile.warnings.iter().all(|warning| map.warnings.contains(warning)), "{:?}", profile.warnings);
     assert!(profile.heights_m.iter().eq(map.heights_m.iter()));
     // Beside a surface it is no height map.
     let both = [Sur::default().bytes(), Sur { object_type: 1, size: (6, 1), ..Sur::default() }.bytes()].concat();

@@ -332,6 +332,9 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
 /// Answers what would stop vibration: the damping ratios at which it ends.
 fn limits(results: &CampaignResults) -> Option<Answer> {
     let [(least, low), (largest, high)] = extremes(results, |member| member.answers.limit_damping_ratio)?;
+    if high <= 0.0 {
+        return None;
+    }
     let detail = if low < high {
         format!(
             "With values at their centres, vibration ends at {} in {least} and at {} in {largest}.",
