@@ -87,10 +87,7 @@ pub(crate) fn source(scan: &Scan) -> Answer {
 
 /// Returns the error of a file that is missing or unusable; the message already names the file.
 pub(crate) fn read_failure(error: &FormatError) -> Failure {
-    let kind = match error.cause() {
-        FormatError::NoSuchChannel { .. } => Kind::Usage,
-        _ => Kind::Data,
-    };
+    let kind = if error.asks_for_option() { Kind::Usage } else { Kind::Data };
     Failure::new(kind, chain(error))
 }
 

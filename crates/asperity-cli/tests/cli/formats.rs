@@ -162,7 +162,12 @@ fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
     fs::write(folder.path().join("plain.txt"), "1 2 3\n2 4 1\n5 1 2\n").unwrap();
     fs::write(folder.path().join("named.txt"), "# unit: nm\n1 2 3\n2 4 1\n5 1 2\n").unwrap();
     let sq = |line: &str| number(&run(&format!("surface stats {line} --pixel-size 20um --json")).json(0), "Sz_m");
-    // Without a stated unit the plain file is in metres.
+    // In metre the plain file would be higher than its field of view is wide.
+    let study = "seed = 1\n[surface]\nfile = \"plain.txt\"\npixel_size = \"20 um\"\n";
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    for line in ["surface stats plain.txt --pixel-size 20um", "check study.toml", "run study.toml"] {
+        run(line).refuses(2, &["plain.txt", "span 4 m, more than the field of view, 60 µm", "--height-unit", "`height_unit`"]);
+    }
     assert!((sq("plain.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
     assert!((sq("named.txt --level none") / 4e-9 - 1.0).abs() < 1e-12);
     assert!((sq("named.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
