@@ -190,6 +190,20 @@ pub enum FormatError {
         /// Description of the damage.
         reason: String,
     },
+    /// The commas of all numbers may be decimal signs or separate thousands.
+    #[error(
+        "{}: `{}` ({at}) may be {} or {}, as all numbers of the file with a comma; state the decimal sign by `--decimal comma` or \
+         `--decimal point`, in a study by `decimal`",
+        format.name(), shown(found), shown(&found.replace(',', ".")), shown(&found.replace(',', ""))
+    )]
+    AmbiguousDecimal {
+        /// Format.
+        format: Format,
+        /// Place of the first such number.
+        at: Location,
+        /// Number that was found.
+        found: String,
+    },
     /// The rows of a text matrix differ in length.
     #[error("text: line {line} has {found} values; the first row has {wanted}")]
     Ragged {
@@ -251,7 +265,8 @@ impl FormatError {
 
     /// Returns whether the user can state the choice or the fact that the file leaves open.
     pub fn asks_for_option(&self) -> bool {
-        matches!(self.cause(), Self::NoSuchChannel { .. } | Self::NoHeightUnit { .. })
+        let cause = self.cause();
+        matches!(cause, Self::NoSuchChannel { .. } | Self::NoHeightUnit { .. } | Self::AmbiguousDecimal { .. })
     }
 
     /// Returns the error for a field whose value is invalid.

@@ -374,6 +374,9 @@ fn a_pixel_size_is_stated_in_many_ways() {
     ] {
         assert_pitch(&in_metre(header), pitch_m);
     }
+    for (header, key) in [("# pixel size: 0.5 µ", "pixel size"), ("# x unit: µ\n# dx: 0.5", "x unit")] {
+        assert_refused([(format!("{header}\n{MATRIX}"), format!("text: {key} (line 1) is `"))]);
+    }
     // The unit of the heights does not turn numbers of points into lengths.
     for header in [
         "# size: 3 x 2",

@@ -133,6 +133,70 @@ fn an_index_of_the_rows_is_no_coordinate() {
 }
 
 #[test]
+fn columns_with_numbers_as_names_and_further_columns_are_points() {
+    let of = |line: &dyn Fn(usize, usize, usize) -> String| (0..12).map(|n| line(n, n % 4, n / 4)).collect::<String>();
+    let heights: Vec<f64> = (0..12).map(|n| f64::from(n) / 8.0).collect();
+    // As pandas writes an array: an index, and numbers as names of columns.
+    let pandas = of(&|n, x, y| format!("{n},{x}.0,{y}.5,{}\n", n as f64 / 8.0));
+    for head in [",0,1,2\n", ",0,1,2\r\n"] {
+        assert_scan(format!("{head}{pandas}").as_bytes(), Format::Xyz, (3, 4), (1.0, 1.0), &heights);
+    }
+    // Names with an intensity behind them, with a name of the index, without one, and without the index.
+    let five = of(&|n, x, y| format!("{n},{x},{y},{},255\n", n as f64 / 8.0));
+    for head in ["index,x,y,z,intensity\n", ",x,y,z,intensity\n", "x,y,z,intensity\n"] {
+        let scan = assert_scan(format!("{head}{five}").as_bytes(), Format::Xyz, (3, 4), (1.0, 1.0), &heights);
+        assert_warns(&scan, "a point has 5 values; those beside x, y and z were left out");
+    }
+    // A map with numbered rows and columns stays one, and so do five columns without names.
+    let map = of(&|n, x, y| format!("{n},{},{},{}\n", (x * 7 + y) % 5, (y * 11 + n) % 7, n * n % 11));
+    assert_eq!(Format::detect(format!(",0,1,2\n{map}").as_bytes()), Some(Format::Text));
+    assert_eq!(read_bytes(format!(",0,1,2\n{map}").as_bytes()).unwrap().heights_m.dim(), (12, 3));
+    assert_eq!(Format::detect(five.as_bytes()), Some(Format::Text));
+}
+
+#[test]
+fn flaws_of_shuffled_points_are_named_with_their_lines() {
+    let line = |n: usize| (n * 7 + 5) % 60;
+    let points: Vec<String> = (0..60).map(|n| format!("{} {} 0.5", line(n) % 10, line(n) / 10)).collect();
+    let with = |place: usize, point: &str| {
+        let mut points = points.clone();
+        points.insert(place, point.into());
+        format!("# points\n{}\n", points.join("\n"))
+    };
+    // After a comment, the point of index 30 is on line 32.
+    for (point, message) in [
+        (points[3].as_str(), "XYZ: the point (line 32) is `in the place of another`"),
+        ("nan 3 0.5", "XYZ: x (line 32) is `not finite`; wanted a number"),
+        ("4 inf 0.5", "XYZ: y (line 32) is `not finite`; wanted a number"),
+    ] {
+        assert_refused([(with(30, point), message)]);
+        assert_refused([(format!("x y z\n{}", with(30, point)), &*message.replace("32", "33"))]);
+    }
+}
+
+#[test]
+fn units_that_are_no_lengths_are_refused_by_name() {
+    let points = list(&by_rows(), " ");
+    for header in
+        ["# x (µ), y (µ), z (µ)\n", "x/µ y/µ z/µ\n", "# unit: µ\n", "# unit: um\n# z unit: u\n", "# z unit: V\n"]
+    {
+        let unit = if header.contains('V') {
+            "V"
+        } else if header.contains(": u\n") {
+            "u"
+        } else {
+            "µ"
+        };
+        let message = format!("XYZ: coordinates in `{unit}`; wanted a unit of length for each of x, y and z");
+        assert_refused([(format!("{header}{points}"), message)]);
+    }
+    for (header, unit) in [("[km]\n", 1e3), ("# unit: fm\n", 1e-15)] {
+        let scan = read(&format!("{header}{points}"));
+        assert!((scan.pitch_m.unwrap().0 / (0.5 * unit) - 1.0).abs() < 1e-15, "{scan:?}");
+    }
+}
+
+#[test]
 fn shuffled_lists_may_lack_the_corners_of_a_disc_or_a_band() {
     let of = |is_kept: fn(i32, i32) -> bool| -> String {
         let places = (0..1681).map(|n| (n * 7 + 3) % 1681).map(|place| (place % 41 - 20, place / 41 - 20));
