@@ -22,7 +22,7 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["mnt"],
     vendor: "Digital Surf",
     known_by: "an OLE file with `ScopedContents`",
-    reads: "int16 and int32 of measured surfaces; no derived layers, which files do not hold",
+    reads: "int16 and int32 of measured surfaces, with the distance of points; no derived layers, which files do not hold",
     missing_points: "a picture of marks",
     orientation: "the first stored line is row 0, as in SUR",
     ..Description::new(Format::Mnt, |bytes| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes), read)

@@ -216,9 +216,18 @@ fn commas_that_may_separate_thousands_need_the_decimal_sign_in_commands_and_stud
     study("decimal = \"dot\"\n");
     run("check study.toml").refuses(2, &["study.toml:6", "dot", "comma", "point"]);
     run("surface stats map.txt --decimal dot").refuses(2, &["--decimal", "dot", "comma", "point"]);
-    let found = run("init other --scan map.txt --pixel-size 20um --decimal comma");
+    // A study needs more points than a file of three rows.
+    let rows: String = (0..32)
+        .map(|row| {
+            (0..32).map(|n| format!("{},{:03}\t", 1 + (row * 7 + n) % 5, n * n % 1000)).collect::<String>() + "\n"
+        })
+        .collect();
+    fs::write(folder.path().join("large.txt"), format!("# unit: nm\n{}", rows.replace("\t\n", "\n"))).unwrap();
+    run("init other --scan large.txt --pixel-size 20um").refuses(2, &["large.txt", "--decimal comma"]);
+    let found = run("init other --scan large.txt --pixel-size 20um --decimal comma");
     assert_eq!(found.code, 0, "{found:?}");
-    assert!(fs::read_to_string(folder.path().join("other/other.toml")).unwrap().contains("decimal = \"comma\""));
+    let study = fs::read_to_string(folder.path().join("other/study.toml")).unwrap_or_default();
+    assert!(study.contains("decimal = \"comma\""), "{study}");
 }
 
 #[test]
