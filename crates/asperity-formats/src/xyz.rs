@@ -218,7 +218,7 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
         match flaw.filter(|_| is_list || Points(&sound).grid().is_ok()) {
             Some(flaw) => list.error(&flaw),
             None if is_list => list.error(&reason),
-            None => no_grid(Points(&table.values).spacing()),
+            None => no_grid(Points(&table.values).spacing() / units[0].unwrap_or(1.0)),
         }
     })?;
     drop(table);
@@ -363,8 +363,8 @@ fn unsupported(found: String) -> FormatError {
 }
 
 /// Returns the error for points without a grid, which are so far apart on average.
-fn no_grid(spacing: f64) -> FormatError {
-    let apart = if spacing > 0.0 { format!(", some {spacing:.2e} apart") } else { String::new() };
+fn no_grid(spacing_m: f64) -> FormatError {
+    let apart = if spacing_m > 0.0 { format!(", some {} apart", in_words(spacing_m)) } else { String::new() };
     unsupported(format!("the three columns are points x, y, z that lie on no regular grid{apart}"))
 }
 
