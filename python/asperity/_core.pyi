@@ -168,7 +168,7 @@ def read_friction_process(path: str | PathLike[str]) -> Any:
     Reads a process from a file.
     """
 
-def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat | SupportsIndex | None, dy_m: SupportsFloat | SupportsIndex | None, height_unit: str | None) -> tuple[Incomplete, tuple[float, float], list[str]]:
+def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat | SupportsIndex | None, dy_m: SupportsFloat | SupportsIndex | None, height_unit: str | None, decimal: str | None) -> tuple[Incomplete, tuple[float, float], list[str]]:
     """
     Reads a height map from a file.
     """

@@ -101,6 +101,7 @@ class HeightMap:
         dx_m: float | None = None,
         dy_m: float | None = None,
         height_unit: str | None = None,
+        decimal: str | None = None,
     ) -> HeightMap:
         """Read a measured surface. The content of the file decides its format, not its name.
 
@@ -113,7 +114,11 @@ class HeightMap:
         dx_m, dy_m
             Distance between points, required for files that store none; `dy_m` is `dx_m` when left out.
         height_unit
-            Unit of the heights (``m``, ``mm``, ``um`` or ``nm``) of files that state none.
+            Unit of the heights (``m``, ``mm``, ``um`` or ``nm``). Heights of files that state none count as metre; the unit is
+            required if they would then exceed the field of view.
+        decimal
+            Decimal sign (``comma`` or ``point``) of a text file, required if every comma may be a decimal sign or separate
+            thousands, as in ``1,234``.
 
         Raises
         ------
@@ -121,9 +126,11 @@ class HeightMap:
             The file cannot be read.
         FormatError
             The file is damaged, or of a format that is not read.
+        ValueError
+            The file leaves open what an argument states, such as the unit of its heights.
         """
         name = None if channel is None else str(channel)
-        heights, pitch_m, notes = _core.read_map(os.fspath(path), name, dx_m, dy_m, height_unit)
+        heights, pitch_m, notes = _core.read_map(os.fspath(path), name, dx_m, dy_m, height_unit, decimal)
         for note in notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)
         return HeightMap(heights, *pitch_m)

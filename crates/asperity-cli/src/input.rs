@@ -5,6 +5,7 @@ use std::path::Path;
 
 use asperity::map::{HeightMap, MapError, checked_pitch_m};
 use asperity::quantity::Length;
+use asperity::study::file::DecimalSign;
 use asperity_formats::{Channel, Format, FormatError, LengthUnit, ReadOptions, Scan};
 use clap::Args;
 
@@ -23,15 +24,19 @@ pub(crate) struct ScanOptions {
     /// distance stored in other files.
     #[arg(long, value_name = "Q[,Q]", value_parser = args::quantity_pair::<Length>, allow_hyphen_values = true)]
     pixel_size: Option<OneOrTwo<Length>>,
-    /// Unit of the heights: m, mm, um or nm. Files that state none (NPY, most text, XYZ, TIFF) are in metre if it is
-    /// left out; it replaces the unit stated in other files. It applies to the numbers in the file and also replaces a conversion factor in
-    /// the header of a text file.
+    /// Unit of the heights: m, mm, um or nm. Heights of files that state none (NPY, most text, XYZ, TIFF) count as metre; the flag is
+    /// required if they would then exceed the field of view. It replaces the unit stated in other files, and a conversion factor in the
+    /// header of a text file.
     #[arg(long, value_name = "U", value_parser = height_unit)]
     height_unit: Option<LengthUnit>,
+    /// Decimal sign of a text file in which every comma may be a decimal sign or separate thousands, as in `1,234`. Required for such a
+    /// file.
+    #[arg(long, value_parser = args::named::<DecimalSign>())]
+    decimal: Option<DecimalSign>,
 }
 
 impl ScanOptions {
-    /// Returns the options for another file: pixel size and unit without the channel, which belongs to one file.
+    /// Returns the options for another file: pixel size, unit and decimal sign without the channel, which belongs to one file.
     pub(crate) fn without_channel(&self) -> Self {
         Self { channel: None, ..self.clone() }
     }
@@ -44,8 +49,10 @@ impl ScanOptions {
         });
         let pixel_size = self.pixel_size.map(OneOrTwo::both).map(|(x, y)| vec![x.to_string(), y.to_string()]);
         let unit = self.height_unit.as_ref().map(|unit| unit.name().to_owned());
-        let values = [channel.map(toml::Value::from), pixel_size.map(toml::Value::from), unit.map(toml::Value::from)];
-        let named = ["channel", "pixel_size", "height_unit"].into_iter().zip(values);
+        let decimal = self.decimal.map(|decimal| decimal.name().to_owned());
+        let [channel, unit, decimal] = [channel, unit, decimal].map(|text| text.map(toml::Value::from));
+        let values = [channel, pixel_size.map(toml::Value::from), unit, decimal];
+        let named = ["channel", "pixel_size", "height_unit", "decimal"].into_iter().zip(values);
         named.filter_map(|(key, value)| Some((key, value?))).collect()
     }
 }
@@ -67,7 +74,8 @@ pub(crate) fn is_profile(path: &Path, options: &ScanOptions) -> bool {
 fn read(path: &Path, options: &ScanOptions) -> Result<Scan, Failure> {
     let pitch_m = options.pixel_size.map(OneOrTwo::both).map(|(dx, dy)| checked_pitch_m((dx.0, dy.0)));
     let pitch_m = pitch_m.transpose().map_err(|e| Failure::usage(format_args!("--pixel-size: {e}")))?;
-    let choice = ReadOptions { channel: options.channel.clone(), height_unit: options.height_unit.clone(), pitch_m };
+    let ScanOptions { channel, height_unit, decimal, .. } = options.clone();
+    let choice = ReadOptions { channel, height_unit, decimal: decimal.map(Into::into), pitch_m };
     asperity_formats::read_with(path, &choice).map_err(|e| read_failure(&e))
 }
 
@@ -96,10 +104,7 @@ pub(crate) fn source(scan: &Scan) -> Answer {
 
 /// Returns the error of a file that is missing or unusable; the message already names the file.
 pub(crate) fn read_failure(error: &FormatError) -> Failure {
-    let kind = match error.cause() {
-        FormatError::NoSuchChannel { .. } => Kind::Usage,
-        _ => Kind::Data,
-    };
+    let kind = if error.asks_for_option() { Kind::Usage } else { Kind::Data };
     Failure::new(kind, chain(error))
 }
 

@@ -16,6 +16,7 @@
 use std::collections::BTreeMap;
 
 use crate::sections::Section;
+use crate::unit::in_words;
 use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, Tested, large, refuse_if, warn_if};
 
 pub(crate) const CODEC: Description = Description {
@@ -193,7 +194,8 @@ fn filter_by_repeatability(
     let poor = depths.iter_mut().zip(values).filter(|(z, value)| *value > filter && !z.is_nan());
     let filtered = poor.map(|(z, _)| *z = f64::NAN).count();
     if filtered > 0 {
-        warnings.push(format!("{filtered} depths were left out: less repeatable than DepthResFilterVal, {filter:e} m"));
+        let filter = in_words(filter);
+        warnings.push(format!("{filtered} depths were left out: less repeatable than DepthResFilterVal, {filter}"));
     }
 }
 

@@ -5,7 +5,9 @@
 //! `zunit`; the default unit is nanometre. `intelmode = 0` declares big-endian numbers.
 //!
 //! `xlength` is the length of all points, columns · dx: in a file of an instrument with square pixels this makes the
-//! two pitches equal to the last digit of the lengths, and columns − 1 does not.
+//! two pitches equal to the last digit of the lengths, and columns − 1 does not. The definition calls it the scanning range; Gwyddion and
+//! SurfaceTopography read it the same way. In a file of 960 × 600 points, 1777404 nm and 1110878 nm, the pitches differ by 5·10⁻⁷ so, and by
+//! 6·10⁻⁴ with one point less. Mountains takes the length for that of columns − 1 pitches, as its MNT file of the measurement shows.
 //!
 //! 32767 and the largest floats mark missing points. `voidpixels` states their number, or in some files the mark; if
 //! it is 0, the integer 32767 is an ordinary height. `zmin` repeats the least height of some files and moves the
@@ -24,7 +26,7 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["bcr", "bcrf"],
     vendor: "Image Metrology (BCR-STM)",
     known_by: "`fileformat = bcr`, in ASCII or UTF-16",
-    reads: "bcrstm (int16) and bcrf (float32), also with a Unicode header, either byte order",
+    reads: "bcrstm (int16) and bcrf (float32), also with a Unicode header, either byte order; lengths cover all points",
     missing_points: "32767 (bcrstm), above 1.7e38 and NaN (bcrf)",
     orientation: "the first stored line is row 0",
     tested: Tested::InstrumentFiles,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::Format;
+use crate::unit::is_micro;
 
 /// Result of reading or writing a file.
 pub(crate) type Result<T, E = FormatError> = std::result::Result<T, E>;
@@ -90,7 +91,7 @@ pub enum FormatError {
         advice: &'static str,
     },
     /// A text is not a unit of length.
-    #[error("`{}` is not a unit of length; wanted m, mm, um, nm, pm, angstrom or in", shown(unit))]
+    #[error("`{}` is not a unit of length; wanted m, mm, um, nm, pm, angstrom or in{}", shown(unit), meant(unit))]
     UnknownUnit {
         /// Text that was found.
         unit: String,
@@ -189,6 +190,20 @@ pub enum FormatError {
         /// Description of the damage.
         reason: String,
     },
+    /// The commas of all numbers may be decimal signs or separate thousands.
+    #[error(
+        "{}: `{}` ({at}) may be {} or {}, as all numbers of the file with a comma; state the decimal sign by `--decimal comma` or \
+         `--decimal point`, in a study by `decimal`",
+        format.name(), shown(found), shown(&found.replace(',', ".")), shown(&found.replace(',', ""))
+    )]
+    AmbiguousDecimal {
+        /// Format.
+        format: Format,
+        /// Place of the first such number.
+        at: Location,
+        /// Number that was found.
+        found: String,
+    },
     /// The rows of a text matrix differ in length.
     #[error("text: line {line} has {found} values; the first row has {wanted}")]
     Ragged {
@@ -198,6 +213,20 @@ pub enum FormatError {
         found: usize,
         /// Number of values in the first row.
         wanted: usize,
+    },
+    /// Neither the file nor the options state the unit of the heights, and in metre they exceed the field of view.
+    #[error(
+        "{}: the file states no unit of height; in metre the heights would {found}, more than the field of view, \
+         {field_of_view}; state the unit by `--height-unit`, in a study by `height_unit`, such as `um` (`m` if they are in metre)",
+        format.name()
+    )]
+    NoHeightUnit {
+        /// Format.
+        format: Format,
+        /// Reach or span of the heights in metre.
+        found: String,
+        /// Longer side of the field of view.
+        field_of_view: String,
     },
     /// The format needs the distance between points, and the scan has none.
     #[error("{}: the scan has no pixel size, and the format requires one", format.name())]
@@ -232,6 +261,12 @@ impl FormatError {
             Self::File { error, .. } => error.cause(),
             other => other,
         }
+    }
+
+    /// Returns whether the user can state the choice or the fact that the file leaves open.
+    pub fn asks_for_option(&self) -> bool {
+        let cause = self.cause();
+        matches!(cause, Self::NoSuchChannel { .. } | Self::NoHeightUnit { .. } | Self::AmbiguousDecimal { .. })
     }
 
     /// Returns the error for a field whose value is invalid.
@@ -323,6 +358,11 @@ fn unknown(length: u64, start: &str) -> String {
         0 => "the file is empty".into(),
         _ => format!("unknown format: {length} bytes that start with {start}"),
     }
+}
+
+/// Returns a question about a unit that is only a prefix.
+fn meant(unit: &str) -> &'static str {
+    if is_micro(unit) { "; did you mean `um`?" } else { "" }
 }
 
 fn unwritten(extension: &str) -> String {

@@ -37,11 +37,11 @@ pub fn read(path: &Path) -> Result<Scan, FormatError> {
 /// As [`read`].
 pub fn read_with(path: &Path, options: &ReadOptions) -> Result<Scan, FormatError> {
     let content = content(path)?;
-    let scan = read_bytes_with(&content, options).and_then(|scan| match is_point_list(path, &scan, options) {
+    let scan = read_as(None, &content, options).and_then(|scan| match is_point_list(path, &scan) {
         true => read_as(Some(Format::Xyz), &content, options),
         false => Ok(scan),
     });
-    scan.map_err(|error| error.in_file(path))
+    scan.and_then(|scan| scan.checked(options)).map_err(|error| error.in_file(path))
 }
 
 /// Reads a record along a path: a one-dimensional NPY array of numbers.
@@ -167,7 +167,8 @@ fn too_large(format: Format, size: u64) -> FormatError {
 /// Reads the content of a file of any known format.
 ///
 /// # Errors
-/// An error of the content, with the format, the field, its place, its value and the valid values.
+/// An error of the content, with the format, the field, its place, its value and the valid values;
+/// [`FormatError::NoHeightUnit`] for heights without a unit that exceed the field of view in metre.
 pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
     read_bytes_with(bytes, &ReadOptions::default())
 }
@@ -177,18 +178,17 @@ pub fn read_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
 /// # Errors
 /// As [`read_bytes`].
 pub fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Scan, FormatError> {
-    read_as(None, bytes, options)
+    read_as(None, bytes, options)?.checked(options)
 }
 
 /// Returns whether the name of the file shows that a map of three columns is a list of points.
-fn is_point_list(path: &Path, scan: &Scan, options: &ReadOptions) -> bool {
+fn is_point_list(path: &Path, scan: &Scan) -> bool {
     let name = path.to_string_lossy().to_ascii_lowercase();
-    let has_pitch = scan.pitch_m.is_some() && options.pitch_m.is_none();
     let is_named_so = [".xyz", ".xyz.gz"].iter().any(|end| name.ends_with(end));
-    is_named_so && scan.format == Some(Format::Text) && scan.heights_m.ncols() == 3 && !has_pitch
+    is_named_so && scan.format == Some(Format::Text) && scan.heights_m.ncols() == 3 && scan.pitch_m.is_none()
 }
 
-/// Reads content in the given format, or in the detected one.
+/// Reads content in the given format, or in the detected one. The scan is still to be [checked](Scan::checked).
 fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     if !bytes.starts_with(&GZIP_MAGIC) {
         return read_plain(format, bytes, options);
@@ -221,7 +221,7 @@ fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Re
     }
     scan.format = Some(format);
     scan.height_unit = scan.height_unit.or_else(|| format.height_unit().map(str::to_owned));
-    Ok(scan.in_stated_unit(options).with_stated_pitch(options).checked(options))
+    Ok(scan)
 }
 
 /// Writes a scan in the format of the extension of the path. [`descriptions`](crate::descriptions) lists the formats.

@@ -28,6 +28,7 @@ use self::blocks::{
     VALID_VALUES, VERSION_BYTES, Z_UNIT, blocks,
 };
 use self::image::{Image, TOPOGRAPHY, images};
+use crate::unit::in_words;
 use crate::{Description, Format, Input, ReadOptions, Result, Sample, Scan, Shape, large, unique, warn_if};
 
 pub(crate) const CODEC: Description = Description {
@@ -139,7 +140,8 @@ fn scale(input: Input, blocks: &Blocks, sample: Sample, heights: &mut [f64], war
     if let Some(buffers) = blocks.get(&BUFFERS)
         && let Some(own) = own_scale(buffers, scale_m)
     {
-        warnings.push(format!("block 0x00ab states {own} for a buffer; heights were scaled by {scale_m} m as for all"));
+        let scale = in_words(scale_m);
+        warnings.push(format!("block 0x00ab states {own} for a buffer; heights were scaled by {scale} as for all"));
     }
     Ok(())
 }
@@ -154,7 +156,7 @@ fn own_scale(buffers: &Input, scale_m: f64) -> Option<String> {
         let offset = 4 + buffer.checked_mul(24)?;
         let (scale, shift) = (buffers.f64("scale", offset + 4).ok()?, buffers.f64("offset", offset + 12).ok()?);
         if ![0.0, 1.0, scale_m].contains(&scale) || shift != 0.0 {
-            return Some(format!("the scale {scale} and the offset {shift}"));
+            return Some(format!("the scale {} and the offset {}", in_words(scale), in_words(shift)));
         }
     }
     None
@@ -168,7 +170,8 @@ fn pitch(blocks: &Blocks, (ny, nx): Shape, warnings: &mut Vec<String>) -> Result
     };
     let (x_m, y_m) = (size.f64("x range", 0)?, size.f64("y range", 8)?);
     for (axis, range_m) in [("x", x_m), ("y", y_m)] {
-        warn_if!(warnings, range_m < 0.0, "the {axis} range is {range_m} m; its magnitude was used");
+        let range = in_words(range_m);
+        warn_if!(warnings, range_m < 0.0, "the {axis} range is {range}; its magnitude was used");
     }
     Ok(Some((x_m.abs() / nx as f64, y_m.abs() / ny as f64)))
 }

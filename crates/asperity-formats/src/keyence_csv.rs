@@ -45,11 +45,11 @@ fn detect(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// Another quantity than heights, keys of another language, and lines of other lengths than declared.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::KeyenceCsv, bytes);
     let (mut at, mut lines) = (0, 0);
     let mut header: Vec<Vec<String>> = Vec::new();
-    let separator = Separator::detect(bytes.split(|&byte| byte == b'\n').next().unwrap_or_default());
+    let separator = Separator::detect(bytes.split(|&byte| byte == b'\n').next().unwrap_or_default(), None);
     loop {
         let rest = &bytes[at..bytes.len().min(MAX_TEXT_BYTES)];
         let end = rest.iter().position(|&byte| byte == b'\n');
@@ -83,7 +83,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
         unquoted = table.iter().copied().filter(|&byte| byte != b'"').collect();
         table = &unquoted;
     }
-    let layout = Layout::new(Format::KeyenceCsv, separator, b"", b'\n').with_columns(nx);
+    let layout = Layout::new(Format::KeyenceCsv, separator, b"", b'\n').with_columns(nx).with_decimal(options.decimal);
     let read = rows::read(table, &layout, lines)?;
     let mut heights = read.values;
     if heights.len() != ny * nx {

@@ -93,6 +93,7 @@ pub use sdf::write_sdf;
 pub use selection::{Channel, ReadOptions};
 pub(crate) use selection::{some_of, unique};
 pub use sur::write_sur;
+pub use text::decimal::Decimal;
 pub use unit::LengthUnit;
 pub(crate) use unit::per_metre;
 pub use vtk::{write_vtk, write_vtk_fields};

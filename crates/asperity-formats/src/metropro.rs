@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 
 use crate::date::utc;
 use crate::input::Kind::{self, F32, I16, I32, Text, U16};
+use crate::unit::in_words;
 use crate::{ByteOrder, Description, Format, Input, ReadOptions, Result, Sample, Scan, Tested, refuse_if, warn_if};
 
 pub(crate) const CODEC: Description = Description {
@@ -179,8 +180,9 @@ fn pitch(input: &Input, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>
     }
     let (width, height) = (input.f32("pixel_width", 486)?, input.f32("pixel_height", 490)?);
     if width > 0.0 && height > 0.0 && (width / height - 1.0).abs() > SQUARE_TOLERANCE {
+        let [width, height] = [width, height].map(|side| in_words(side.into()));
         warnings.push(format!(
-            "the pixels of the camera are {width:e} × {height:e} m, but the lateral resolution is one number; it was \
+            "the pixels of the camera are {width} × {height}, but the lateral resolution is one number; it was \
              used along both axes"
         ));
     }

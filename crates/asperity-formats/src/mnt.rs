@@ -3,7 +3,8 @@
 //! After its size (`u64`) the stream is a tree of entries: a tag (`u16`), a size (`u64`), and a value or more entries. Texts are UTF-16
 //! after the byte 4. The document lists objects by their class numbers. Measured surfaces (9012) hold two axes with the distance of points,
 //! a line from integers to heights, the heights in blocks of zlib, and in some a picture with a border of one point that marks measured
-//! points by 9. Layers that Mountains derives from a surface are not stored; it computes them when it opens the document.
+//! points by 9. The distance of points is read as stated; see `bcr` for files that Mountains converted. Layers that Mountains derives from a
+//! surface are not stored; it computes them when it opens the document.
 //!
 //! The vendor published no description. SurfaceTopography describes the entries from files of several instruments.
 
@@ -22,7 +23,7 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["mnt"],
     vendor: "Digital Surf",
     known_by: "an OLE file with `ScopedContents`",
-    reads: "int16 and int32 of measured surfaces; no derived layers, which files do not hold",
+    reads: "int16 and int32 of measured surfaces, with the distance of points; no derived layers, which files do not hold",
     missing_points: "a picture of marks",
     orientation: "the first stored line is row 0, as in SUR",
     ..Description::new(Format::Mnt, |bytes| bytes.starts_with(OLE_MAGIC) && is_mountains(bytes), read)

@@ -25,7 +25,7 @@ pub(crate) fn check(format: Format, (ny, nx): Shape, (dx_m, dy_m): (f64, f64)) -
         return Err(FormatError::not_storable(format, found, "at least one point"));
     }
     if [nx as f64 * dx_m, ny as f64 * dy_m].iter().any(|size| !(size.is_finite() && *size > 0.0)) {
-        let found = format!("a pixel size of {dx_m:e} × {dy_m:e} m");
+        let found = format!("a pixel size of {} × {}", in_words(dx_m), in_words(dy_m));
         return Err(FormatError::not_storable(format, found, "positive numbers"));
     }
     Ok(())
@@ -109,7 +109,7 @@ impl Scan {
     }
 
     /// Converts the heights to the unit in `options`, if there is one.
-    pub(crate) fn in_stated_unit(mut self, options: &ReadOptions) -> Self {
+    fn in_stated_unit(mut self, options: &ReadOptions) -> Self {
         let Some(unit) = &options.height_unit else { return self };
         let replaced = self.height_unit.replace(unit.name().to_owned());
         let replaced_per_metre = replaced.as_deref().and_then(per_metre);
@@ -126,7 +126,7 @@ impl Scan {
     }
 
     /// Sets the pixel size in `options`, if there is one.
-    pub(crate) fn with_stated_pitch(mut self, options: &ReadOptions) -> Self {
+    fn with_stated_pitch(mut self, options: &ReadOptions) -> Self {
         let Some((dx_m, dy_m)) = options.pitch_m else { return self };
         if let Some((x_m, y_m)) = self.pitch_m.replace((dx_m, dy_m)).filter(|&pitch_m| pitch_m != (dx_m, dy_m)) {
             let [dx, dy, x, y] = [dx_m, dy_m, x_m, y_m].map(in_words);
@@ -135,9 +135,16 @@ impl Scan {
         self
     }
 
-    /// Completes a scan after reading: sets heights that are not finite to NaN, removes an invalid pitch, and adds
-    /// warnings about implausible sizes.
-    pub(crate) fn checked(mut self, options: &ReadOptions) -> Self {
+    /// Completes a scan after reading: applies the stated unit and pixel size, sets heights that are not finite to NaN, removes an invalid
+    /// pitch, and adds warnings about implausible sizes.
+    ///
+    /// # Errors
+    /// [`FormatError::NoHeightUnit`]
+    pub(crate) fn checked(self, options: &ReadOptions) -> Result<Self> {
+        self.in_stated_unit(options).with_stated_pitch(options).without_doubt(options)
+    }
+
+    fn without_doubt(mut self, options: &ReadOptions) -> Result<Self> {
         if options.channel.is_none()
             && let Some(read) = self.channels.get(self.channel).filter(|_| self.channels.len() > 1)
         {
@@ -149,30 +156,49 @@ impl Scan {
         }
         let range_m = normalise(&mut self.heights_m);
         let is_pitch = |pitch: f64| pitch.is_finite() && pitch > 0.0;
-        let Some((dx_m, dy_m)) = self.pitch_m else { return self };
+        let Some((dx_m, dy_m)) = self.pitch_m else { return Ok(self) };
+        let [dx, dy] = [dx_m, dy_m].map(in_words);
         if !(is_pitch(dx_m) && is_pitch(dy_m)) {
-            self.warnings.push(format!("the stated pixel size {dx_m:e} × {dy_m:e} m is not positive and was left out"));
+            self.warnings.push(format!("the stated pixel size {dx} × {dy} is not positive and was left out"));
             self.pitch_m = None;
-            return self;
+            return Ok(self);
         }
-        for (axis, pitch) in [("x", dx_m), ("y", dy_m)] {
-            if !PLAUSIBLE_PITCH_M.contains(&pitch) {
-                self.warnings.push(format!("the pixel size along {axis}, {pitch:e} m, is not between 1 pm and 1 m"));
+        for (axis, pitch_m, pitch) in [("x", dx_m, &dx), ("y", dy_m, &dy)] {
+            if !PLAUSIBLE_PITCH_M.contains(&pitch_m) {
+                self.warnings.push(format!("the pixel size along {axis}, {pitch}, is not between 1 pm and 1 m"));
             }
         }
         if dx_m.max(dy_m) > PLAUSIBLE_PITCH_RATIO * dx_m.min(dy_m) && !self.is_profile() {
-            self.warnings.push(format!("the pixels are far from square: {dx_m:e} × {dy_m:e} m"));
+            self.warnings.push(format!("the pixels are far from square: {dx} × {dy}"));
         }
+        if let Some(range_m) = range_m {
+            self.compare_with_field(range_m, (dx_m, dy_m))?;
+        }
+        Ok(self)
+    }
+
+    /// Warns about heights of a known unit that span more than the field of view.
+    ///
+    /// # Errors
+    /// [`FormatError::NoHeightUnit`] for such heights, and for an offset above the field of view, if their unit is not known.
+    fn compare_with_field(&mut self, (low_m, high_m): (f64, f64), (dx_m, dy_m): (f64, f64)) -> Result<()> {
         let (ny, nx) = self.heights_m.dim();
         let field_m = (nx as f64 * dx_m).max(ny as f64 * dy_m);
-        if let Some((low, high)) = range_m
-            && high - low > field_m
-        {
-            let (span, field) = (in_words(high - low), in_words(field_m));
-            self.warnings
-                .push(format!("the heights span {span}, more than the field of view, {field}; check the units"));
+        let (span_m, reach_m) = (high_m - low_m, high_m.abs().max(low_m.abs()));
+        let (spans, field_of_view) = (format!("span {}", in_words(span_m)), in_words(field_m));
+        match self.format.filter(|_| self.height_unit.is_none()) {
+            Some(format) if span_m > field_m || reach_m > field_m => {
+                let found = if span_m > field_m { spans } else { format!("reach {}", in_words(reach_m)) };
+                Err(FormatError::NoHeightUnit { format, found, field_of_view })
+            }
+            _ if span_m > field_m => {
+                let doubt =
+                    format!("the heights {spans}, more than the field of view, {field_of_view}; check the units");
+                self.warnings.push(doubt);
+                Ok(())
+            }
+            _ => Ok(()),
         }
-        self
     }
 }
 
@@ -259,12 +285,12 @@ mod tests {
             (flat.clone(), (1e-6, 1.1e-5), &["far from square"]),
             (flat.clone(), (1e-6, 0.9e-5), &[]),
         ] {
-            let found = Scan::new(heights_m, Some(pitch_m)).checked(&ReadOptions::default()).warnings;
+            let found = Scan::new(heights_m, Some(pitch_m)).checked(&ReadOptions::default()).unwrap().warnings;
             assert_eq!(found.len(), wanted.len(), "{found:?}");
             assert!(found.iter().zip(wanted).all(|(found, words)| found.contains(words)), "{found:?}");
         }
         for pitch_m in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
-            let scan = Scan::new(flat.clone(), Some((1e-6, pitch_m))).checked(&ReadOptions::default());
+            let scan = Scan::new(flat.clone(), Some((1e-6, pitch_m))).checked(&ReadOptions::default()).unwrap();
             assert_eq!((scan.pitch_m, scan.warnings.len()), (None, 1));
         }
     }
@@ -273,7 +299,7 @@ mod tests {
     fn the_map_that_was_read_is_reported_with_the_first_of_the_others() {
         let names = |count: usize| (1..=count).map(|number| format!("n{number}")).collect();
         let warnings_of = |count: usize, options: &ReadOptions| {
-            Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).warnings
+            Scan::new(array![[0.0]], None).with_channels(names(count), 0).checked(options).unwrap().warnings
         };
         let default = ReadOptions::default();
         assert_eq!(warnings_of(1, &default), [] as [String; 0]);
@@ -288,8 +314,8 @@ mod tests {
     fn warnings_are_short_and_do_not_control_a_terminal() {
         let long = ["\u{1b}]0;".to_owned() + &"x".repeat(10_000), "units\ncontradict".into()];
         let scan = Scan { warnings: long.to_vec(), ..Scan::new(array![[0.0]], None) };
-        let scan =
-            scan.with_channels((0..9).map(|n| format!("{n}\u{7}")).collect(), 8).checked(&ReadOptions::default());
+        let scan = scan.with_channels((0..9).map(|n| format!("{n}\u{7}")).collect(), 8);
+        let scan = scan.checked(&ReadOptions::default()).unwrap();
         assert!(scan.warnings[0].starts_with("\\u{1b}]0;x") && scan.warnings[0].chars().count() == 6 + 999 + 1);
         assert_eq!(scan.warnings[1], "units\\ncontradict");
         assert!(scan.warnings[2].ends_with("6\\u{7}, 7\\u{7} and 1 more); `8\\u{7}` was read"), "{:?}", scan.warnings);
@@ -297,8 +323,8 @@ mod tests {
 
     #[test]
     fn heights_that_are_not_finite_become_nan() {
-        let scan =
-            Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None).checked(&ReadOptions::default());
+        let scan = Scan::new(array![[f64::INFINITY, 1.0, f64::NEG_INFINITY, f64::NAN]], None);
+        let scan = scan.checked(&ReadOptions::default()).unwrap();
         assert_eq!(scan.missing_points(), 3);
         assert!(scan.heights_m.iter().all(|z| !z.is_infinite()));
     }

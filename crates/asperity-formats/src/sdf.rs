@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 use crate::input::Kind;
 use crate::scan::matrix;
 use crate::sections::Section;
+use crate::text::decimal::Decimal;
 use crate::text::header::Header as Notes;
 use crate::text::lines;
 use crate::text::rows::{self, Layout};
@@ -154,10 +155,10 @@ fn voids(sample: Sample, is_bcr: bool) -> impl Fn(f64) -> bool + Sync {
 ///
 /// # Errors
 /// Compression, checksums, absent or invalid fields of the header, and heights that end early.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     match Version::detect(bytes) {
         Some(Version::Binary { count_bytes }) => read_binary(&Input::new(Format::Sdf, bytes), count_bytes),
-        _ => read_text(bytes),
+        _ => read_text(bytes, options.decimal),
     }
 }
 
@@ -191,7 +192,7 @@ fn read_binary(input: &Input<'_>, count_bytes: usize) -> Result<Scan> {
 /// Two fields after the header of some files.
 const EXTRA: &[u8] = b"\x05\0\0\0\x01\0\0\0";
 
-fn read_text(bytes: &[u8]) -> Result<Scan> {
+fn read_text(bytes: &[u8], decimal: Option<Decimal>) -> Result<Scan> {
     let (bytes, line_end) = lines(bytes);
     let mut header = Section::new(Format::Sdf, Location::Line(1), "a line `key = value` before the first `*`");
     let (mut place, mut last_line) = (0, 0);
@@ -216,7 +217,7 @@ fn read_text(bytes: &[u8]) -> Result<Scan> {
 
     let rest = bytes.get(place..).unwrap_or_default();
     let length = rest.iter().position(|&byte| byte == END).unwrap_or(rest.len());
-    let layout = Layout::new(Format::Sdf, Separator::Space, COMMENT, line_end);
+    let layout = Layout::new(Format::Sdf, Separator::Space, COMMENT, line_end).with_decimal(decimal);
     let mut numbers = rows::read(&rest[..length], &layout, last_line)?.values;
     let (found, wanted) = (numbers.len(), shape.0 * shape.1);
     if found < wanted {

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::error::first_of;
-use crate::{Format, FormatError, LengthUnit, Result, shown};
+use crate::{Decimal, Format, FormatError, LengthUnit, Result, shown};
 
 /// One of several height maps in a file: channels, layers, pages or arrays.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,6 +31,8 @@ pub struct ReadOptions {
     ///
     /// It is the unit of the numbers in the file: a conversion factor in the header of a text is then not applied.
     pub height_unit: Option<LengthUnit>,
+    /// Decimal sign of a text in which every comma may be a decimal sign or separate thousands.
+    pub decimal: Option<Decimal>,
     /// Distance between points along (x, y) in metre for a file that states none. It replaces the distance in other
     /// files, with a warning. The check that compares the span of the heights with the field of view uses it.
     pub pitch_m: Option<(f64, f64)>,

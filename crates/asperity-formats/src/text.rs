@@ -1,7 +1,8 @@
 //! Matrix of numbers as text: one row of heights per line, in metre unless a header names another unit.
 //!
 //! The separator is the first of semicolon, tab, comma and space that occurs in the first row. The decimal sign is
-//! the point, or a comma between digits if commas are not separators. `#` and `%` start a comment. Comments and lines
+//! the point, or a comma between digits if commas are not separators. If every comma may separate thousands (`1,234`), the header
+//! (`decimal sign: comma`) or the user must state the decimal sign. `#` and `%` start a comment. Comments and lines
 //! `key: value` or `key = value` before the first row become metadata, and may state units, pixel size and missing
 //! points (see [`header`]). Missing heights are empty fields, `nan`, `inf`, `BAD` and `No Data`, errors of
 //! spreadsheets (`#N/A`), and special numbers of C libraries (`1.#QNAN`, `-nan(ind)`). Text may be UTF-8, UTF-16 with
@@ -14,6 +15,7 @@
 //! whose unit is not a length are left out.
 
 pub(crate) mod columns;
+pub(crate) mod decimal;
 mod factor;
 mod field;
 pub(crate) mod header;
@@ -35,6 +37,7 @@ use crate::{
     unique, utf8_or_latin1,
 };
 use columns::Column;
+use decimal::Decimal;
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::{Interpretation, Wrong};
 use rows::{Layout, Table};
@@ -96,24 +99,28 @@ pub(crate) struct Head {
     pub(crate) lines: usize,
     /// First row without comment.
     pub(crate) first_row: Vec<u8>,
+    /// Decimal sign that the user states.
+    stated: Option<Decimal>,
 }
 
 impl Head {
     /// Reads lines up to the first row. Without a comment sign, only `key: value`, `key = value` and the keys of an
-    /// ESRI grid belong to the header. With `free`, all words do.
-    pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool) -> Self {
-        let (mut head, mut lines) = (Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new() }, 0);
+    /// ESRI grid belong to the header. With `free`, all words do. `stated` is the decimal sign that the user states.
+    pub(crate) fn read(bytes: &[u8], line_end: u8, free: bool, stated: Option<Decimal>) -> Self {
+        let mut head = Self { header: Header::default(), start: 0, lines: 0, first_row: Vec::new(), stated };
+        let mut lines = 0;
         for line in bytes.split(|&byte| byte == line_end) {
             let (row, comment) = line.split_at(rows::comment_start(line));
             if !row.trim_ascii().is_empty() || row.contains(&b'\t') {
-                let separator = Separator::detect(row);
-                let layout = Layout::new(Format::Text, separator, COMMENT, line_end);
+                let separator = Separator::detect(row, head.decimal());
+                let layout = Layout::new(Format::Text, separator, COMMENT, line_end).with_decimal(head.decimal());
                 let words = utf8_or_latin1(row);
                 // An index of the rows has no name.
                 let start = row.iter().position(|byte| *byte != b' ').map_or(row, |start| &row[start..]);
                 let start = start.strip_prefix(b"\"\"").unwrap_or(start);
                 let named = start.strip_prefix(&[separator.sign()]).filter(|_| free);
-                if layout.starts_with_value(named.unwrap_or(row)) || !free && !head.take_key(&words) {
+                let is_numbered = named.is_some_and(|names| are_numbered(names, separator));
+                if !is_numbered && (layout.starts_with_value(named.unwrap_or(row)) || !free && !head.take_key(&words)) {
                     head.first_row = row.to_vec();
                     break;
                 }
@@ -132,9 +139,19 @@ impl Head {
         head
     }
 
+    /// Returns the decimal sign that the user or the header states.
+    pub(crate) fn decimal(&self) -> Option<Decimal> {
+        self.stated.or_else(|| self.header.decimal())
+    }
+
+    /// Returns the separator of the rows.
+    fn separator(&self) -> Separator {
+        Separator::detect(&self.first_row, self.decimal())
+    }
+
     /// Returns the layout of the rows.
     fn layout(&self, line_end: u8) -> Layout {
-        Layout::new(Format::Text, Separator::detect(&self.first_row), COMMENT, line_end)
+        Layout::new(Format::Text, self.separator(), COMMENT, line_end).with_decimal(self.decimal())
     }
 
     /// Returns the number of values of the first row; `None` if it contains anything else.
@@ -161,6 +178,12 @@ impl Head {
     }
 }
 
+/// Returns whether the names of columns are their numbers, as data frames write for columns without names.
+fn are_numbered(names: &[u8], separator: Separator) -> bool {
+    let fields = names.trim_ascii_end().split(|&byte| byte == separator.sign());
+    fields.enumerate().all(|(number, name)| name == number.to_string().as_bytes())
+}
+
 fn is_esri_key(key: &str) -> bool {
     ESRI.contains(&key.to_lowercase().as_str())
 }
@@ -174,16 +197,17 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let (bytes, line_end) = lines(&text);
     let blocks = blocks(bytes, line_end);
     if blocks.len() < 2 {
-        let strict = Head::read(bytes, line_end, false);
+        let strict = Head::read(bytes, line_end, false, options.decimal);
         // The header of a profile names its columns in a line of words.
-        let words = strict.columns().is_none().then(|| Head::read(bytes, line_end, true));
+        let words = strict.columns().is_none().then(|| Head::read(bytes, line_end, true, options.decimal));
         let head = words.filter(|head| head.profile(bytes).is_some()).unwrap_or(strict);
         return read_block(bytes, line_end, 0, head, options);
     }
     let mut maps: Vec<_> = blocks
         .into_iter()
-        .map(|(start, lines, end)| (&bytes[start..end], lines, Head::read(&bytes[start..end], line_end, false)))
-        .filter(|(_, _, head)| head.header.may_be_heights())
+        .map(|(start, lines, end)| (&bytes[start..end], lines))
+        .map(|(block, lines)| (block, lines, Head::read(block, line_end, false, options.decimal)))
+        .filter(|(_, _, head)| head.header.may_be_heights(head.decimal()))
         .collect();
     let names = unique(maps.iter().map(|(_, _, head)| head.header.channel().unwrap_or_default().into()).collect());
     if names.is_empty() {
@@ -217,7 +241,8 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 /// Reads one matrix.
 fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &ReadOptions) -> Result<Scan> {
     let (layout, columns, names) = (head.layout(line_end), head.columns(), head.profile(bytes));
-    let Head { mut header, start, lines: header_lines, first_row } = head;
+    let separator = head.separator();
+    let Head { mut header, start, lines: header_lines, first_row, .. } = head;
     let layout = match columns.filter(|_| !header.is_esri()) {
         Some(columns) => layout.with_columns(columns),
         None => layout,
@@ -241,7 +266,6 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
         }
         None => {
             let shape = shape(&header, &mut table, columns.unwrap_or(0), &mut warnings)?;
-            let separator = Separator::detect(&first_row);
             let is_corner_empty = separator != Separator::Space
                 && first_row.iter().find(|byte| **byte != b' ').is_some_and(|&byte| byte == separator.sign());
             let corner = if is_corner_empty { structure::Corner::Empty } else { structure::Corner::Number };
@@ -251,7 +275,7 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
             }
         }
     };
-    if table.decimal_comma {
+    if table.decimal_comma && header.decimal().is_none() {
         header.insert(DECIMAL_SIGN, "comma");
     }
     let interpretation =

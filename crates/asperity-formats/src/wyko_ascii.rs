@@ -32,7 +32,7 @@ const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"]
 ///
 /// # Errors
 /// No array of heights, a header without sizes or wavelength, and fewer numbers than declared.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::WykoAscii, bytes);
     let mut fields = BTreeMap::new();
     let (mut at, mut lines) = (0, 0);
@@ -73,7 +73,8 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     // Other arrays may follow.
     let mut ends = bytes[at..].iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(place, _)| at + place + 1);
     let end = ends.nth(nx - 1).unwrap_or(bytes.len());
-    let layout = Layout::new(Format::WykoAscii, Separator::Space, b"", b'\n').with_columns(ny);
+    let layout =
+        Layout::new(Format::WykoAscii, Separator::Space, b"", b'\n').with_columns(ny).with_decimal(options.decimal);
     let columns = rows::read(&bytes[at..end], &layout, lines)?.values;
     refuse_if!(columns.len() != ny * nx, input.wrong("number of lines", at, columns.len() / ny, &nx.to_string()));
     let mut heights = large::transposed(&columns, (nx, ny));

@@ -3,7 +3,7 @@
 //! Points follow each other along x or along y, in either direction, or in any order. The reader determines the grid from the
 //! coordinates. A point may differ from its grid point by [a quarter of a step](grid::TOLERANCE), which allows for
 //! the rounding of coarse digits and for the jitter of a stage. The header may name the columns x, y and z in another order. A fourth column,
-//! often an intensity, is left out. Missing are grid points without a point, and heights
+//! often an intensity, is left out, and so are an index of the rows and any columns beside those that a header names x, y and z. Missing are grid points without a point, and heights
 //! `nan`, `BAD` and `No Data`. Lists that leave three of four grid points empty are refused, and so are two points on
 //! one grid point.
 //!
@@ -19,19 +19,21 @@ mod grid;
 
 use ndarray::Array2;
 
-use crate::text::columns::named;
+use crate::text::columns::{Column, named};
+use crate::text::decimal::Decimal;
 use crate::text::header::{Header, unit};
 use crate::text::rows::{self, Layout};
 use crate::text::separator::{COMMENT, Separator};
 use crate::text::{Head, TEXT_PROBE, is_text, lines, utf8};
 use crate::unit::in_words;
-use crate::{Description, Format, FormatError, Location, ReadOptions, Result, Scan, utf8_or_latin1, warn_if};
+use crate::{Description, Format, FormatError, Location, ReadOptions, Result, Scan, shown, utf8_or_latin1, warn_if};
 use grid::{Grid, MAX_SPREAD, NoGrid, Points, TOLERANCE};
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["xyz"],
     vendor: "any; Zygo",
-    known_by: "three or four columns of which the first two step like a grid, or that a header names x, y and z; `Zygo XYZ Data File`",
+    known_by: "three or four columns of which the first two step like a grid, or columns that a header names x, y and z; `Zygo XYZ Data \
+               File`",
     reads: "points on a grid in any order of lines; columns in the order of their names; spaces, tabs, commas or semicolons; units from \
             the header",
     missing_points: "nan, 1.#QNAN, BAD, No Data, grid points without a point",
@@ -44,7 +46,7 @@ const IN_ORDER: [usize; 3] = [0, 1, 2];
 const INDEXED: [usize; 3] = [1, 2, 3];
 /// Names of the heights.
 const HEIGHTS: [&str; 3] = ["z", "height", "h"];
-/// Number of columns with another quantity.
+/// Most columns of points without names: with an index or another quantity.
 const MOST_COLUMNS: usize = 4;
 /// First bytes of a Zygo file.
 const ZYGO: &[u8] = b"Zygo XYZ Data File";
@@ -73,44 +75,52 @@ fn detect(bytes: &[u8]) -> bool {
     let whole = bytes.len() <= TEXT_PROBE;
     // The last line of a longer text is incomplete.
     let end = probe.iter().rposition(|&byte| byte == line_end).filter(|_| !whole).unwrap_or(probe.len());
-    let head = Head::read(&probe[..end], line_end, true);
-    let layout = layout(&head.first_row, line_end);
-    let Some(columns @ 3..=MOST_COLUMNS) = layout.count(&head.first_row).filter(|_| !head.header.states_pixels())
-    else {
-        return false;
-    };
+    let head = Head::read(&probe[..end], line_end, true, None);
+    let columns = layout(&head.first_row, line_end, head.decimal()).count(&head.first_row);
+    let Some(columns @ 3..) = columns.filter(|_| !head.header.states_pixels()) else { return false };
     let (before, points) = probe[..end].split_at(head.start.min(end));
-    let points_in = |text: &[u8]| {
-        rows::read(text, &layout, 0).map(|table| points_of(&table.values, columns, places_of(&table.values, columns)))
+    let is_named = named_columns(before, columns).is_some();
+    if is_named || columns > MOST_COLUMNS {
+        return is_named;
+    }
+    let readings = |text: &[u8]| -> Vec<Vec<f64>> {
+        let read = |decimal| {
+            let table = rows::read(text, &layout(&head.first_row, line_end, decimal), 0)?;
+            Ok::<_, FormatError>(points_of(&table.values, columns, places_of(&table.values, columns)))
+        };
+        match read(head.decimal()) {
+            // Points step like a grid whatever their decimal sign is.
+            Err(FormatError::AmbiguousDecimal { .. }) => {
+                [Decimal::Comma, Decimal::Point].into_iter().filter_map(|decimal| read(Some(decimal)).ok()).collect()
+            }
+            found => found.into_iter().collect(),
+        }
     };
-    if named_columns(before, columns).is_some()
-        || points_in(points).is_ok_and(|points| steps_like_a_grid(&points, whole))
-    {
+    if readings(points).iter().any(|points| steps_like_a_grid(points, whole)) {
         return true;
     }
     // Only the whole list shows that points in any order fill a grid.
     let text = utf8(bytes);
     let (text, _) = lines(&text);
-    points_in(&text[head.start.min(text.len())..]).is_ok_and(|points| Points(&points).are_shuffled())
+    readings(&text[head.start.min(text.len())..]).iter().any(|points| Points(points).are_shuffled())
 }
 
-/// Place and number of units per metre of the columns x, y and z.
-type Columns = [(usize, Option<f64>); 3];
+/// Places of the columns x, y and z, with the columns.
+type Columns = [(usize, Column); 3];
 
 /// Returns the columns x, y and z as the last line of the header that names all columns: `x [um] y [um] z [um]`, `X;Y;Z` or `# x/mm, y/mm, z/um`.
 fn named_columns(head: &[u8], columns: usize) -> Option<Columns> {
     named(head, |found| {
         let place = |wanted: &str| {
             let place = found.iter().position(|column| column.name.eq_ignore_ascii_case(wanted))?;
-            Some((place, found[place].per_metre()))
+            Some((place, found[place].clone()))
         };
         let height = || HEIGHTS.iter().find_map(|name| place(name));
         let places = [place("x")?, place("y")?, height()?];
         // An index of the rows may have no name.
-        let unnamed = columns
-            .checked_sub(found.len())
-            .filter(|unnamed| *unnamed == 0 || columns == MOST_COLUMNS && *unnamed == 1)?;
-        Some(places.map(|(place, unit)| (place + unnamed, unit)))
+        let unnamed =
+            columns.checked_sub(found.len()).filter(|unnamed| *unnamed == 0 || columns > 3 && *unnamed == 1)?;
+        Some(places.map(|(place, column)| (place + unnamed, column)))
     })
 }
 
@@ -130,9 +140,10 @@ fn points_of(values: &[f64], columns: usize, places: [usize; 3]) -> Vec<f64> {
     values.chunks_exact(columns).flat_map(|point| places.map(|place| point[place])).collect()
 }
 
-fn layout(first_row: &[u8], line_end: u8) -> Layout {
-    let layout = Layout::new(Format::Xyz, Separator::detect(first_row), COMMENT, line_end);
-    let columns = layout.count(first_row).filter(|columns| *columns == MOST_COLUMNS);
+fn layout(first_row: &[u8], line_end: u8, decimal: Option<Decimal>) -> Layout {
+    let separator = Separator::detect(first_row, decimal);
+    let layout = Layout::new(Format::Xyz, separator, COMMENT, line_end).with_decimal(decimal);
+    let columns = layout.count(first_row).filter(|columns| *columns >= 3);
     layout.with_columns(columns.unwrap_or(3))
 }
 
@@ -173,28 +184,42 @@ fn steps_like_a_grid(values: &[f64], whole: bool) -> bool {
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let text = utf8(bytes);
     let (bytes, line_end) = lines(&text);
-    if bytes.starts_with(ZYGO) { read_zygo(bytes, line_end) } else { read_points(bytes, line_end, options) }
+    if bytes.starts_with(ZYGO) {
+        read_zygo(bytes, line_end, options.decimal)
+    } else {
+        read_points(bytes, line_end, options)
+    }
 }
 
 fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan> {
-    let Head { mut header, start, lines, first_row } = Head::read(bytes, line_end, true);
-    let list = List { bytes: &bytes[start..], lines, layout: layout(&first_row, line_end), line_end };
+    let head = Head::read(bytes, line_end, true, options.decimal);
+    let layout = layout(&head.first_row, line_end, head.decimal());
+    let Head { mut header, start, lines, .. } = head;
+    let list = List { bytes: &bytes[start..], lines, layout, line_end };
     let mut table = list.table()?;
     for comment in std::mem::take(&mut table.comments) {
         header.add(&comment);
     }
     let (head, columns) = (&bytes[..start], list.layout.columns().unwrap_or(3));
     let named = named_columns(head, columns);
-    let places = named.map_or_else(|| places_of(&table.values, columns), |named| named.map(|(place, _)| place));
+    let places = match &named {
+        Some(named) => named.each_ref().map(|(place, _)| *place),
+        None => places_of(&table.values, columns),
+    };
     if columns > 3 || places != IN_ORDER {
         table.values = points_of(&table.values, columns, places);
     }
     let mut warnings = Vec::new();
     warn_if!(warnings, columns > 3, "a point has {columns} values; those beside x, y and z were left out");
-    let units = units(&header, head, named)?;
+    let units = units(&header, head, named, options)?;
     let grid = Points(&table.values).grid().map_err(|reason| {
-        let names_point = repeats_a_point(&reason, &table.values) || steps_like_a_grid(&table.values, true);
-        if names_point { list.error(&reason) } else { no_grid(Points(&table.values).spacing()) }
+        let (sound, flaw) = Points(&table.values).sound();
+        let is_list = steps_like_a_grid(&table.values, true);
+        match flaw.filter(|_| is_list || Points(&sound).grid().is_ok()) {
+            Some(flaw) => list.error(&flaw),
+            None if is_list => list.error(&reason),
+            None => no_grid(Points(&table.values).spacing() / units[0].unwrap_or(1.0)),
+        }
     })?;
     drop(table);
     let [per_metre_x, per_metre_y, per_metre_z] = units.map(|unit| unit.unwrap_or(1.0));
@@ -212,14 +237,6 @@ fn read_points(bytes: &[u8], line_end: u8, options: &ReadOptions) -> Result<Scan
     Ok(Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, Some((dx_m, dy_m))) })
 }
 
-/// Returns whether a point has the coordinates of an earlier one.
-fn repeats_a_point(reason: &NoGrid, values: &[f64]) -> bool {
-    let NoGrid::Twice { point } = *reason else { return false };
-    let place = |point: &[f64]| (point[0], point[1]);
-    let (before, rest) = values.split_at(3 * point);
-    before.chunks_exact(3).any(|other| place(other) == place(rest))
-}
-
 fn map(grid: Grid) -> Result<Array2<f64>> {
     let [columns, rows] = grid.axes.map(|axis| axis.lines);
     Array2::from_shape_vec((rows, columns), grid.heights).map_err(|_| nothing(1))
@@ -229,18 +246,29 @@ fn map(grid: Grid) -> Result<Array2<f64>> {
 /// columns of the header.
 ///
 /// # Errors
-/// Some of the named columns have a unit and others have none.
-fn units(header: &Header, head: &[u8], named: Option<Columns>) -> Result<[Option<f64>; 3]> {
+/// Some of the named columns have a unit and others have none, or a unit is not one of length. A stated unit replaces that of the heights.
+fn units(header: &Header, head: &[u8], named: Option<Columns>, options: &ReadOptions) -> Result<[Option<f64>; 3]> {
+    let is_stated = options.height_unit.is_some();
     let keyed = header.units();
-    if keyed.iter().any(Option::is_some) {
-        return Ok(keyed);
+    if keyed.iter().any(Option::is_some) || header.other_unit().is_some() {
+        return match header.other_unit().filter(|_| !is_stated) {
+            Some(other) => Err(other_unit(other)),
+            None => Ok(keyed),
+        };
     }
-    if let Some(named) = named.filter(|named| named.iter().any(|(_, unit)| unit.is_some())) {
-        let [x, y, z] = named.map(|(_, unit)| unit);
+    if let Some(named) = named.filter(|named| named.iter().any(|(_, column)| column.unit.is_some())) {
+        let replaced = if is_stated { 2 } else { 3 };
+        let others = named.iter().take(replaced).filter(|(_, column)| column.per_metre().is_none());
+        if let Some(other) = others.filter_map(|(_, column)| column.unit.as_deref()).next() {
+            return Err(other_unit(other));
+        }
+        let [x, y, z] = named.map(|(_, column)| column.per_metre());
         let lateral = [x.or(y), y.or(x)];
         return match (lateral, z) {
-            ([Some(x), Some(y)], Some(z)) => Ok([Some(x), Some(y), Some(z)]),
-            _ => Err(unsupported_columns()),
+            ([Some(x), Some(y)], z) if is_stated || z.is_some() => Ok([Some(x), Some(y), z]),
+            _ => Err(unsupported_columns(
+                "a header in which some of the columns x, y and z have a unit of length".into(),
+            )),
         };
     }
     let text = utf8_or_latin1(head);
@@ -263,9 +291,13 @@ fn units(header: &Header, head: &[u8], named: Option<Columns>) -> Result<[Option
     })
 }
 
-fn unsupported_columns() -> FormatError {
-    let found = "a header in which some of the columns x, y and z have a unit of length";
-    FormatError::unsupported(Format::Xyz, found, "a unit of length for each of them, such as `x (mm), y (mm), z (um)`")
+fn other_unit(unit: &str) -> FormatError {
+    unsupported_columns(format!("coordinates in `{}`", shown(unit)))
+}
+
+fn unsupported_columns(found: String) -> FormatError {
+    let wanted = "a unit of length for each of x, y and z, such as `x (mm), y (mm), z (um)`";
+    FormatError::unsupported(Format::Xyz, found, wanted)
 }
 
 /// Lines of points in a text.
@@ -331,8 +363,8 @@ fn unsupported(found: String) -> FormatError {
 }
 
 /// Returns the error for points without a grid, which are so far apart on average.
-fn no_grid(spacing: f64) -> FormatError {
-    let apart = if spacing > 0.0 { format!(", some {spacing:.2e} apart") } else { String::new() };
+fn no_grid(spacing_m: f64) -> FormatError {
+    let apart = if spacing_m > 0.0 { format!(", some {} apart", in_words(spacing_m)) } else { String::new() };
     unsupported(format!("the three columns are points x, y, z that lie on no regular grid{apart}"))
 }
 
@@ -349,7 +381,7 @@ const CAMERA_RESOLUTION: (usize, usize) = (7, 6);
 /// Number of height units of Zygo files per metre: heights are in micrometre.
 const ZYGO_PER_METRE: f64 = 1e6;
 
-fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
+fn read_zygo(bytes: &[u8], line_end: u8, decimal: Option<Decimal>) -> Result<Scan> {
     let (mut head, mut start) = (Vec::new(), 0);
     for line in bytes.split(|&byte| byte == line_end).take(2 * ZYGO_LINES) {
         start += line.len() + 1;
@@ -362,7 +394,7 @@ fn read_zygo(bytes: &[u8], line_end: u8) -> Result<Scan> {
         let (at, wanted) = (Location::Line(head.len() + 1), format!("{ZYGO_LINES} lines, `#`, and the points"));
         return Err(FormatError::missing(Format::Xyz, "the line `#` after the header", at, wanted));
     }
-    let layout = layout(b"", line_end);
+    let layout = layout(b"", line_end, decimal);
     let list = List { bytes: &bytes[start..], lines: head.len() + 1, layout, line_end };
     let table = list.table()?;
     let grid = Points(&table.values).grid().map_err(|reason| list.error(&reason))?;

@@ -28,7 +28,7 @@ const MAX_HEADER_BYTES: usize = 1 << 13;
 ///
 /// # Errors
 /// A header of other lines, no phases, invalid factors, and fewer numbers than declared.
-fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let input = Input::new(Format::ZygoAscii, bytes);
     let start = &bytes[..bytes.len().min(MAX_HEADER_BYTES)];
     let end = start.windows(HEADER_END.len()).position(|window| window == HEADER_END);
@@ -60,7 +60,7 @@ fn read(bytes: &[u8], _options: &ReadOptions) -> Result<Scan> {
     let phases = phases.ok_or_else(|| input.missing("phases", bytes.len(), "numbers after `#`"))?;
     let before = phases.as_ptr() as usize - bytes.as_ptr() as usize;
     let lines_before = bytes[..before].iter().filter(|&&byte| byte == b'\n').count();
-    let layout = Layout::new(Format::ZygoAscii, Separator::Space, b"", b'\n');
+    let layout = Layout::new(Format::ZygoAscii, Separator::Space, b"", b'\n').with_decimal(options.decimal);
     let mut heights = rows::read(phases, &layout, lines_before)?.values;
     refuse_if!(heights.len() != ny * nx, input.wrong("number of phases", end, heights.len(), &format!("{nx} × {ny}")));
     large::map(&mut heights, |phase| if phase >= INVALID { f64::NAN } else { phase * scale_m });

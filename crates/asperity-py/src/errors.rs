@@ -54,7 +54,8 @@ pub(crate) fn with_message(error: &(dyn Error + 'static), message: String) -> Py
         return match error.cause() {
             FormatError::NotFound { .. } => PyFileNotFoundError::new_err(message),
             FormatError::Io { .. } => PyOSError::new_err(message),
-            FormatError::NoSuchChannel { .. } | FormatError::UnknownUnit { .. } => value_error(message),
+            FormatError::UnknownUnit { .. } => value_error(message),
+            error if error.asks_for_option() => value_error(message),
             _ => format_error(message),
         };
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use asperity::correlation::{Autocorrelation, Axis, radial_spectrum};
 use asperity::map::{HeightMap, checked_pitch_m};
+use asperity::study::file::DecimalSign;
 use asperity::study::surface_statistics;
 use asperity::surface::level::Level;
 use asperity::surface::preparation::{Preparation, Prepared};
@@ -23,7 +24,7 @@ type FileContent<'py> = (Bound<'py, PyArray2<f64>>, (f64, f64), Vec<String>);
 
 /// Reads a height map from a file.
 #[pyfunction]
-#[pyo3(signature = (path, channel, dx_m, dy_m, height_unit))]
+#[pyo3(signature = (path, channel, dx_m, dy_m, height_unit, decimal))]
 pub(crate) fn read_map<'py>(
     py: Python<'py>,
     path: PathBuf,
@@ -31,6 +32,7 @@ pub(crate) fn read_map<'py>(
     dx_m: Option<f64>,
     dy_m: Option<f64>,
     height_unit: Option<String>,
+    decimal: Option<String>,
 ) -> PyResult<FileContent<'py>> {
     let pitch_m = match (dx_m, dy_m) {
         (Some(dx_m), dy_m) => Some(checked_pitch_m((dx_m, dy_m.unwrap_or(dx_m))).raise()?),
@@ -38,7 +40,8 @@ pub(crate) fn read_map<'py>(
         (None, None) => None,
     };
     let height_unit = height_unit.map(|unit| unit.parse::<LengthUnit>().raise()).transpose()?;
-    let options = ReadOptions { channel: channel.as_deref().map(Channel::from), height_unit, pitch_m };
+    let decimal = decimal.map(|sign| sign.parse::<DecimalSign>().raise()).transpose()?.map(Into::into);
+    let options = ReadOptions { channel: channel.as_deref().map(Channel::from), height_unit, decimal, pitch_m };
     let file = path.clone();
     let scan = long::run(py, None, move |_| read_with(&file, &options).raise())?;
     let missing = || value_error(format_args!("{}: the file carries no pixel size; state dx_m", path.display()));

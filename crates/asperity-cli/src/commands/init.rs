@@ -70,7 +70,9 @@ impl Example {
 impl Init {
     pub(crate) fn run(&self, monitor: &Terminal) -> Result<(), Failure> {
         if self.scan.is_none() && !self.options.study_keys().is_empty() {
-            return Err(Failure::usage("--channel, --pixel-size and --height-unit describe the file of --scan"));
+            return Err(Failure::usage(
+                "--channel, --pixel-size, --height-unit and --decimal describe the file of --scan",
+            ));
         }
         if self.dir.is_file() {
             return Err(Failure::usage(format!("{} is a file; choose a folder", self.dir.display())));

@@ -162,7 +162,15 @@ fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
     fs::write(folder.path().join("plain.txt"), "1 2 3\n2 4 1\n5 1 2\n").unwrap();
     fs::write(folder.path().join("named.txt"), "# unit: nm\n1 2 3\n2 4 1\n5 1 2\n").unwrap();
     let sq = |line: &str| number(&run(&format!("surface stats {line} --pixel-size 20um --json")).json(0), "Sz_m");
-    // Without a stated unit the plain file is in metres.
+    // In metre the plain file would be higher than its field of view is wide.
+    let study = "seed = 1\n[surface]\nfile = \"plain.txt\"\npixel_size = \"20 um\"\n";
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    for line in ["surface stats plain.txt --pixel-size 20um", "check study.toml", "run study.toml"] {
+        run(line).refuses(
+            2,
+            &["plain.txt", "span 4 m, more than the field of view, 60 µm", "--height-unit", "`height_unit`"],
+        );
+    }
     assert!((sq("plain.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
     assert!((sq("named.txt --level none") / 4e-9 - 1.0).abs() < 1e-12);
     assert!((sq("named.txt --level none --height-unit um") / 4e-6 - 1.0).abs() < 1e-12);
@@ -178,6 +186,48 @@ fn a_stated_height_unit_applies_and_a_contradiction_gives_a_warning() {
     assert!(number(&json, "penetration_m") < 5e-6, "{json}");
     run("surface convert plain.txt out.npy --height-unit V")
         .refuses(2, &["--height-unit", "`V` is not a unit of length"]);
+}
+
+#[test]
+fn commas_that_may_separate_thousands_need_the_decimal_sign_in_commands_and_studies() {
+    let folder = TempDir::new().unwrap();
+    let run = |line: &str| run_in(folder.path(), line);
+    fs::write(
+        folder.path().join("map.txt"),
+        "# unit: nm\n1,000\t2,000\t3,000\n2,000\t4,000\t1,000\n5,000\t1,000\t2,000\n",
+    )
+    .unwrap();
+    let study = |decimal: &str| {
+        let text =
+            format!("seed = 1\n[surface]\nfile = \"map.txt\"\npixel_size = \"20 um\"\nlevel = \"none\"\n{decimal}");
+        fs::write(folder.path().join("study.toml"), text).unwrap();
+    };
+    study("");
+    let readings = ["map.txt", "`1,000` (line 2) may be 1.000 or 1000", "--decimal comma", "`decimal`"];
+    run("surface stats map.txt --pixel-size 20um").refuses(2, &readings);
+    run("check study.toml").refuses(2, &readings);
+    for (sign, sz_m) in [("comma", 4e-9), ("point", 4e-6)] {
+        let line = format!("surface stats map.txt --pixel-size 20um --level none --decimal {sign} --json");
+        assert!((number(&run(&line).json(0), "Sz_m") / sz_m - 1.0).abs() < 1e-12, "{sign}");
+        study(&format!("decimal = \"{sign}\"\n"));
+        let found = run("check study.toml");
+        assert!(!found.stderr.contains("may be 1.000 or 1000"), "{found:?}");
+    }
+    study("decimal = \"dot\"\n");
+    run("check study.toml").refuses(2, &["study.toml:6", "dot", "comma", "point"]);
+    run("surface stats map.txt --decimal dot").refuses(2, &["--decimal", "dot", "comma", "point"]);
+    // A study needs more points than a file of three rows.
+    let rows: String = (0..32)
+        .map(|row| {
+            (0..32).map(|n| format!("{},{:03}\t", 1 + (row * 7 + n) % 5, n * n % 1000)).collect::<String>() + "\n"
+        })
+        .collect();
+    fs::write(folder.path().join("large.txt"), format!("# unit: nm\n{}", rows.replace("\t\n", "\n"))).unwrap();
+    run("init other --scan large.txt --pixel-size 20um").refuses(2, &["large.txt", "--decimal comma"]);
+    let found = run("init other --scan large.txt --pixel-size 20um --decimal comma");
+    assert_eq!(found.code, 0, "{found:?}");
+    let study = fs::read_to_string(folder.path().join("other/study.toml")).unwrap_or_default();
+    assert!(study.contains("decimal = \"comma\""), "{study}");
 }
 
 #[test]

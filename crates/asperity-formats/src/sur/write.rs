@@ -4,6 +4,7 @@ use super::header::{
     AXIS_TEXT_BYTES, CLIENT_ZONE_BYTES, DATE, HEADER_BYTES, NAME_BYTES, OBJECT_NAME, OPERATOR_NAME, SIGNATURE,
     VOID_BELOW_MINIMUM,
 };
+use crate::unit::in_words;
 use crate::{Format, FormatError, Result, Scan};
 
 /// Highest number; the lowest is 0. One more would mark a saturated point.
@@ -105,7 +106,7 @@ fn pitch(pitch_m: f64) -> Result<(f32, &'static str)> {
     let (_, pitch, unit) = if is_exact(nanometre.0) && !is_exact(micrometre.0) { nanometre } else { micrometre };
     if !(pitch.is_normal() && pitch > 0.0) {
         return Err(not_storable(
-            format!("a pixel size of {pitch_m:e} m"),
+            format!("a pixel size of {}", in_words(pitch_m)),
             "a positive number within the range of f32",
         ));
     }
@@ -124,7 +125,8 @@ fn quantised(scan: &Scan) -> Result<Stored> {
     let spacing = exact as f32;
     let spacing = if f64::from(spacing) < exact { spacing.next_up() } else { spacing };
     if !(offset.is_finite() && spacing.is_finite() && span.is_finite()) {
-        return Err(not_storable(format!("heights from {low_m:e} to {high_m:e} m"), "heights within the range of f32"));
+        let [low, high] = [low_m, high_m].map(in_words);
+        return Err(not_storable(format!("heights from {low} to {high}"), "heights within the range of f32"));
     }
     let mut points = Vec::with_capacity(4 * scan.heights_m.len());
     let mut highest = 0;

@@ -1,6 +1,7 @@
 //! Names and units of columns.
 
 use super::header::{bare, unit};
+use crate::unit::is_micro;
 use crate::utf8_or_latin1;
 
 /// Signs between the name of a column and its unit.
@@ -18,7 +19,7 @@ impl Column {
         let place = word.rfind(BEFORE_UNIT).unwrap_or(word.len());
         let behind = bare(word[place..].trim_start_matches(['/', '_', ' ']));
         let is_bracket = word[place..].starts_with(['[', '(']);
-        let known = Some(behind).filter(|behind| !behind.is_empty() && (is_bracket || unit(behind).is_some()));
+        let known = Some(behind).filter(|behind| !behind.is_empty() && (is_bracket || is_unit(behind)));
         let name = known.map_or(word, |_| &word[..place]).trim_end_matches(BEFORE_UNIT);
         Self { name: name.to_owned(), unit: known.map(str::to_owned) }
     }
@@ -29,6 +30,11 @@ impl Column {
     }
 }
 
+/// Returns whether a word is a unit of length, or its prefix alone, which is to be refused. `u` is also a name of columns.
+fn is_unit(word: &str) -> bool {
+    unit(word).is_some() || is_micro(word) && word != "u"
+}
+
 /// Returns the columns that a line of a header names: `x [um] y [um] z [um]`, `X;Y;Z` or `# x/mm, y/mm, z/um`.
 pub(crate) fn columns_in(line: &str) -> Vec<Column> {
     let line = line.rsplit(':').next().unwrap_or(line).trim_matches(['#', '%', '"', ' ', '\r']);
@@ -36,7 +42,7 @@ pub(crate) fn columns_in(line: &str) -> Vec<Column> {
     let mut columns: Vec<Column> = Vec::new();
     let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ');
     for word in words.map(|word| word.trim_matches([' ', '"'])).filter(|word| separated || !word.is_empty()) {
-        let is_unit = !separated && (word.starts_with(BEFORE_UNIT) || unit(word).is_some());
+        let is_unit = !separated && (word.starts_with(BEFORE_UNIT) || is_unit(word));
         match columns.last_mut().filter(|last| is_unit && last.unit.is_none()) {
             // A unit behind its name.
             Some(last) => last.unit = Some(bare(word.trim_start_matches('/')).to_owned()),

@@ -1,6 +1,8 @@
 //! Conversion factors of heights in the header of a text.
 
-use super::header::{COMMENT, DECIMAL_SIGN, Header, Pair, bare, is_one_of, unit};
+use super::decimal::Decimal;
+use super::header::{COMMENT, Header, Pair, bare, is_one_of, unit};
+use super::length::leading_number;
 use crate::Result;
 
 const BIT_TO_NM: &str = "bit2nm";
@@ -36,8 +38,8 @@ impl Pair {
     }
 
     /// Returns the factor for heights; `None` for another factor. Its value is NaN if it is not a number.
-    fn factor(&self, has_decimal_commas: bool) -> Option<Factor<'_>> {
-        let (value, behind) = factor_value(&self.value, has_decimal_commas).unwrap_or((f64::NAN, ""));
+    fn factor(&self, decimal: Option<Decimal>) -> Option<Factor<'_>> {
+        let (value, behind) = factor_value(&self.value, decimal).unwrap_or((f64::NAN, ""));
         if self.name == BIT_TO_NM {
             return Some(Factor { pair: self, value, source: None, target: Some(("nm", Some(1e9))) });
         }
@@ -56,27 +58,11 @@ impl Pair {
     }
 }
 
-/// Returns the number at the start of a text and the text after it. A comma between digits is the decimal sign unless
-/// it may separate thousands.
-fn factor_value(text: &str, has_decimal_commas: bool) -> Option<(f64, &str)> {
-    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
-    let sign = usize::from(text.starts_with(['+', '-']));
-    let comma = sign + digits(&text[sign..]);
-    let (value, length) = match text[comma..].strip_prefix(',') {
-        Some(rest) => {
-            let decimals = digits(rest);
-            let ends = !rest[decimals..].starts_with(['e', 'E', ',', '.']);
-            let may_be_thousands =
-                ends && decimals == 3 && (1..=3).contains(&(comma - sign)) && !text[sign..].starts_with('0');
-            if decimals == 0 || comma == sign || may_be_thousands && !has_decimal_commas {
-                return None;
-            }
-            fast_float2::parse_partial(text.replacen(',', ".", 1)).ok()?
-        }
-        None => fast_float2::parse_partial(text).ok()?,
-    };
+/// Returns the number at the start of a text and the text after it; `None` for a number that cannot be read whole.
+fn factor_value(text: &str, decimal: Option<Decimal>) -> Option<(f64, &str)> {
+    let (value, length) = leading_number(text, decimal, false)?;
     let behind = &text[length..];
-    (!behind.starts_with([',', '.'])).then(|| (value, behind.trim()))
+    (!behind.starts_with([',', '.'])).then_some((value.ok()?, behind.trim()))
 }
 
 /// Returns the units before and after a conversion: `V -> nm`, `-> nm`, `nm/V` or `nm`.
@@ -104,13 +90,12 @@ impl Header {
     ///
     /// # Errors
     /// A factor that is not a number or is 0, if no unit of length is stated.
-    pub(super) fn factors(&self) -> Result<Factors<'_>, &Pair> {
+    pub(super) fn factors(&self, decimal: Option<Decimal>) -> Result<Factors<'_>, &Pair> {
         let stated = self.height_unit();
         let length = stated.and_then(|(_, _, per_metre)| per_metre);
-        let has_decimal_commas = self.find(DECIMAL_SIGN).is_some();
         let (mut known, mut unused) = (Vec::new(), Vec::new());
         for pair in self.pairs.iter().filter(|pair| pair.is_factor()) {
-            let Some(factor) = pair.factor(has_decimal_commas) else {
+            let Some(factor) = pair.factor(decimal) else {
                 unused.push(pair);
                 continue;
             };

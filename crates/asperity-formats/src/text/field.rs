@@ -36,18 +36,6 @@ pub(super) fn number(field: &[u8]) -> Option<f64> {
     }
 }
 
-/// Parses a number with one comma between digits as decimal sign.
-pub(super) fn decimal_comma(field: &[u8]) -> Option<f64> {
-    let place = field.iter().position(|&byte| byte == b',')?;
-    let is_digit = |place: Option<usize>| place.and_then(|place| field.get(place)).is_some_and(u8::is_ascii_digit);
-    if !is_digit(place.checked_sub(1)) || !is_digit(place.checked_add(1)) || field.contains(&b'.') {
-        return None;
-    }
-    let mut field = field.to_vec();
-    field[place] = b'.';
-    number(&field)
-}
-
 /// Errors that spreadsheets export for cells without a value. Their first character would otherwise start a comment.
 const SPREADSHEET_ERRORS: [&[u8]; 8] =
     [b"#N/A", b"#DIV/0!", b"#VALUE!", b"#REF!", b"#NAME?", b"#NUM!", b"#NULL!", b"#NV"];

@@ -11,6 +11,7 @@
 
 use std::collections::BTreeMap;
 
+use super::decimal::Decimal;
 use crate::{MAX_TEXT_BYTES, TextLimit, per_metre, shown, utf8_or_latin1};
 
 /// Key with its value, and the unit in brackets after the key.
@@ -42,7 +43,7 @@ const ROWS: &str = "y pixels|nrows|ny";
 const CHANNEL: &str = "channel|kanal|canal|canale|kanál";
 /// Maximum number of bytes of these keys.
 const MAX_CHANNEL_KEY: usize = 8;
-/// Key of the note that all decimal signs are commas.
+/// Key of the decimal sign of a file, `comma` or `point`.
 pub(super) const DECIMAL_SIGN: &str = "decimal sign";
 /// Key of comments without a key.
 pub(super) const COMMENT: &str = "comment";
@@ -154,6 +155,17 @@ impl Header {
         let any = named(ANY_UNIT);
         let x = named(X_UNIT).or(any);
         [x, named(Y_UNIT).or(x), named(HEIGHT_UNIT).or(any)]
+    }
+
+    /// Returns the decimal sign that the header states.
+    pub(crate) fn decimal(&self) -> Option<Decimal> {
+        Decimal::named(&self.find(DECIMAL_SIGN)?.value)
+    }
+
+    /// Returns the first unit of x, y or z that is not a length.
+    pub(crate) fn other_unit(&self) -> Option<&str> {
+        let values = [X_UNIT, Y_UNIT, HEIGHT_UNIT, ANY_UNIT].into_iter().filter_map(|names| self.find(names));
+        values.map(|pair| pair.value.as_str()).find(|value| unit(value).is_none())
     }
 
     /// Returns the pairs as metadata. Values of equal keys are joined.

@@ -1,8 +1,10 @@
 //! Interpretation of headers: pixel size, unit and factor of the heights, missing points.
 
+use crate::text::decimal::Decimal;
 use crate::text::factor::{Factor, Factors};
-use crate::text::header::{DECIMAL_SIGN, Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
-use crate::text::length::Lengths;
+use crate::text::header::{Header, PIXEL_SIZE, Pair, X_UNIT, Y_UNIT, bare, is_one_of, unit};
+use crate::text::length::{Lengths, NoNumber};
+use crate::unit::is_micro;
 use crate::{ReadOptions, Shape, shown, warn_if};
 
 /// Keys with one meaning, separated by bars.
@@ -43,8 +45,8 @@ pub(crate) struct Interpretation {
 
 impl Header {
     /// Returns whether the numbers can be heights: they have a conversion factor, a unit of length or no unit.
-    pub(crate) fn may_be_heights(&self) -> bool {
-        self.factors().is_ok_and(|factors| factors.used.is_some())
+    pub(crate) fn may_be_heights(&self, decimal: Option<Decimal>) -> bool {
+        self.factors(decimal).is_ok_and(|factors| factors.used.is_some())
             || self.height_unit().is_none_or(|(_, _, per_metre)| per_metre.is_some())
     }
 
@@ -55,8 +57,9 @@ impl Header {
     /// A conversion factor that is not a number or is 0, if no unit of length is stated, or a length of which a number cannot be read whole.
     pub(crate) fn interpret(&self, (rows, columns): Shape, options: &ReadOptions) -> Result<Interpretation, Wrong<'_>> {
         let is_stated = options.height_unit.is_some();
+        let decimal = options.decimal.or_else(|| self.decimal());
         let mut warnings = Vec::new();
-        let pitch_m = match self.pitch((rows, columns), &mut warnings) {
+        let pitch_m = match self.pitch((rows, columns), decimal, &mut warnings) {
             // The stated pixel size replaces it.
             Err(_) if options.pitch_m.is_some() => None,
             found => found?,
@@ -66,7 +69,7 @@ impl Header {
             warnings.push(format!("the header states {nx} × {ny} points; there are {columns} × {rows}"));
         }
         let replaced = |pair: &Pair| format!("the stated height unit replaces the header's {}", pair.quoted());
-        let Factors { used, unused } = match self.factors() {
+        let Factors { used, unused } = match self.factors(decimal) {
             Ok(Factors { used: Some(factor), unused }) if is_stated => {
                 warnings.push(replaced(factor.pair));
                 Factors { used: None, unused }
@@ -109,7 +112,7 @@ impl Header {
             // `read_block` refuses it unless the user stated the unit.
             (None, Some((_, stated, None))) => unit = Some(stated),
             (None, None) => {
-                let other = self.other_unit().filter(|_| !is_stated);
+                let other = self.doubtful_unit().filter(|_| !is_stated);
                 warnings.extend(other.map(|pair| unit_warning(&pair.key, &pair.value)));
             }
         }
@@ -124,7 +127,7 @@ impl Header {
     }
 
     /// Returns a pair that may name a unit of the heights under another key.
-    fn other_unit(&self) -> Option<&Pair> {
+    fn doubtful_unit(&self) -> Option<&Pair> {
         let is_height_unit = |name: &str| name.contains("unit") && !is_one_of(X_UNIT, name) && !is_one_of(Y_UNIT, name);
         self.pairs.iter().find(|pair| is_height_unit(&pair.name) && pair.value != "m")
     }
@@ -138,15 +141,24 @@ impl Header {
     ///
     /// # Errors
     /// A number that cannot be read whole.
-    fn pitch(&self, (rows, columns): Shape, warnings: &mut Vec<String>) -> Result<Option<(f64, f64)>, Wrong<'_>> {
+    fn pitch(
+        &self,
+        (rows, columns): Shape,
+        decimal: Option<Decimal>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<(f64, f64)>, Wrong<'_>> {
         let [x_unit, y_unit, _] = self.units();
         let is_spip = || self.find("file format").is_some_and(|pair| pair.value == "ASCII");
-        let comma = self.find(DECIMAL_SIGN).is_some();
-        let read = |pair: &'_ Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit), comma);
+        let read = |pair: &'_ Pair, unit: Option<f64>| Lengths::parse(&pair.value, pair.unit.or(unit), decimal);
+        let lateral = [X_UNIT, Y_UNIT].into_iter().find_map(|names| self.find(names));
+        let lateral = lateral.filter(|pair| is_micro(bare(&pair.value)));
         let of = |names, unit: Option<f64>| {
             let Some(pair) = self.find(names) else { return Ok(None) };
             let Pair { key, value, .. } = pair;
             let lengths = read(pair, unit).map_err(|reason| Wrong { key, value, wanted: reason.wanted() })?;
+            if let Some(Pair { key, value, .. }) = lateral.filter(|_| lengths.as_ref().is_some_and(|of| !of.has_unit)) {
+                return Err(Wrong { key, value, wanted: NoNumber::Prefix.wanted() });
+            }
             Ok(lengths.map(|lengths| (pair, lengths)))
         };
         if let Some((_, lengths)) = of(PIXEL_SIZE, x_unit)? {

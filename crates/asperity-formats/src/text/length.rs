@@ -1,5 +1,7 @@
 //! Lengths in the header of a text.
 
+use super::decimal::{Decimal, in_thousands};
+use crate::unit::is_micro;
 use crate::{per_metre, warn_if};
 
 /// One or two lengths.
@@ -11,21 +13,21 @@ pub(super) struct Lengths {
 
 impl Lengths {
     /// Parses lengths such as `0.5 um x 0.25 um`, `1 2 mm` or `(3, 4)`. A unit applies to the numbers before it.
-    /// Numbers without a unit are in `unit`, or else in metre. `comma` is whether all decimal signs of the file are commas. `None` if the
-    /// text does not state lengths.
+    /// Numbers without a unit are in `unit`, or else in metre. `decimal` decides numbers such as `1,234`. `None` if the text does not
+    /// state lengths.
     ///
     /// # Errors
     /// A number that cannot be read whole.
-    pub(super) fn parse(text: &str, unit: Option<f64>, comma: bool) -> Result<Option<Self>, NoNumber> {
+    pub(super) fn parse(text: &str, unit: Option<f64>, decimal: Option<Decimal>) -> Result<Option<Self>, NoNumber> {
         let mut doubt = None;
-        match (Self::read(text, unit, comma, &mut doubt), doubt) {
+        match (Self::read(text, unit, decimal, &mut doubt), doubt) {
             (Some(_), Some(doubt)) => Err(doubt),
             (lengths, _) => Ok(lengths),
         }
     }
 
     /// Reads lengths; the first number that cannot be read whole goes to `doubt`.
-    fn read(text: &str, unit: Option<f64>, comma: bool, doubt: &mut Option<NoNumber>) -> Option<Self> {
+    fn read(text: &str, unit: Option<f64>, decimal: Option<Decimal>, doubt: &mut Option<NoNumber>) -> Option<Self> {
         let mut lengths = Self { metre: Vec::new(), stated: Vec::new(), has_unit: true };
         let (mut scaled, mut rest) = (0, text);
         loop {
@@ -39,7 +41,7 @@ impl Lengths {
             let times = rest.strip_prefix(['x', 'X']).filter(|after| !after.starts_with(char::is_alphabetic));
             if first.is_ascii_digit() || matches!(first, '+' | '-' | '.') {
                 let is_open = text[..text.len() - rest.len()].ends_with(['(', '[']);
-                let (number, length) = leading_number(rest, comma, is_open)?;
+                let (number, length) = leading_number(rest, decimal, is_open)?;
                 if is_space && may_continue(&text[..text.len() - between.len()], &rest[..length]) {
                     doubt.get_or_insert(NoNumber::Thousands);
                 }
@@ -54,7 +56,10 @@ impl Lengths {
                 let length = rest.find([' ', '\t', ',', ';', '(', ')', '[', ']', '*', '×']).unwrap_or(rest.len());
                 let (word, after) = rest.split_at(length);
                 rest = after;
-                let per_metre = per_metre(word)?;
+                if is_micro(word) {
+                    doubt.get_or_insert(NoNumber::Prefix);
+                }
+                let per_metre = per_metre(word).or_else(|| is_micro(word).then_some(1e6))?;
                 lengths.metre.extend(lengths.stated[scaled..].iter().map(|number| number / per_metre));
                 scaled = lengths.stated.len();
             }
@@ -78,15 +83,19 @@ pub(super) enum NoNumber {
     Signs,
     /// Its comma may be a decimal sign or separate thousands, or a space may separate thousands or two numbers.
     Thousands,
+    /// Its unit is a prefix alone.
+    Prefix,
 }
 
 impl NoNumber {
     /// Returns what the file should state.
     pub(super) fn wanted(&self) -> &'static str {
         match self {
+            Self::Prefix => "a length with a unit, such as `um` (a stated pixel size replaces it)",
             Self::Signs => "a length (a stated pixel size replaces it)",
             Self::Thousands => {
-                "a length without a comma or space that may separate thousands (a stated pixel size replaces it)"
+                "a length without a comma or space that may separate thousands (`--decimal` states the decimal sign, and a stated pixel \
+                 size replaces the length)"
             }
         }
     }
@@ -104,7 +113,12 @@ fn may_continue(before: &str, next: &str) -> bool {
 
 /// Returns the number at the start of a text and its length; `None` without one. `1,5` is one number, and so are `1,234.5` and `1.234,5`;
 /// a comma or a full stop at the end separates it from the next, and so does the comma of `0.5,0.25` and of `(1,2)`, which `is_open`.
-fn leading_number(text: &str, comma: bool, is_open: bool) -> Option<(Result<f64, NoNumber>, usize)> {
+/// `decimal` decides between the two meanings of `1,234`.
+pub(super) fn leading_number(
+    text: &str,
+    decimal: Option<Decimal>,
+    is_open: bool,
+) -> Option<(Result<f64, NoNumber>, usize)> {
     let sign = usize::from(text.starts_with(['+', '-']));
     let run = text[sign..].find(|c: char| !c.is_ascii_digit() && !matches!(c, ',' | '.')).unwrap_or(text.len() - sign);
     let is_closed = is_open && text[sign + run..].starts_with([')', ']']);
@@ -116,24 +130,27 @@ fn leading_number(text: &str, comma: bool, is_open: bool) -> Option<(Result<f64,
     }
     let commas = digits.matches(',').count();
     let full_stops = digits.matches('.').count();
+    let has_point = decimal == Some(Decimal::Point) && full_stops == 0;
+    let is_grouped = has_point && in_thousands(&digits.split(',').collect::<Vec<_>>());
     // A sign that occurs once, last, is the decimal one.
     let (whole, decimals) = match digits.rfind([',', '.']) {
-        Some(place) if digits.matches(&digits[place..=place]).count() == 1 => (&digits[..place], &digits[place + 1..]),
+        Some(place) if !is_grouped && digits.matches(&digits[place..=place]).count() == 1 => {
+            (&digits[..place], &digits[place + 1..])
+        }
         _ => (digits, ""),
     };
     let groups: Vec<&str> = whole.split([',', '.']).collect();
-    let in_thousands = |groups: &[&str]| {
-        (1..=3).contains(&groups[0].len())
-            && !groups[0].starts_with('0')
-            && groups[1..].iter().all(|group| group.len() == 3)
-    };
+    let has_exponent = text[sign + digits.len()..].starts_with(['e', 'E']);
     let is_doubtful = match (commas, full_stops) {
         // `1,234`, and `1,234,567`, which may be three numbers.
-        (1, 0) => !comma && in_thousands(&[whole, decimals]),
-        (2.., 0) => in_thousands(&groups),
+        (1, 0) => decimal.is_none() && !has_exponent && in_thousands(&[whole, decimals]),
+        (2.., 0) => !has_point && in_thousands(&groups),
         _ => false,
     };
-    let length = sign + digits.len();
+    // `5.` is a whole number.
+    let ends_with_point =
+        !digits.is_empty() && commas + full_stops == 0 && text[sign + digits.len()..sign + run] == *".";
+    let length = sign + digits.len() + usize::from(ends_with_point);
     if is_doubtful {
         return Some((Err(NoNumber::Thousands), length));
     }
@@ -152,7 +169,7 @@ mod tests {
     use super::*;
 
     fn metre(text: &str) -> Result<Option<Vec<f64>>, NoNumber> {
-        Lengths::parse(text, None, false).map(|lengths| lengths.map(|lengths| lengths.metre))
+        Lengths::parse(text, None, None).map(|lengths| lengths.map(|lengths| lengths.metre))
     }
 
     #[test]
@@ -162,6 +179,7 @@ mod tests {
             ("1 2 mm", vec![1e-3, 2e-3]),
             ("(3, 4)", vec![3.0, 4.0]),
             ("1,5 um", vec![1.5e-6]),
+            ("5. um", vec![5e-6]),
             ("0,125 um", vec![0.125e-6]),
             ("12,3456 um", vec![12.3456e-6]),
             ("-1,5", vec![-1.5]),
@@ -196,8 +214,18 @@ mod tests {
         for text in ["1,234 um", "999,999", "1 234.5 um", "12 345 nm", "500,500,100 nm"] {
             assert_eq!(metre(text), Err(NoNumber::Thousands), "{text}");
         }
-        // All decimal signs of the file are commas.
-        assert_eq!(Lengths::parse("10,000 um", None, true).unwrap().unwrap().metre, [10e-6]);
+        assert_eq!(metre("0.5 µ"), Err(NoNumber::Prefix));
+        let stated = |text, decimal| {
+            Lengths::parse(text, None, Some(decimal)).map(|lengths| lengths.map(|lengths| lengths.metre))
+        };
+        for (text, comma, point) in
+            [("10,000 um", 10e-6, 0.01), ("-1,234 nm", -1.234e-9, -1234e-9), ("1,5 um", 1.5e-6, 1.5e-6)]
+        {
+            assert_eq!(stated(text, Decimal::Comma), Ok(Some(vec![comma])), "{text}");
+            assert_eq!(stated(text, Decimal::Point), Ok(Some(vec![point])), "{text}");
+        }
+        assert_eq!(stated("1,234,567 nm", Decimal::Point), Ok(Some(vec![1_234_567e-9])));
+        assert_eq!(stated("1,234,567 nm", Decimal::Comma), Err(NoNumber::Thousands));
         for text in ["unknown", "", "um", "1 2 3 4", "v 3", "123,456 bytes", "640 480 px", "1,000 rpm"] {
             assert_eq!(metre(text), Ok(None), "{text}");
         }

@@ -110,8 +110,9 @@ fn stepped(positions: &[f64], mut heights: Vec<f64>, form: String) -> Result<Pro
         |(place, position): (usize, &f64)| (position - first - step * place as f64).abs() <= TOLERANCE * step.abs();
     if step == 0.0 || !positions.iter().enumerate().all(fits) {
         let steps = || positions.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        let [low, high] = [steps().fold(f64::INFINITY, f64::min), steps().fold(0.0, f64::max)];
-        let found = format!("a profile ({form}) whose positions step by {low:.4e} to {high:.4e}");
+        let shown = |step: f64| format!("{step:.3e}").parse::<f64>().unwrap_or(step);
+        let [low, high] = [steps().fold(f64::INFINITY, f64::min), steps().fold(0.0, f64::max)].map(shown);
+        let found = format!("a profile ({form}) whose positions step by {low} to {high}");
         return Err(FormatError::unsupported(Format::Text, found, "positions in equal steps"));
     }
     if step < 0.0 {

@@ -4,7 +4,8 @@
 
 use rayon::prelude::*;
 
-use crate::text::field::{NO_DATA, decimal_comma, missing, number, special_number, spreadsheet_error};
+use crate::text::decimal::{Decimal, is_ambiguous, with_comma};
+use crate::text::field::{NO_DATA, missing, number, special_number, spreadsheet_error};
 use crate::text::separator::{COMMENT, Separator};
 use crate::{Format, FormatError, Location, MAX_POINTS, Result, TextLimit, large, utf8_or_latin1};
 
@@ -33,6 +34,8 @@ pub(crate) struct Layout {
     line_end: u8,
     /// Number of values per row; `None` if line ends have no meaning.
     columns: Option<usize>,
+    /// Decimal sign, if it is stated.
+    decimal: Option<Decimal>,
     /// Characters that start a comment.
     comment: &'static [u8],
     classes: [Class; 256],
@@ -51,7 +54,7 @@ impl Layout {
             classes[usize::from(sign)] = Class::Comment;
         }
         classes[usize::from(line_end)] = Class::LineEnd;
-        Self { format, separator, line_end, columns: None, comment, classes }
+        Self { format, separator, line_end, columns: None, decimal: None, comment, classes }
     }
 
     /// Returns the number of values per row; `None` if line ends have no meaning.
@@ -62,6 +65,11 @@ impl Layout {
     /// Sets the number of values per row.
     pub(crate) fn with_columns(self, columns: usize) -> Self {
         Self { columns: Some(columns), ..self }
+    }
+
+    /// Sets the decimal sign that the user or the file states.
+    pub(crate) fn with_decimal(self, decimal: Option<Decimal>) -> Self {
+        Self { decimal, ..self }
     }
 
     /// Returns the number of values in the first line of `bytes`; `None` if a field is not a value.
@@ -100,8 +108,9 @@ pub(crate) struct Table {
     pub(crate) open_rows: usize,
     /// Comments between and after the rows, without their signs.
     pub(crate) comments: Vec<String>,
-    /// Whether a number has a decimal comma.
+    /// Whether a number has a decimal comma, and whether the comma of one cannot separate thousands.
     pub(crate) decimal_comma: bool,
+    is_certain: bool,
     /// Limit of further comments.
     room: TextLimit,
     lines: usize,
@@ -119,7 +128,8 @@ enum Fault {
 /// Reads all rows of `bytes`, which start after `lines_before` lines.
 ///
 /// # Errors
-/// A field that is not a number, a row of another length than in the layout, or too many values, each with its line.
+/// A field that is not a number, a row of another length than in the layout, or too many values, each with its line. Commas that may be
+/// decimal signs or separate thousands, if the layout does not state the decimal sign.
 pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result<Table> {
     let wanted = (bytes.len() / BYTES_PER_THREAD).min(MAX_PIECES);
     // A query for the number of threads starts them, which takes longer than reading a short text.
@@ -143,30 +153,43 @@ pub(crate) fn read(bytes: &[u8], layout: &Layout, lines_before: usize) -> Result
         }
         table.append(piece);
     }
-    match table.decimal_comma.then(|| line_with_point(bytes, layout)).flatten() {
+    let at = |line: usize| Location::Line(lines_before + line + 1);
+    if table.decimal_comma && !table.is_certain && layout.decimal.is_none() {
+        let (line, found) = first_comma(bytes, layout).unwrap_or_default();
+        return Err(FormatError::AmbiguousDecimal { format: layout.format, at: at(line), found });
+    }
+    let is_comma = table.decimal_comma || layout.decimal == Some(Decimal::Comma);
+    match is_comma.then(|| line_with_point(bytes, layout)).flatten() {
         Some(line) => {
-            let at = Location::Line(lines_before + line + 1);
-            Err(FormatError::field(
-                layout.format,
-                "a decimal sign",
-                at,
-                ".",
-                "a comma, as in other numbers of the file",
-            ))
+            let wanted = "a comma, as stated or in other numbers of the file";
+            Err(FormatError::field(layout.format, "a decimal sign", at(line), ".", wanted))
         }
         None => Ok(table),
     }
 }
 
-/// Returns the first line with a point outside of comments.
-fn line_with_point(bytes: &[u8], layout: &Layout) -> Option<usize> {
-    let numbers = |line: &[u8]| {
+/// Returns the lines without their comments.
+fn lines<'a>(bytes: &'a [u8], layout: &'a Layout) -> impl Iterator<Item = &'a [u8]> {
+    bytes.split(|&byte| byte == layout.line_end).map(|line| {
         let starts = |(place, &byte): (usize, &u8)| {
             layout.classes[usize::from(byte)] == Class::Comment && spreadsheet_error(&line[place..]).is_none()
         };
-        line.iter().enumerate().position(starts).unwrap_or(line.len())
+        &line[..line.iter().enumerate().position(starts).unwrap_or(line.len())]
+    })
+}
+
+/// Returns the first line with a point.
+fn line_with_point(bytes: &[u8], layout: &Layout) -> Option<usize> {
+    lines(bytes, layout).position(|line| line.contains(&b'.'))
+}
+
+/// Returns the first line with a comma, and the number of the comma.
+fn first_comma(bytes: &[u8], layout: &Layout) -> Option<(usize, String)> {
+    let number = |line: &[u8]| {
+        let mut fields = line.split(|&byte| layout.classes[usize::from(byte)] != Class::Other);
+        fields.find(|field| field.contains(&b',')).map(utf8_or_latin1)
     };
-    bytes.split(|&byte| byte == layout.line_end).position(|line| line[..numbers(line)].contains(&b'.'))
+    lines(bytes, layout).enumerate().find_map(|(line, text)| Some((line, number(text)?)))
 }
 
 /// Cuts bytes into pieces of similar length that end with a line.
@@ -235,6 +258,7 @@ impl Table {
         self.rows += piece.rows;
         self.open_rows += piece.open_rows;
         self.decimal_comma |= piece.decimal_comma;
+        self.is_certain |= piece.is_certain;
         self.lines += piece.lines;
         for comment in piece.comments {
             if self.room.take(comment.len()) {
@@ -357,8 +381,10 @@ impl<'a> Scanner<'a> {
         } else if let Some(value) = number(field) {
             value
         } else {
-            table.decimal_comma = true;
-            self.with_decimal_comma(field)?
+            let value = self.with_comma(field)?;
+            table.decimal_comma |= self.layout.decimal != Some(Decimal::Point);
+            table.is_certain = table.is_certain || !is_ambiguous(field);
+            value
         };
         self.cursor += field.len();
         self.skip_blanks();
@@ -385,14 +411,15 @@ impl<'a> Scanner<'a> {
         rest[..length].trim_ascii_end()
     }
 
-    /// Parses a number such as `1,5`. In a single column without separators it could also be two numbers, which is
+    /// Parses a number such as `1,5`. Without a stated decimal sign, a single column without separators could also be two columns, which is
     /// refused.
-    fn with_decimal_comma(&self, field: &[u8]) -> Option<f64> {
-        let Layout { separator, columns, .. } = *self.layout;
-        if separator == Separator::Comma || separator == Separator::Space && columns == Some(1) {
+    fn with_comma(&self, field: &[u8]) -> Option<f64> {
+        let Layout { separator, columns, decimal, .. } = *self.layout;
+        let is_single = separator == Separator::Space && columns == Some(1);
+        if separator == Separator::Comma || decimal.is_none() && is_single {
             return None;
         }
-        decimal_comma(field)
+        with_comma(field, decimal)
     }
 }
 

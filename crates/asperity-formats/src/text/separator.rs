@@ -1,6 +1,6 @@
 //! Separators of values and signs of comments.
 
-use super::field::decimal_comma;
+use super::decimal::{Decimal, with_comma};
 
 /// Characters that start a comment.
 pub(crate) const COMMENT: &[u8] = b"#%";
@@ -22,17 +22,21 @@ pub(crate) enum Separator {
 impl Separator {
     /// Detects the separator of a row.
     ///
-    /// In `1,5 2,5` the commas are decimal signs: as separators they would leave two numbers between them.
-    pub(crate) fn detect(row: &[u8]) -> Self {
+    /// In `1,5 2,5` the commas are no separators: they would leave two numbers between them. A stated decimal comma is none either.
+    pub(crate) fn detect(row: &[u8], decimal: Option<Decimal>) -> Self {
         let words = || row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let is_number = |word: &[u8]| {
-            decimal_comma(word).is_some() || std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok())
+            with_comma(word, decimal).is_some()
+                || std::str::from_utf8(word).is_ok_and(|word| word.parse::<f64>().is_ok())
         };
         if row.contains(&b';') {
             Self::Semicolon
         } else if row.contains(&b'\t') {
             Self::Tab
-        } else if row.contains(&b',') && !(words().count() > 1 && words().all(is_number)) {
+        } else if row.contains(&b',')
+            && decimal != Some(Decimal::Comma)
+            && !(words().count() > 1 && words().all(is_number))
+        {
             Self::Comma
         } else {
             Self::Space

@@ -1,5 +1,7 @@
 //! Grid of a list of points.
 
+use std::collections::HashSet;
+
 use crate::refuse_if;
 
 /// Maximum distance of a point from its grid point, as a fraction of a step.
@@ -11,6 +13,8 @@ const LEAST_RATIO: f64 = 4.0;
 /// Fewest points that show a grid by their coordinates alone, and the least fraction of it that they fill.
 const FEWEST: usize = 9;
 const LEAST_FILLED: f64 = 0.6;
+/// Number of points per one that has no place of its own, from which shuffled points are recognised.
+const FEW_FLAWS: usize = 10;
 /// Fraction of the range of a coordinate below which differences are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
@@ -121,9 +125,28 @@ impl<'a> Points<'a> {
         self.fill(axes)
     }
 
-    /// Returns whether the points fill a grid, in any order.
+    /// Returns the points with coordinates of their own, and the first other one.
+    pub(super) fn sound(self) -> (Vec<f64>, Option<NoGrid>) {
+        let (mut kept, mut first, mut taken) = (Vec::with_capacity(self.0.len()), None, HashSet::new());
+        for (point, position) in self.0.chunks_exact(3).enumerate() {
+            // The sum turns -0 into 0.
+            let place = [0, 1].map(|axis: usize| (position[axis] + 0.0).to_bits());
+            let flaw = match [0, 1].into_iter().find(|&axis| !position[axis].is_finite()) {
+                Some(axis) => Some(NoGrid::NotFinite { point, axis }),
+                None => (!taken.insert(place)).then_some(NoGrid::Twice { point }),
+            };
+            match flaw {
+                Some(flaw) => first = first.or(Some(flaw)),
+                None => kept.extend_from_slice(position),
+            }
+        }
+        (kept, first)
+    }
+
+    /// Returns whether the points, but for a few without a place of their own, fill a grid, in any order.
     pub(super) fn are_shuffled(self) -> bool {
-        self.coordinates(0).chain(self.coordinates(1)).all(f64::is_finite) && self.in_any_order().is_ok()
+        let (sound, _) = self.sound();
+        FEW_FLAWS * (self.0.len() - sound.len()) <= self.0.len() && Points(&sound).in_any_order().is_ok()
     }
 
     fn fill(self, axes: [Axis; 2]) -> Result<Grid, NoGrid> {

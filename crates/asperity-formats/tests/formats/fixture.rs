@@ -126,6 +126,11 @@ pub(crate) fn read_bytes_with(bytes: &[u8], options: &ReadOptions) -> Result<Sca
     asperity_formats::read_bytes_with(bytes, options)
 }
 
+/// Reads a file whose heights are stated to be in metre.
+pub(crate) fn read_in_metre(bytes: &[u8]) -> Result<Scan, FormatError> {
+    read_bytes_with(bytes, &ReadOptions { height_unit: Some("m".parse().unwrap()), ..ReadOptions::default() })
+}
+
 /// Reads one map of a file, by its name or number.
 pub(crate) fn read_channel(bytes: &[u8], channel: &str) -> Result<Scan, FormatError> {
     read_bytes_with(bytes, &ReadOptions { channel: Some(channel.into()), ..ReadOptions::default() })

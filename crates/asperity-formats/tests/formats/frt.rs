@@ -127,7 +127,7 @@ fn doubts_about_ranges_blocks_units_and_scales_are_reported() {
     let buffer = |scale: f64, offset: f64| single().with(0x00ab, bytes![[1_u32, 0x24], [scale, offset], 0_u32]);
     let unit = |unit: &[u8]| single().with(0x009f, unit.to_vec());
     for (file, pitch_m, words) in [
-        (single().with(0x0067, bytes![[-3e-3_f64, 4e-3]]), Some((1e-3, 2e-3)), "the x range is -0.003 m"),
+        (single().with(0x0067, bytes![[-3e-3_f64, 4e-3]]), Some((1e-3, 2e-3)), "the x range is -3 mm"),
         (single().with(0x0067, bytes![[3e-3_f64, 0.0]]), None, "the stated pixel size"),
         (single().without(0x0067), None, "block 0x0067 (scan size) is missing"),
         (buffer(2e-8, 0.0), Some((1e-3, 2e-3)), "block 0x00ab"),

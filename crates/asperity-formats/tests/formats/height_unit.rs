@@ -1,6 +1,6 @@
 //! The unit of heights that a user states.
 
-use asperity_formats::{Format, ReadOptions, Scan, write_npy, write_sur};
+use asperity_formats::{Format, FormatError, ReadOptions, Scan, write_npy, write_sur};
 use ndarray::array;
 
 use crate::assert_heights;
@@ -12,7 +12,7 @@ fn read(bytes: &[u8], unit: &str) -> Scan {
     read_bytes_with(bytes, &options).unwrap()
 }
 
-const XYZ: &str = "0 0 1\n1e-6 0 2\n2e-6 0 3\n0 1e-6 4\n1e-6 1e-6 5\n2e-6 1e-6 6\n";
+const XYZ: &str = "0 0 1\n9 0 2\n18 0 3\n0 9 4\n9 9 5\n18 9 6\n";
 
 #[test]
 fn heights_without_a_unit_are_in_the_stated_one() {
@@ -80,23 +80,65 @@ fn a_stated_unit_replaces_the_conversion_factor_of_the_file() {
     assert_heights(&read(b"# conversion factor = none\n1 2\n3 4\n", "um"), &[1e-6, 2e-6, 3e-6, 4e-6]);
 }
 
+/// Reads two heights, each in two rows, at points `pitch_m` apart.
+fn with_pitch(heights: [f64; 2], unit: Option<&str>, pitch_m: f64) -> Result<Scan, FormatError> {
+    let [low, high] = heights;
+    let npy = write_npy(&Scan::new(array![[low, high], [low, high]], None));
+    let height_unit = unit.map(|unit| unit.parse().unwrap());
+    read_bytes_with(&npy, &ReadOptions { height_unit, pitch_m: Some((pitch_m, pitch_m)), ..ReadOptions::default() })
+}
+
 #[test]
-fn heights_are_compared_with_the_field_of_a_stated_pixel_size() {
-    let npy = write_npy(&Scan::new(array![[0.0, 1.5], [0.5, 2.0]], None));
-    let warnings = |unit: Option<&str>, pitch_m: f64| {
-        let height_unit = unit.map(|unit| unit.parse().unwrap());
-        let options = ReadOptions { height_unit, pitch_m: Some((pitch_m, pitch_m)), ..ReadOptions::default() };
-        let scan = read_bytes_with(&npy, &options).unwrap();
+fn heights_in_a_stated_unit_are_compared_with_the_field_of_view() {
+    let warnings = |unit: &str, pitch_m: f64| {
+        let scan = with_pitch([0.0, 2.0], Some(unit), pitch_m).unwrap();
         assert_eq!(scan.pitch_m, Some((pitch_m, pitch_m)));
         scan.warnings
     };
-    // In metre the heights span 2 m, in micrometre 2 µm; the field is two pixels wide.
-    assert_eq!(warnings(None, 1e-5), ["the heights span 2 m, more than the field of view, 20 µm; check the units"]);
-    assert_eq!(warnings(Some("um"), 1e-5), [] as [String; 0]);
-    assert_eq!(
-        warnings(Some("um"), 0.5e-6),
-        ["the heights span 2 µm, more than the field of view, 1 µm; check the units"]
-    );
+    // The field is two pixels wide.
+    assert_eq!(warnings("m", 1e-5), ["the heights span 2 m, more than the field of view, 20 µm; check the units"]);
+    assert_eq!(warnings("um", 1e-5), [] as [String; 0]);
+    assert_eq!(warnings("um", 0.5e-6), ["the heights span 2 µm, more than the field of view, 1 µm; check the units"]);
+    // An offset alone is no doubt.
+    assert_eq!(with_pitch([4.8, 4.8], Some("m"), 1e-3).unwrap().warnings, [] as [String; 0]);
+}
+
+#[test]
+fn heights_without_a_unit_that_exceed_the_field_of_view_are_refused() {
+    for (heights, pitch_m, found) in [
+        ([0.0, 2.0], 1e-5, "span 2 m, more than the field of view, 20 µm"),
+        // An offset of 4.8 m, of either sign.
+        ([4.8, 4.8 + 1e-6], 250e-6, "reach 4.8 m, more than the field of view, 500 µm"),
+        ([-4.8, -4.8 + 1e-6], 250e-6, "reach 4.8 m, more than the field of view, 500 µm"),
+        ([-0.6e-3, 0.6e-3], 0.5e-3, "span 1.2 mm, more than the field of view, 1 mm"),
+    ] {
+        let error = with_pitch(heights, None, pitch_m).unwrap_err();
+        assert!(matches!(error, FormatError::NoHeightUnit { format: Format::Npy, .. }), "{error}");
+        let wanted = format!(
+            "NPY: the file states no unit of height; in metre the heights would {found}; state the unit by `--height-unit`, in \
+             a study by `height_unit`, such as `um` (`m` if they are in metre)"
+        );
+        assert_eq!(error.to_string(), wanted);
+        assert!(with_pitch(heights, Some("m"), pitch_m).is_ok());
+    }
+    // Plausible heights count as metre, up to the longer side of the field.
+    let scan = with_pitch([-1e-3, 0.0], None, 0.5e-3).unwrap();
+    assert_heights(&scan, &[-1e-3, 0.0, -1e-3, 0.0]);
+    assert_eq!(scan.warnings, [] as [String; 0]);
+}
+
+#[test]
+fn heights_without_a_unit_are_refused_in_every_format_that_may_lack_it() {
+    let points = "0 0 1\n1e-6 0 2\n2e-6 0 3\n0 1e-6 4\n1e-6 1e-6 5\n2e-6 1e-6 6\n";
+    for (bytes, format) in [("# pixel size: 1 um\n1 2 3\n4 5 7\n", Format::Text), (points, Format::Xyz)] {
+        let error = read_bytes(bytes.as_bytes()).unwrap_err();
+        assert!(matches!(error, FormatError::NoHeightUnit { format: found, .. } if found == format), "{error}");
+        assert_eq!(read(bytes.as_bytes(), "um").heights_m[[0, 0]], 1e-6);
+    }
+    // Without a pixel size there is no field of view. A unit in the file is no guess.
+    assert_heights(&read_bytes(b"1 2 3\n4 5 7\n").unwrap(), &[1.0, 2.0, 3.0, 4.0, 5.0, 7.0]);
+    let stated = read_bytes(b"# unit: m\n# pixel size: 1 um\n1 2 3\n4 5 7\n").unwrap();
+    assert_warns(&stated, "the heights span 6 m, more than the field of view, 3 µm; check the units");
 }
 
 #[test]

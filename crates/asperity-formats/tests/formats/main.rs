@@ -7,6 +7,7 @@ mod ascii;
 mod bcr;
 mod check;
 mod datx;
+mod decimal;
 mod files;
 mod fixture;
 mod fixtures;

@@ -3,7 +3,7 @@ use asperity_formats::{Format, FormatError, ReadOptions, Scan};
 use crate::check::{
     assert_error, assert_no_warning, assert_one_warning, assert_pitch, assert_refused, assert_scan, assert_warns,
 };
-use crate::fixture::{Fixture, read_bytes, read_bytes_with, read_channel};
+use crate::fixture::{Fixture, read_bytes, read_bytes_with, read_channel, read_in_metre};
 use crate::fixtures::TEXT;
 use crate::{NAN, assert_heights, assert_metadata};
 
@@ -145,14 +145,14 @@ fn labels_along_the_sides_are_left_out_and_heights_are_not() {
         assert_one_warning(&scan, "labels, which were left out");
     }
     // Beside an empty corner they are labels whatever the header states.
-    let frame = "# pixel size: 1 um\n,0,1\n0,1e-6,2e-6\n1,3e-6,4e-6\n";
+    let frame = "# pixel size: 1 um\n,0,1\n0,1e-7,2e-7\n1,3e-7,4e-7\n";
     assert_eq!(read(frame).heights_m.dim(), (2, 2));
     // The numbers of a plane step evenly everywhere, also beside a void, and the size of a map belongs to heights.
     let plane: String = (0..8).map(|y| (0..9).map(|x| format!("{} ", x + 3 * y)).collect::<String>() + "\n").collect();
     assert_eq!(read(&plane).heights_m.dim(), (8, 9));
     assert_eq!(read(&plane.replacen(" 1 ", " nan ", 1)).heights_m.dim(), (8, 9));
     for size in ["pixel size: 1 um", "dx: 1 um", "Width: 10 um\n# Height: 9 um"] {
-        assert_eq!(read(&format!("# {size}\n{indexed}")).heights_m.dim(), (9, 10), "{size}");
+        assert_eq!(read(&format!("# {size}\n# z unit: um\n{indexed}")).heights_m.dim(), (9, 10), "{size}");
     }
 }
 
@@ -198,11 +198,11 @@ fn heights_along_a_line_are_a_profile() {
     assert_eq!(scan.channels, ["Raw", "Level"]);
     assert_heights(&scan, &[11e-9, 12e-9, 13e-9, 15e-9]);
     assert_refused([
-        ("0 1\n1 2\n5 3\n6 2\n", "whose positions step by 1.0000e0 to 4.0000e0; wanted positions in equal steps"),
+        ("0 1\n1 2\n5 3\n6 2\n", "whose positions step by 1 to 4; wanted positions in equal steps"),
         ("Lateral(µm),Force(mN)\n0,1\n1,2\n2,3\n3,5\n", "numbers in `mN`; wanted a unit of length"),
     ]);
     // A header with the size of the map describes heights, which may rise.
-    assert_eq!(read("# dx: 1 um\n1 2\n3 4\n5 6\n7 8\n").heights_m.dim(), (4, 2));
+    assert_eq!(read("# dx: 1 um\n# z unit: um\n1 2\n3 4\n5 6\n7 8\n").heights_m.dim(), (4, 2));
 }
 
 #[test]
@@ -346,6 +346,7 @@ fn headers_of_other_programs_are_understood() {
 
 #[test]
 fn a_pixel_size_is_stated_in_many_ways() {
+    let in_metre = |header: &str| read_in_metre(format!("{header}\n{MATRIX}").as_bytes()).unwrap();
     for (header, pitch_m) in [
         ("# pixel size: 0.5 um x 0.25 um", (0.5e-6, 0.25e-6)),
         ("# pixel size = 0.5 um", (0.5e-6, 0.5e-6)),
@@ -371,7 +372,10 @@ fn a_pixel_size_is_stated_in_many_ways() {
         ("# size: 3 um x 2 um", (1e-6, 1e-6)),
         ("# size: 3 x 2 um", (1e-6, 1e-6)),
     ] {
-        assert_pitch(&headed(header), pitch_m);
+        assert_pitch(&in_metre(header), pitch_m);
+    }
+    for (header, key) in [("# pixel size: 0.5 µ", "pixel size"), ("# x unit: µ\n# dx: 0.5", "x unit")] {
+        assert_refused([(format!("{header}\n{MATRIX}"), format!("text: {key} (line 1) is `"))]);
     }
     // The unit of the heights does not turn numbers of points into lengths.
     for header in [
@@ -385,7 +389,7 @@ fn a_pixel_size_is_stated_in_many_ways() {
         assert_eq!(headed(header).pitch_m, None, "{header}");
     }
     assert_one_warning(&headed("# Width: 10 um"), "a width but no height");
-    assert_warns(&headed("# dx = 0.5"), "without a unit");
+    assert_warns(&in_metre("# dx = 0.5"), "without a unit");
     assert_one_warning(&headed("# nx = 4\n# ny = 2"), "the header states 4 × 2 points; there are 3 × 2");
 }
 

@@ -92,7 +92,7 @@ fn shuffled_points_are_put_in_their_places() {
         let noise = |place: usize, along: f64| jitter * ((place as f64 * along).fract() - 0.5);
         let line = |place: usize| {
             let (x, y) = (0.5 * (place % columns) as f64, 0.25 * (place / columns) as f64);
-            format!("{:.6} {:.6} {}\n", x + noise(place, 0.618_034), y + noise(place, 0.754_878), place as f64 / 8.0)
+            format!("{:.6} {:.6} {}\n", x + noise(place, 0.618_034), y + noise(place, 0.754_878), place as f64 / 64.0)
         };
         let scan = read(&points.map(line).collect::<String>());
         assert_eq!(scan.heights_m.dim(), (rows, columns), "{factor} {jitter} {left_out}");
@@ -101,7 +101,7 @@ fn shuffled_points_are_put_in_their_places() {
         let is_missing = |z: &f64| z.is_nan();
         assert_eq!(scan.heights_m.iter().filter(|z| is_missing(z)).count(), left_out);
         let in_place =
-            |((row, column), z): ((usize, usize), &f64)| z.is_nan() || *z == (row * columns + column) as f64 / 8.0;
+            |((row, column), z): ((usize, usize), &f64)| z.is_nan() || *z == (row * columns + column) as f64 / 64.0;
         assert!(scan.heights_m.indexed_iter().all(in_place), "{factor} {jitter} {left_out}");
     }
     // Quantised heights in three columns are no points: places repeat.
@@ -124,18 +124,76 @@ fn an_index_of_the_rows_is_no_coordinate() {
         assert!(scan.heights_m.indexed_iter().all(|((y, x), z)| (z * 1e7 - (10 * y + x) as f64).abs() < 1e-9));
     }
     // Few rows, rows that were dropped, tabs, and x and y in another order.
-    let few = "0 0 0 0\n1 0 1 1\n2 1 0 10\n3 1 1 11\n4 2 0 20\n5 2 1 21\n";
-    assert_scan(few.as_bytes(), Format::Xyz, (2, 3), (1.0, 1.0), &[0.0, 10.0, 20.0, 1.0, 11.0, 21.0]);
-    let dropped = few.replace("2 1 0 10\n", "").replace(' ', "\t");
+    let few = "0 0 0 0\n1 0 1 .1\n2 1 0 1\n3 1 1 1.1\n4 2 0 2\n5 2 1 2.1\n";
+    assert_scan(few.as_bytes(), Format::Xyz, (2, 3), (1.0, 1.0), &[0.0, 1.0, 2.0, 0.1, 1.1, 2.1]);
+    let dropped = few.replace("2 1 0 1\n", "").replace(' ', "\t");
     let text = format!("\tx\ty\tz\n{dropped}");
-    assert_scan(text.as_bytes(), Format::Xyz, (2, 3), (1.0, 1.0), &[0.0, NAN, 20.0, 1.0, 11.0, 21.0]);
-    assert_scan(
-        format!("y x z\n{few}").as_bytes(),
-        Format::Xyz,
-        (3, 2),
-        (1.0, 1.0),
-        &[0.0, 1.0, 10.0, 11.0, 20.0, 21.0],
-    );
+    assert_scan(text.as_bytes(), Format::Xyz, (2, 3), (1.0, 1.0), &[0.0, NAN, 2.0, 0.1, 1.1, 2.1]);
+    assert_scan(format!("y x z\n{few}").as_bytes(), Format::Xyz, (3, 2), (1.0, 1.0), &[0.0, 0.1, 1.0, 1.1, 2.0, 2.1]);
+}
+
+#[test]
+fn columns_with_numbers_as_names_and_further_columns_are_points() {
+    let of = |line: &dyn Fn(usize, usize, usize) -> String| (0..12).map(|n| line(n, n % 4, n / 4)).collect::<String>();
+    let heights: Vec<f64> = (0..12).map(|n| f64::from(n) / 8.0).collect();
+    // As pandas writes an array: an index, and numbers as names of columns.
+    let pandas = of(&|n, x, y| format!("{n},{x}.0,{y}.5,{}\n", n as f64 / 8.0));
+    for head in [",0,1,2\n", ",0,1,2\r\n"] {
+        assert_scan(format!("{head}{pandas}").as_bytes(), Format::Xyz, (3, 4), (1.0, 1.0), &heights);
+    }
+    // Names with an intensity behind them, with a name of the index, without one, and without the index.
+    let five = of(&|n, x, y| format!("{n},{x},{y},{},255\n", n as f64 / 8.0));
+    for head in ["index,x,y,z,intensity\n", ",x,y,z,intensity\n", "x,y,z,intensity\n"] {
+        let scan = assert_scan(format!("{head}{five}").as_bytes(), Format::Xyz, (3, 4), (1.0, 1.0), &heights);
+        assert_warns(&scan, "a point has 5 values; those beside x, y and z were left out");
+    }
+    // A map with numbered rows and columns stays one, and so do five columns without names.
+    let map = of(&|n, x, y| format!("{n},{},{},{}\n", (x * 7 + y) % 5, (y * 11 + n) % 7, n * n % 11));
+    assert_eq!(Format::detect(format!(",0,1,2\n{map}").as_bytes()), Some(Format::Text));
+    assert_eq!(read_bytes(format!(",0,1,2\n{map}").as_bytes()).unwrap().heights_m.dim(), (12, 3));
+    assert_eq!(Format::detect(five.as_bytes()), Some(Format::Text));
+}
+
+#[test]
+fn flaws_of_shuffled_points_are_named_with_their_lines() {
+    let line = |n: usize| (n * 7 + 5) % 60;
+    let points: Vec<String> = (0..60).map(|n| format!("{} {} 0.5", line(n) % 10, line(n) / 10)).collect();
+    let with = |place: usize, point: &str| {
+        let mut points = points.clone();
+        points.insert(place, point.into());
+        format!("# points\n{}\n", points.join("\n"))
+    };
+    // After a comment, the point of index 30 is on line 32.
+    for (point, message) in [
+        (points[3].as_str(), "XYZ: the point (line 32) is `in the place of another`"),
+        ("nan 3 0.5", "XYZ: x (line 32) is `not finite`; wanted a number"),
+        ("4 inf 0.5", "XYZ: y (line 32) is `not finite`; wanted a number"),
+    ] {
+        assert_refused([(with(30, point), message)]);
+        assert_refused([(format!("x y z\n{}", with(30, point)), &*message.replace("32", "33"))]);
+    }
+}
+
+#[test]
+fn units_that_are_no_lengths_are_refused_by_name() {
+    let points = list(&by_rows(), " ");
+    for header in
+        ["# x (µ), y (µ), z (µ)\n", "x/µ y/µ z/µ\n", "# unit: µ\n", "# unit: um\n# z unit: u\n", "# z unit: V\n"]
+    {
+        let unit = if header.contains('V') {
+            "V"
+        } else if header.contains(": u\n") {
+            "u"
+        } else {
+            "µ"
+        };
+        let message = format!("XYZ: coordinates in `{unit}`; wanted a unit of length for each of x, y and z");
+        assert_refused([(format!("{header}{points}"), message)]);
+    }
+    for (header, unit) in [("[km]\n", 1e3), ("# unit: fm\n", 1e-15)] {
+        let scan = read(&format!("{header}{points}"));
+        assert!((scan.pitch_m.unwrap().0 / (0.5 * unit) - 1.0).abs() < 1e-15, "{scan:?}");
+    }
 }
 
 #[test]
@@ -286,7 +344,12 @@ fn coarse_digits_give_the_true_pitch() {
     let mut text = String::new();
     for row in 0..31 {
         for column in 0..31 {
-            text += &format!("{:.3} {:.3} {}\n", f64::from(column) / 300.0, f64::from(row) / 300.0, row * column);
+            text += &format!(
+                "{:.3} {:.3} {}\n",
+                f64::from(column) / 300.0,
+                f64::from(row) / 300.0,
+                1e-6 * f64::from(row * column)
+            );
         }
     }
     let scan = read(&text);
@@ -389,7 +452,7 @@ fn points_that_span_a_giant_grid_are_refused() {
 #[test]
 fn a_map_has_one_orientation_as_xyz_sur_and_matrix() {
     // Neither symmetric nor square; positions grow from line to line, as ISO 25178-72 and the SUR format count them.
-    let heights = ndarray::Array2::from_shape_fn((5, 7), |(row, column)| 1e-6 * (3 * row * row + column) as f64);
+    let heights = ndarray::Array2::from_shape_fn((5, 7), |(row, column)| 1e-7 * (3 * row * row + column) as f64);
     let map = Scan::new(heights, Some((2e-6, 3e-6)));
     let sur = read_bytes(&write_sur(&map).unwrap()).unwrap();
     let matrix = read_bytes(&asperity_formats::to_bytes(&map, "map.txt".as_ref()).unwrap()).unwrap();
@@ -401,7 +464,7 @@ fn a_map_has_one_orientation_as_xyz_sur_and_matrix() {
     let xyz = read(&points);
     assert_eq!(crate::bits(&xyz), crate::bits(&sur));
     assert_eq!(xyz.heights_m.dim(), (5, 7));
-    assert!(matrix.heights_m.iter().zip(&xyz.heights_m).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert!(matrix.heights_m.iter().zip(&xyz.heights_m).all(|(a, b)| (a - b).abs() < 1e-13));
 }
 
 /// 20 × 20 points of a square grid of step 1, each moved.
@@ -435,7 +498,7 @@ fn points_on_no_grid_are_refused() {
             assert!(error.contains("interpolate the heights onto one"), "{error}");
         }
         // A pixel size marks a map.
-        let text = format!("# pixel size: 1 um\n{points}");
+        let text = format!("# pixel size: 1 um\n# unit: um\n{points}");
         assert_eq!(read_bytes(text.as_bytes()).unwrap().heights_m.dim(), (400, 3));
     }
 }
@@ -453,10 +516,10 @@ fn three_columns_in_a_file_named_xyz_are_points() {
         write("map.xyz", map),
         "map.xyz: XYZ: the three columns are points x, y, z that lie on no regular grid",
     );
-    let sized = "# pixel size: 1 um\n1 2 3\n4 5 6\n";
+    let sized = "# pixel size: 1 um\n# unit: um\n1 2 3\n4 5 6\n";
     for (name, text) in [("map.txt", map), ("map.xyz", "1 2\n3 4\n"), ("map.xyz", sized)] {
         assert_eq!(write(name, text).unwrap().format, Some(Format::Text), "{name}: {text}");
     }
     // Too few points to detect steps.
-    assert_eq!(write("grid.xyz", "0 0 1\n1 0 2\n0 1 3\n1 1 4\n").unwrap().heights_m.dim(), (2, 2));
+    assert_eq!(write("grid.xyz", "0 0 .1\n1 0 .2\n0 1 .3\n1 1 .4\n").unwrap().heights_m.dim(), (2, 2));
 }

@@ -33,6 +33,7 @@ impl ScanSettings {
             channel: self.channel.as_deref().map(Channel::from),
             height_unit: self.height_unit.as_deref().map(str::parse).transpose()?,
             pitch_m: self.pixel_size_m.map(checked_pitch_m).transpose()?,
+            ..ReadOptions::default()
         })
     }
 

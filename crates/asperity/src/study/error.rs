@@ -253,9 +253,7 @@ impl StudyError {
     /// Kind of the failure.
     pub fn kind(&self) -> FailureKind {
         match self {
-            Self::Scan(error) if matches!(error.cause(), FormatError::NoSuchChannel { .. }) => {
-                FailureKind::Configuration
-            }
+            Self::Scan(error) if error.asks_for_option() => FailureKind::Configuration,
             Self::OneOf { error, .. } | Self::Counterface(error) => error.kind(),
             Self::Surface(error) => kind_of_surface(error),
             Self::Scan(_)

@@ -25,7 +25,7 @@ pub(super) use friction::usual_window_m;
 pub use friction::{FrictionSection, UncertaintySection, WindowShape};
 pub use mode_coupling::{ContactSpring, MachineModel};
 pub use pressure::{MaterialSection, PressureSection};
-pub use surface::{ScanFiles, SurfaceSection};
+pub use surface::{DecimalSign, ScanFiles, SurfaceSection};
 pub use verdict::{Hold, JointSection, RemedySection, VerdictSection};
 pub use vibration::{MapSection, Stribeck, VibrationSection};
 

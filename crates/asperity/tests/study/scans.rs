@@ -5,7 +5,7 @@ use std::path::Path;
 
 use asperity::monitor::Monitor;
 use asperity::random;
-use asperity::study::{FailureKind, RunBlocks, RunRecord, Share, Stage, Study, StudyError, json_bytes};
+use asperity::study::{FailureKind, Outcome, RunBlocks, RunRecord, Share, Stage, Study, StudyError, json_bytes};
 use asperity_formats::Scan;
 use ndarray::Array2;
 use serde_json::Value;
@@ -125,14 +125,18 @@ fn the_study_states_the_height_unit_of_a_scan_without_one() {
     let of = |factor: f64, unit: &str| {
         let folder = folder_with(rough(64, 64, 0.5e-6, 16e-6) * factor);
         let text = changed(&measured(), &[("scan.npy\"", &format!("scan.npy\"\n{unit}"))]);
-        let outcome = run_in(folder.path(), &text, Some(Stage::Surface)).unwrap();
-        (outcome.results.surface.unwrap().scan().unwrap().Sq_m, outcome.results.warnings.join("\n"))
+        run_in(folder.path(), &text, Some(Stage::Surface))
     };
+    let rms_m = |outcome: Outcome| outcome.results.surface.unwrap().scan().unwrap().Sq_m;
     // Without the unit the heights span metres on a field of 128 µm.
-    let ((metre, _), (_, doubt)) = (of(1.0, ""), of(1e6, ""));
-    assert!(doubt.contains("more than the field of view, 128 µm; check the units"), "{doubt}");
-    let (micrometre, none) = of(1e6, "height_unit = \"um\"");
-    assert!(!none.contains("field of view"), "{none}");
+    let error = of(1e6, "").unwrap_err();
+    assert_eq!(error.kind(), FailureKind::Configuration);
+    let message = error.to_string();
+    assert!(message.contains("more than the field of view, 128 µm") && message.contains("`height_unit`"), "{message}");
+    let (metre, micrometre) = (rms_m(of(1.0, "").unwrap()), of(1e6, "height_unit = \"um\"").unwrap());
+    let warnings = &micrometre.results.warnings;
+    assert!(!warnings.iter().any(|warning| warning.contains("field of view")), "{warnings:?}");
+    let micrometre = rms_m(micrometre);
     assert!((micrometre / metre - 1.0).abs() < 1e-12, "{micrometre:e}, not {metre:e}");
 }
 

@@ -92,6 +92,7 @@ impl SurfaceSection {
             ("channel", self.channel.is_some() && self.file.is_none(), "without `file`"),
             ("pixel_size", self.pixel_size.is_some() && self.file.is_none(), "without `file`"),
             ("height_unit", self.height_unit.is_some() && self.file.is_none(), "without `file`"),
+            ("decimal", self.decimal.is_some() && self.file.is_none(), "without `file`"),
             ("isotropic", self.isotropic && self.file.is_none(), "without `file`"),
             ("outliers", self.outliers.is_some() && self.file.is_none(), "without `file`"),
             ("s_filter", self.s_filter.is_some() && self.file.is_none(), "without `file`"),

@@ -106,7 +106,7 @@ impl SurfaceSection {
         let pitch_m = self.pixel_size.map(|[x, y]| (x.0, y.0));
         Ok(SurfaceStudy {
             files: self.files().to_vec(),
-            options: ReadOptions { channel, height_unit, pitch_m },
+            options: ReadOptions { channel, height_unit, decimal: self.decimal.map(Into::into), pitch_m },
             isotropic: self.isotropic,
             preparation: self.preparation(),
             request: self.request(CorrelationFamily::ALL)?,

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::surface::{one_or_two, one_or_two_schema};
-use super::{ScanFiles, SurfaceSection};
+use super::{DecimalSign, ScanFiles, SurfaceSection};
 use crate::contact::Elastic;
 use crate::quantity::{Length, Pressure};
 use crate::surface::CovarianceSource;
@@ -40,9 +40,12 @@ pub struct CounterfaceSection {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     #[schemars(schema_with = "one_or_two_schema")]
     pub pixel_size: Option<[Length; 2]>,
-    /// Unit of the heights, such as `um`.
+    /// Unit of the heights, such as `um`, as in `[surface]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_unit: Option<String>,
+    /// Decimal sign of a text file, as in `[surface]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decimal: Option<DecimalSign>,
     /// Form removed from the scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<Level>,
@@ -123,6 +126,7 @@ impl CounterfaceSection {
             channel: own.channel,
             pixel_size: own.pixel_size,
             height_unit: own.height_unit,
+            decimal: own.decimal,
             level: own.level.unwrap_or_default(),
             outliers: own.outliers,
             s_filter: own.s_filter,

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use asperity_base::choice;
+use asperity_formats::Decimal;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -52,6 +54,25 @@ impl From<&str> for ScanFiles {
     }
 }
 
+choice! {
+    /// Decimal sign of a text file.
+    pub enum DecimalSign: "decimal sign" {
+        /// The comma: `1,234` is 1.234.
+        Comma = "comma",
+        /// The point: `1,234` is 1234.
+        Point = "point",
+    }
+}
+
+impl From<DecimalSign> for Decimal {
+    fn from(sign: DecimalSign) -> Self {
+        match sign {
+            DecimalSign::Comma => Self::Comma,
+            DecimalSign::Point => Self::Point,
+        }
+    }
+}
+
 /// The section `[surface]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -69,10 +90,14 @@ pub struct SurfaceSection {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]
     #[schemars(schema_with = "one_or_two_schema")]
     pub pixel_size: Option<[Length; 2]>,
-    /// Unit of the heights, such as `um`. Required for a scan that states none; replaces the unit stated in the file,
-    /// and a conversion factor in the header of a text file.
+    /// Unit of the heights, such as `um`. Heights of a scan that states none count as metre; the key is required if they would then exceed
+    /// the field of view. It replaces the unit stated in the file, and a conversion factor in the header of a text file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_unit: Option<String>,
+    /// Decimal sign of a text file in which every comma may be a decimal sign or separate thousands, as in `1,234`. Required for such a
+    /// file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decimal: Option<DecimalSign>,
     /// Whether the surface has no lay. A study takes a profile, heights along one line, only for such a surface: its spectrum is then that in
     /// all directions.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -184,6 +209,7 @@ impl Default for SurfaceSection {
             channel: None,
             pixel_size: None,
             height_unit: None,
+            decimal: None,
             isotropic: false,
             level: Level::default(),
             outliers: None,

@@ -11,8 +11,8 @@ use crate::translation::TranslationKind;
 /// Options of twins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinOptions {
-    /// Preparation of the scan and model of the twins, as in a study; its `file`, `channel`, `height_unit` and
-    /// `pixel_size` are ignored.
+    /// Preparation of the scan and model of the twins, as in a study; its `file`, `channel`, `height_unit`, `decimal`
+    /// and `pixel_size` are ignored.
     pub surface: SurfaceSection,
     /// Models from which a measured covariance is chosen.
     pub families: Vec<CorrelationFamily>,
