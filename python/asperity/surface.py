@@ -114,11 +114,11 @@ class HeightMap:
         dx_m, dy_m
             Distance between points, required for files that store none; `dy_m` is `dx_m` when left out.
         height_unit
-            Unit of the heights (``m``, ``mm``, ``um`` or ``nm``). Heights of files that state none count as metre; the unit is
-            required if they would then exceed the field of view.
+            Unit of the heights (``m``, ``mm``, ``um`` or ``nm``). Heights of files that state none count as metre; the
+            unit is required if they would then exceed the field of view.
         decimal
-            Decimal sign (``comma`` or ``point``) of a text file, required if every comma may be a decimal sign or separate
-            thousands, as in ``1,234``.
+            Decimal sign (``comma`` or ``point``) of a text file, required if every comma may be a decimal sign or
+            separate thousands, as in ``1,234``.
 
         Raises
         ------
