@@ -21,7 +21,7 @@ mod field;
 pub(crate) mod header;
 mod interpretation;
 mod length;
-mod profile;
+pub(crate) mod profile;
 pub(crate) mod rows;
 pub(crate) mod separator;
 mod structure;
@@ -32,6 +32,7 @@ use std::borrow::Cow;
 use ndarray::Array2;
 
 use crate::input::utf16;
+use crate::unit::in_words;
 use crate::{
     Description, Format, FormatError, Location, ReadOptions, Result, Scan, Tested, large, per_metre, refuse_if, shown,
     unique, utf8_or_latin1,
@@ -40,6 +41,7 @@ use columns::Column;
 use decimal::Decimal;
 use header::{DECIMAL_SIGN, ESRI, Header};
 use interpretation::{Interpretation, Wrong};
+use profile::Profile;
 use rows::{Layout, Table};
 use separator::{COMMENT, Separator};
 pub(crate) use write::write_text;
@@ -77,6 +79,8 @@ fn without_end_mark(bytes: &[u8]) -> &[u8] {
 
 /// Number of rows from which three columns look like points rather than a map.
 const POINT_LIST_ROWS: usize = 16;
+/// Number of rows from which pairs of whole numbers are no map.
+const DOUBTFUL_ROWS: usize = 4;
 /// Maximum number of matrices in one file.
 const MAX_CHANNELS: usize = 256;
 
@@ -241,7 +245,7 @@ fn blocks(bytes: &[u8], line_end: u8) -> Vec<(usize, usize, usize)> {
 /// Reads one matrix.
 fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &ReadOptions) -> Result<Scan> {
     let (layout, columns, names) = (head.layout(line_end), head.columns(), head.profile(bytes));
-    let separator = head.separator();
+    let (separator, decimal) = (head.separator(), head.decimal());
     let Head { mut header, start, lines: header_lines, first_row, .. } = head;
     let layout = match columns.filter(|_| !header.is_esri()) {
         Some(columns) => layout.with_columns(columns),
@@ -252,12 +256,23 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
         header.add(&comment);
     }
     let mut warnings = Vec::new();
-    let profile = match columns.filter(|_| !header.is_esri()) {
+    let mut columns = columns.filter(|_| !header.is_esri());
+    let is_pair = columns == Some(2) && separator == Separator::Comma && decimal.is_none() && names.is_none();
+    refuse_if!(is_pair && may_be_decimals(&bytes[start..], &table), doubtful_pairs(&first_row));
+    columns = columns.map(|columns| without_open_column(&mut table, columns, &mut warnings));
+    let profile = match columns {
         Some(columns) => profile::of(&table.values, (table.rows, columns), names, options)?,
         None => None,
     };
-    // Rows of heights that a header with the size of the map describes may rise by chance.
-    let profile = profile.filter(|profile| profile.step.is_none() || profile.is_named() || !header.states_extent());
+    // Two rows or columns beside a header with the size of the map: the first may rise by chance if it is short.
+    let is_doubtful = |profile: &Profile| profile.step.is_some() && !profile.is_named() && header.states_extent();
+    let profile = profile.filter(|profile| !is_doubtful(profile) || profile.heights.len() >= profile::MANY);
+    if let Some(profile) = profile.as_ref().filter(|profile| is_doubtful(profile)) {
+        let found = format!("{}, beside a header with the size of a map: positions or heights", profile.form);
+        let wanted = "heights alone, or a header without that size";
+        return Err(FormatError::unsupported(Format::Text, found, wanted));
+    }
+    refuse_if!(profile.is_some() && table.gaps > 0 && table.gaps + 1 < table.rows, structure::blocks(&table));
     let shape = match &profile {
         Some(profile) => {
             warnings.push(profile.describe(&mut header));
@@ -296,11 +311,48 @@ fn read_block(bytes: &[u8], line_end: u8, lines: usize, head: Head, options: &Re
     let (mut channels, mut channel) = (vec![], 0);
     if let Some(profile) = profile {
         let of_positions = profile.step.zip(header.units()[0]).map(|(step, per_metre)| step / per_metre);
-        pitch_m = of_positions.or(pitch_m.map(|(dx_m, _)| dx_m)).map(|step_m| (step_m, step_m));
+        let stated = pitch_m.map(|(dx_m, _)| dx_m);
+        if let Some((step_m, stated_m)) = of_positions.zip(stated).filter(|(a, b)| (a / b - 1.0).abs() > 0.01) {
+            let [step, stated] = [step_m, stated_m].map(in_words);
+            warnings.push(format!(
+                "the positions step by {step}, not by the {stated} of the header; the positions were used"
+            ));
+        }
+        pitch_m = of_positions.or(stated).map(|step_m| (step_m, step_m));
         (channels, channel) = (profile.channels, profile.channel);
     }
     let scan = Scan { metadata: header.metadata(), warnings, height_unit, ..Scan::new(heights_m, pitch_m) };
     Ok(scan.with_channels(channels, channel))
+}
+
+/// Returns whether rows of two whole numbers with a comma between may be one number each, with a decimal comma.
+fn may_be_decimals(rows: &[u8], table: &Table) -> bool {
+    let is_digit = |place: usize| rows.get(place).is_some_and(u8::is_ascii_digit);
+    let are_within =
+        |(place, byte): (usize, &u8)| *byte != b',' || place > 0 && is_digit(place - 1) && is_digit(place + 1);
+    let are_whole = table.values.iter().all(|value| value.fract() == 0.0);
+    table.rows >= DOUBTFUL_ROWS && are_whole && !rows.contains(&b'.') && rows.iter().enumerate().all(are_within)
+}
+
+fn doubtful_pairs(first_row: &[u8]) -> FormatError {
+    let row = shown(&utf8_or_latin1(first_row.trim_ascii()));
+    let found = format!("rows such as `{row}`, one number with a decimal comma or two");
+    let wanted = "points, or `--decimal comma` or `--decimal point` (in a study `decimal`)";
+    FormatError::unsupported(Format::Text, found, wanted)
+}
+
+/// Removes the last of several columns if it is empty because every row ends with a separator; returns the number of columns.
+fn without_open_column(table: &mut Table, columns: usize, warnings: &mut Vec<String>) -> usize {
+    if columns < 2 || table.open_rows < table.rows {
+        return columns;
+    }
+    let mut column = 0;
+    table.values.retain(|_| {
+        column = column % columns + 1;
+        column < columns
+    });
+    warnings.push("every row ends with a separator; the empty last column was left out".into());
+    columns - 1
 }
 
 /// Returns the shape of a table after removing columns and rows that are not heights.
@@ -313,17 +365,8 @@ fn shape(header: &Header, table: &mut Table, columns: usize, warnings: &mut Vec<
         }
         return Ok((ny, nx));
     }
-    let (mut rows, mut columns) = (table.rows, columns);
-    if columns > 1 && table.open_rows == rows {
-        let mut column = 0;
-        table.values.retain(|_| {
-            column = column % columns + 1;
-            column < columns
-        });
-        columns -= 1;
-        warnings.push("every row ends with a separator; the empty last column was left out".into());
-    }
-    if header.has_voids() && header.shape() == Some((rows / 2, columns)) && rows % 2 == 0 {
+    let mut rows = table.rows;
+    if header.has_voids() && header.shape() == Some((rows / 2, columns)) && rows.is_multiple_of(2) {
         let voids = table.values.split_off(rows / 2 * columns);
         large::hide(&mut table.values, voids.into_iter().map(|void| void != 0.0));
         rows /= 2;

@@ -22,6 +22,7 @@ use ndarray::Array2;
 use crate::text::columns::{Column, named};
 use crate::text::decimal::Decimal;
 use crate::text::header::{Header, unit};
+use crate::text::profile::is_profile;
 use crate::text::rows::{self, Layout};
 use crate::text::separator::{COMMENT, Separator};
 use crate::text::{Head, TEXT_PROBE, is_text, lines, utf8};
@@ -80,7 +81,7 @@ fn detect(bytes: &[u8]) -> bool {
     let Some(columns @ 3..) = columns.filter(|_| !head.header.states_pixels()) else { return false };
     let (before, points) = probe[..end].split_at(head.start.min(end));
     let is_named = named_columns(before, columns).is_some();
-    if is_named || columns > MOST_COLUMNS {
+    if is_named || columns > MOST_COLUMNS || is_profile(before, columns) {
         return is_named;
     }
     let readings = |text: &[u8]| -> Vec<Vec<f64>> {

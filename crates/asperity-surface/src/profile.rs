@@ -16,16 +16,16 @@ use ndarray::Array2;
 
 use crate::HeightFits;
 use crate::areal::{self, ArealError};
-use crate::filter::GaussianFilter;
-use crate::level::Level;
+use crate::filter::{FilterError, GaussianFilter};
+use crate::level::{Level, LevelError, MAX_DEGREE};
 use crate::model::SurfaceModelError;
 use crate::preparation::{Preparation, PreparationError, Prepared};
 use crate::uncertainty::{Estimate, JointErrors, Uncertainty, Values};
 
 pub use parameters::FeatureParameters;
 
-/// Rows of the map that stands for a profile: as many as the seven-point stencil needs.
-const ROWS: usize = 8;
+/// Rows of the map that stands for a profile: more than the seven-point stencil and the polynomial of the highest degree need.
+const ROWS: usize = MAX_DEGREE as usize + 2;
 /// Rows of that map within a cutoff of a filter.
 const ROWS_PER_CUTOFF: f64 = 4.0;
 
@@ -75,8 +75,16 @@ impl Profile {
     /// # Errors
     /// Those of [`Preparation::apply`].
     pub fn prepare(&self, preparation: &Preparation) -> Result<PreparedProfile, PreparationError> {
-        let form = Preparation { s_filter_m: None, l_filter_m: None, ..*preparation };
-        let Prepared { map, outliers, radius_m, level, .. } = form.apply(&self.map)?;
+        self.check(preparation)?;
+        // A sphere would bend the rows across the profile.
+        let level = if preparation.level == Level::Sphere { Level::Cylinder } else { preparation.level };
+        let form = Preparation { level, s_filter_m: None, l_filter_m: None, ..*preparation };
+        let Prepared { map, outliers, radius_m, level, .. } = form.apply(&self.map).map_err(|error| match error {
+            PreparationError::Level(LevelError::Undetermined { level, present }) => {
+                LevelError::Undetermined { level, present: present / ROWS }.into()
+            }
+            error => error,
+        })?;
         let (mut profile, mut lost) = (Self { map }, 0);
         if let Some(cutoff_m) = preparation.s_filter_m {
             let smooth = |map: &HeightMap| GaussianFilter::linear(cutoff_m).smooth(map);
@@ -94,6 +102,25 @@ impl Profile {
         }
         let section_m = preparation.l_filter_m;
         Ok(PreparedProfile { profile, outliers: outliers / ROWS, lost, radius_m, level, section_m })
+    }
+
+    /// Checks the cutoffs of the filters.
+    fn check(&self, preparation: &Preparation) -> Result<(), PreparationError> {
+        let (low_m, high_m) = (self.pitch_m(), self.length_m());
+        let within = |cutoff_m: Option<f64>| match cutoff_m {
+            Some(found_m) if !(low_m..=high_m).contains(&found_m) => {
+                Err(FilterError::Cutoff { found_m, low_m, high_m })
+            }
+            _ => Ok(()),
+        };
+        within(preparation.s_filter_m).map_err(PreparationError::SFilter)?;
+        within(preparation.l_filter_m).map_err(PreparationError::LFilter)?;
+        match (preparation.s_filter_m, preparation.l_filter_m) {
+            (Some(s_filter_m), Some(l_filter_m)) if s_filter_m >= l_filter_m => {
+                Err(PreparationError::EmptyBand { s_filter_m, l_filter_m })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Filters the profile, with rows so far apart that the cutoff covers a few. Equal rows remain equal.
@@ -167,7 +194,10 @@ impl ProfileStatistics {
     /// The profile is flat.
     pub fn new(prepared: PreparedProfile) -> Result<Self, SurfaceModelError> {
         let map = &prepared.profile.map;
-        let once = |ArealError::Flat { present }| ArealError::Flat { present: present / ROWS };
+        let once = |ArealError::Flat { present }| match prepared.level {
+            Level::None => ArealError::Flat { present: present / ROWS }.into(),
+            level => SurfaceModelError::FormAlone { level, present: present / ROWS },
+        };
         let parameters = areal::parameters(map).map_err(once)?;
         let correlation = Autocorrelation::within(map, map.grid().nx() / 2, 0)?;
         let length_m = correlation.correlation_length_m(Axis::X);

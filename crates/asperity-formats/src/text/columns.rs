@@ -19,8 +19,10 @@ impl Column {
         let place = word.rfind(BEFORE_UNIT).unwrap_or(word.len());
         let behind = bare(word[place..].trim_start_matches(['/', '_', ' ']));
         let is_bracket = word[place..].starts_with(['[', '(']);
-        let known = Some(behind).filter(|behind| !behind.is_empty() && (is_bracket || is_unit(behind)));
-        let name = known.map_or(word, |_| &word[..place]).trim_end_matches(BEFORE_UNIT);
+        let before = word[..place].trim_end_matches(BEFORE_UNIT);
+        let is_known = is_bracket || is_unit(behind) && !ends_with_number(before);
+        let known = Some(behind).filter(|behind| !behind.is_empty() && is_known);
+        let name = if known.is_some() { before } else { word };
         Self { name: name.to_owned(), unit: known.map(str::to_owned) }
     }
 
@@ -28,6 +30,11 @@ impl Column {
     pub(crate) fn per_metre(&self) -> Option<f64> {
         unit(self.unit.as_deref()?)
     }
+}
+
+/// Returns whether a text ends with a number, so that a unit behind it belongs to a length and not to a column.
+fn ends_with_number(text: &str) -> bool {
+    text.rsplit([' ', '=']).next().is_some_and(|word| word.replace(',', ".").parse::<f64>().is_ok())
 }
 
 /// Returns whether a word is a unit of length, or its prefix alone, which is to be refused. `u` is also a name of columns.
@@ -43,7 +50,7 @@ pub(crate) fn columns_in(line: &str) -> Vec<Column> {
     let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ');
     for word in words.map(|word| word.trim_matches([' ', '"'])).filter(|word| separated || !word.is_empty()) {
         let is_unit = !separated && (word.starts_with(BEFORE_UNIT) || is_unit(word));
-        match columns.last_mut().filter(|last| is_unit && last.unit.is_none()) {
+        match columns.last_mut().filter(|last| is_unit && last.unit.is_none() && !ends_with_number(&last.name)) {
             // A unit behind its name.
             Some(last) => last.unit = Some(bare(word.trim_start_matches('/')).to_owned()),
             None => columns.push(Column::new(word)),
@@ -74,5 +81,10 @@ mod tests {
         assert_eq!(found("Lateral(µm),Total Profile(Å),,"), ["Lateral|µm", "Total Profile|Å", "|", "|"]);
         assert_eq!(found("Position (mm), Deflection (V)"), ["Position|mm", "Deflection|V"]);
         assert_eq!(found("x;max_height"), ["x|", "max_height|"]);
+        // Lengths are no columns.
+        for line in ["Lt 2 mm, tip 2 um", "Ra = 0.3 um, Rz = 2.1 um", "0 um, 1 um", "0 um 1 um"] {
+            assert!(columns_in(line).iter().all(|column| column.unit.is_none()), "{line}");
+        }
+        assert_eq!(found("Position (mm), Profile 1 (um)"), ["Position|mm", "Profile 1|um"]);
     }
 }

@@ -100,6 +100,15 @@ impl Header {
         self.pairs.push(Pair { key: key.into(), name, unit, value: value.into() });
     }
 
+    /// Adds a pair that precedes all others.
+    pub(super) fn insert_first(&mut self, key: &str, value: &str) {
+        let before = self.pairs.len();
+        self.insert(key, value);
+        if self.pairs.len() > before {
+            self.pairs.rotate_right(1);
+        }
+    }
+
     /// Returns the pair of the first key that is present.
     pub(super) fn find(&self, names: &str) -> Option<&Pair> {
         names.split('|').find_map(|name| self.pairs.iter().find(|pair| pair.name == name))

@@ -6,6 +6,8 @@ use crate::{Format, FormatError, ReadOptions, Result, Shape};
 
 /// Fewest points of a profile with positions.
 const FEWEST: usize = 4;
+/// Fewest numbers that do not rise or fall by chance.
+pub(super) const MANY: usize = 8;
 /// Distance of a position from its place in equal steps, in steps, up to which the steps count as equal.
 const TOLERANCE: f64 = 0.25;
 
@@ -32,9 +34,10 @@ impl Profile {
 
     /// Adds the units of the columns to the header, and returns a sentence for the user.
     pub(super) fn describe(&self, header: &mut Header) -> String {
-        for (key, unit) in ["x unit", "z unit"].into_iter().zip(&self.units) {
+        // The first keys of both units: those of the columns count before those of the rest of the header.
+        for (key, unit) in ["x unit", "value units"].into_iter().zip(&self.units) {
             if let Some(unit) = unit {
-                header.insert(key, unit);
+                header.insert_first(key, unit);
             }
         }
         format!("this is a profile: {}", self.form)
@@ -50,6 +53,11 @@ pub(super) fn names(head: &[u8], columns: usize) -> Option<Vec<Column>> {
         let is_profile = are_named && (2..=columns).contains(&count) && found[0].per_metre().is_some();
         is_profile.then(|| found[..count].to_vec())
     })
+}
+
+/// Returns whether a header names a position and heights, one for each column.
+pub(crate) fn is_profile(head: &[u8], columns: usize) -> bool {
+    names(head, columns).is_some_and(|names| names.len() == columns)
 }
 
 /// Returns the profile that a matrix of numbers is; `None` for a map. A profile is a single row or column, two columns or rows of which the
@@ -73,7 +81,7 @@ pub(super) fn of(
         let channels: Vec<String> = names[1..].iter().map(|column| column.name.clone()).collect();
         let channel = options.choose(Format::Text, &channels)?;
         let units = [&names[0], &names[channel + 1]].map(|column| column.unit.clone());
-        let found = stepped(&column(0), column(channel + 1), "columns of positions and heights".into())?;
+        let found = stepped(&column(0), column(channel + 1), "columns of positions and heights".into(), options)?;
         return Ok(Some(Profile { channels, channel, units, ..found }));
     }
     // Nothing is known about a row or column of voids alone.
@@ -85,30 +93,31 @@ pub(super) fn of(
         (1, FEWEST..) => plain(values.to_vec(), format!("a single row of {columns} numbers")),
         (FEWEST.., 2) if runs(&column(0)) => {
             let form = format!("two columns, of which the first rises or falls over {rows} rows");
-            stepped(&column(0), column(1), form).map(Some)
+            stepped(&column(0), column(1), form, options).map(Some)
         }
         (2, FEWEST..) if runs(&values[..columns]) => {
             let form = format!("two rows, of which the first rises or falls over {columns} columns");
-            stepped(&values[..columns], values[columns..].to_vec(), form).map(Some)
+            stepped(&values[..columns], values[columns..].to_vec(), form, options).map(Some)
         }
         _ => Ok(None),
     }
 }
 
-/// Returns whether numbers rise or fall from each to the next.
+/// Returns whether numbers rise or fall from each to the next. Many may repeat the last three times, as rounded positions do.
 fn runs(numbers: &[f64]) -> bool {
-    let rise = |pair: &[f64]| pair[1] - pair[0];
-    let all = |sign: f64| numbers.windows(2).all(|pair| sign * rise(pair) > 0.0);
-    all(1.0) || all(-1.0)
+    let least = if numbers.len() >= MANY { 0.0 } else { f64::MIN_POSITIVE };
+    let all = |sign: f64| numbers.windows(2).all(|pair| sign * (pair[1] - pair[0]) >= least);
+    let changes = numbers.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    4 * changes >= numbers.len() && (all(1.0) || all(-1.0))
 }
 
-/// Returns the profile of heights at positions in equal steps.
-fn stepped(positions: &[f64], mut heights: Vec<f64>, form: String) -> Result<Profile> {
+/// Returns the profile of heights at positions in equal steps. A stated distance between points replaces the positions.
+fn stepped(positions: &[f64], mut heights: Vec<f64>, form: String, options: &ReadOptions) -> Result<Profile> {
     let (first, last) = (positions[0], positions[positions.len() - 1]);
     let step = (last - first) / (positions.len() - 1) as f64;
     let fits =
         |(place, position): (usize, &f64)| (position - first - step * place as f64).abs() <= TOLERANCE * step.abs();
-    if step == 0.0 || !positions.iter().enumerate().all(fits) {
+    if options.pitch_m.is_none() && (step == 0.0 || !positions.iter().enumerate().all(fits)) {
         let steps = || positions.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let shown = |step: f64| format!("{step:.3e}").parse::<f64>().unwrap_or(step);
         let [low, high] = [steps().fold(f64::INFINITY, f64::min), steps().fold(0.0, f64::max)].map(shown);

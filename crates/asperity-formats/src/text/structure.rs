@@ -1,7 +1,7 @@
 //! What a matrix of numbers is: heights alone, or heights with labels.
 
 use super::rows::Table;
-use crate::{Format, FormatError, Result, Shape};
+use crate::{Format, FormatError, Result, Shape, refuse_if};
 
 /// Tolerance of labels as a fraction of a step, for coordinates with few digits.
 const LABEL_TOLERANCE: f64 = 1e-3;
@@ -34,11 +34,7 @@ pub(super) fn without_labels(
 ) -> Result<Shape> {
     let (rows, columns) = shape;
     // Some programs write a blank line after each row, or after a row of labels.
-    if table.gaps > 1 && table.gaps + 1 < rows {
-        let found = format!("{} blocks of numbers, divided by blank lines", table.gaps + 1);
-        let wanted = "one matrix; write each block into a file of its own";
-        return Err(FormatError::unsupported(Format::Text, found, wanted));
-    }
+    refuse_if!(table.gaps > 1 && table.gaps + 1 < rows, blocks(table));
     if rows <= 2 || columns <= 2 || corner == Corner::Number && has_extent {
         return Ok(shape);
     }
@@ -79,6 +75,13 @@ pub(super) fn without_labels(
     table.values = kept.copied().collect();
     warnings.push(format!("{what} evenly: labels, which were left out"));
     Ok((rows - skipped[0], columns - skipped[1]))
+}
+
+/// Returns the error for blocks of numbers.
+pub(super) fn blocks(table: &Table) -> FormatError {
+    let found = format!("{} blocks of numbers, divided by blank lines", table.gaps + 1);
+    let wanted = "one matrix; write each block into a file of its own";
+    FormatError::unsupported(Format::Text, found, wanted)
 }
 
 /// Returns whether labels are the numbers of rows or columns, counted from 0 or 1, beside values that are no such numbers.

@@ -201,8 +201,38 @@ fn heights_along_a_line_are_a_profile() {
         ("0 1\n1 2\n5 3\n6 2\n", "whose positions step by 1 to 4; wanted positions in equal steps"),
         ("Lateral(µm),Force(mN)\n0,1\n1,2\n2,3\n3,5\n", "numbers in `mN`; wanted a unit of length"),
     ]);
-    // A header with the size of the map describes heights, which may rise.
+    // A header with the size of a map describes heights, unless many step like positions.
     assert_eq!(read("# dx: 1 um\n# z unit: um\n1 2\n3 4\n5 6\n7 8\n").heights_m.dim(), (4, 2));
+}
+
+#[test]
+fn profiles_as_programs_export_them_are_read_or_refused_by_name() {
+    let beside: String = (0..8).map(|k| format!("{} {}\n", 0.5 * f64::from(k), k % 3)).collect();
+    assert_refused([
+        (format!("# dx: 0.5 um\n{beside}").as_str(), "beside a header with the size of a map: positions or heights"),
+        ("1\n2\n1\n\n5\n2\n5\n\n2\n1\n2\n", "3 blocks of numbers, divided by blank lines"),
+        ("1,25\n1,31\n1,22\n1,47\n", "rows such as `1,25`, one number with a decimal comma or two; wanted points"),
+    ]);
+    let in_um = |text: &str, pitch_m: Option<(f64, f64)>| {
+        let height_unit = Some("um".parse().unwrap());
+        read_bytes_with(text.as_bytes(), &ReadOptions { pitch_m, height_unit, ..ReadOptions::default() })
+    };
+    // Empty cells at the end of lines, comments with lengths, other units in the header, several heights.
+    for (text, pitch_um) in [
+        ("0,0;0,12;\n0,5;0,31;\n1,0;0,25;\n1,5;0,02;\n", None),
+        ("# x [um], z [um]\n# Lt 2 mm, tip 2 um\n0.0 0.12\n0.5 0.31\n1.0 0.25\n1.5 0.02\n", Some(0.5)),
+        ("# z unit: nm\n# x unit: mm\n# x [um] z [um]\n0.0 0.12\n0.5 0.31\n1.0 0.25\n1.5 0.02\n", Some(0.5)),
+        ("x (um),raw (um),level (um)\n0.0,0.12,1\n0.5,0.31,2\n1.0,0.25,3\n1.5,0.02,1\n", Some(0.5)),
+    ] {
+        let scan = in_um(text, None).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert_eq!(scan.heights_m.dim(), (1, 4), "{text}");
+        assert!((scan.heights_m[[0, 1]] / 0.31e-6 - 1.0).abs() < 1e-12, "{text}: {scan:?}");
+        assert_eq!(scan.pitch_m.map(|(step_m, _)| (step_m * 1e8).round() / 100.0), pitch_um, "{text}");
+    }
+    // Rounded positions need the distance between points.
+    let rounded: String = (0..12).map(|k| format!("{:.3} {}\n", 0.0005 * f64::from(k), k * k % 7)).collect();
+    assert!(in_um(&rounded, Some((5e-7, 5e-7))).unwrap().is_profile());
+    assert_error(in_um(&rounded, None), "positions step by 0 to 0.001; wanted positions in equal steps");
 }
 
 #[test]

@@ -317,16 +317,18 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
         found.max_by(|(_, a), (_, b)| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
     };
     let (_, [low, high]) = widest(&|member| member.answers.probability_interval)?;
-    let detail =
-        widest(&|member| member.answers.probability_range).map_or_else(String::new, |(member, [low, high])| {
-            let [low, high] = [low, high].map(probability);
-            format!("Values that are not known move {member} between {low} and {high}.")
-        });
-    Some(Answer {
-        question: "How sure is that?",
-        answer: format!("Computed to ± {} percentage points", significant((50.0 * (high - low)).max(0.01), 2)),
-        detail,
-    })
+    let computed = format!("omputed to ± {} percentage points", significant((50.0 * (high - low)).max(0.01), 2));
+    let range = widest(&|member| member.answers.probability_range).filter(|(_, ends)| ends[1] - ends[0] > high - low);
+    let (answer, detail) = match range {
+        // The wider range comes first.
+        Some((member, ends)) => {
+            let [low, high] = ends.map(probability);
+            let detail = format!("So far the values that are not known move {member}. Otherwise c{computed}.");
+            (format!("{low} to {high} in one member"), detail)
+        }
+        None => (format!("C{computed}"), String::new()),
+    };
+    Some(Answer { question: "How sure is that?", answer, detail })
 }
 
 /// Answers what would stop vibration: the damping ratios at which it ends.

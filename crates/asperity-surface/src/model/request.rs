@@ -51,6 +51,13 @@ pub enum SurfaceRequest {
 }
 
 impl<T> Measurable<T> {
+    /// States a value that was to be measured; keeps a stated one.
+    pub fn state(&mut self, value: T) {
+        if let Self::Measured = self {
+            *self = Self::Stated(value);
+        }
+    }
+
     /// Returns the stated value, or measures it.
     fn or_measure(self, measure: impl FnOnce() -> Result<T, SurfaceModelError>) -> Result<T, SurfaceModelError> {
         match self {

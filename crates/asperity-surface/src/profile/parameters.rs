@@ -4,6 +4,9 @@ use asperity_base::stats::{Interval, Moments, student_95};
 
 use super::Profile;
 
+/// Factor of Student's interval of RSm, which leaves out that Rp and Rv, and with them the elements, differ between profiles. Without it 87
+/// to 90 % of profiles of smoothed noise were covered.
+const DISCRIMINATED: f64 = 1.3;
 /// Height of a hill and depth of a dale, over Rp and Rv, below which they belong to their neighbours.
 const DISCRIMINATION: f64 = 0.1;
 
@@ -39,26 +42,21 @@ pub struct FeatureParameters {
 impl FeatureParameters {
     /// Computes the parameters from the heights about their mean; sections are `section_m` long.
     pub(super) fn new(profile: &Profile, section_m: Option<f64>) -> Self {
-        let present: Vec<(f64, f64)> = profile
-            .heights_m()
-            .iter()
-            .enumerate()
-            .filter(|(_, z)| !z.is_nan())
-            .map(|(place, z)| (place as f64 * profile.pitch_m(), *z))
-            .collect();
-        let mean = present.iter().map(|(_, z)| z).sum::<f64>() / present.len() as f64;
-        let points: Vec<(f64, f64)> = present.into_iter().map(|(x, z)| (x, z - mean)).collect();
-        let length_m = profile.length_m();
-        // The last section may lack a point by rounding.
-        let sections = section_m.map_or(1, |section_m| ((length_m / section_m + 1e-6).floor() as usize).max(1));
-        let within = |section: usize| {
-            let (from, to) =
-                (section as f64 / sections as f64 * length_m, (section + 1) as f64 / sections as f64 * length_m);
-            points.iter().filter(move |(x, _)| (from..to).contains(x)).map(|(_, z)| *z)
+        let mean = {
+            let present = || profile.heights_m().iter().filter(|z| !z.is_nan());
+            present().sum::<f64>() / present().count() as f64
         };
-        let extremes: Vec<(f64, f64)> = (0..sections)
+        let about_mean: Vec<f64> = profile.heights_m().iter().map(|z| z - mean).collect();
+        let place = |(place, z): (usize, &f64)| (place as f64 * profile.pitch_m(), *z);
+        let points: Vec<(f64, f64)> = about_mean.iter().enumerate().map(place).filter(|(_, z)| !z.is_nan()).collect();
+        let points_of_section =
+            section_m.map_or(profile.heights_m().len(), |section_m| (section_m / profile.pitch_m()).round() as usize);
+        let sections = (profile.heights_m().len() / points_of_section).max(1);
+        let extremes: Vec<(f64, f64)> = about_mean
+            .chunks(points_of_section)
+            .take(sections)
             .map(|section| {
-                within(section).fold((f64::NEG_INFINITY, f64::INFINITY), |(high, low), z| (high.max(z), low.min(z)))
+                section.iter().fold((f64::NEG_INFINITY, f64::INFINITY), |(high, low), z| (high.max(*z), low.min(*z)))
             })
             .filter(|(high, low)| high >= low)
             .collect();
@@ -82,18 +80,18 @@ impl FeatureParameters {
 
     /// Returns the 95 % interval of Rz and its standard error from the sections; `None` for one section.
     pub(super) fn rz_interval(&self) -> Option<(Interval, f64)> {
-        of_replicates(&self.heights_m, self.rz_m)
+        of_replicates(&self.heights_m, self.rz_m, 1.0)
     }
 
     /// Returns the 95 % interval of RSm and its standard error from elements that do not overlap; `None` for one.
     pub(super) fn rsm_interval(&self) -> Option<(Interval, f64)> {
-        of_replicates(&self.spacings_m, self.rsm_m?)
+        of_replicates(&self.spacings_m, self.rsm_m?, DISCRIMINATED)
     }
 }
 
-/// Returns Student's interval of a mean, and its standard error.
-fn of_replicates(values: &[f64], mean: f64) -> Option<(Interval, f64)> {
-    let error = Moments::new(values).standard_error();
+/// Returns Student's interval of a mean, and its standard error, both widened by a factor.
+fn of_replicates(values: &[f64], mean: f64, factor: f64) -> Option<(Interval, f64)> {
+    let error = factor * Moments::new(values).standard_error();
     let half = student_95(values.len()) * error;
     (values.len() > 1 && half.is_finite())
         .then_some((Interval { low: (mean - half).max(0.0), high: mean + half }, error))
@@ -102,8 +100,8 @@ fn of_replicates(values: &[f64], mean: f64) -> Option<(Interval, f64)> {
 /// Returns the places between significant hills and dales, in the order of the profile. Points are (x, z) about the mean line.
 fn borders(points: &[(f64, f64)], least_height: f64, least_depth: f64) -> Vec<f64> {
     let (mut borders, mut above, mut pending): (Vec<f64>, Option<bool>, Option<(f64, f64)>) = (vec![], None, None);
-    for pair in points.windows(2) {
-        let [(x0, z0), (x1, z1)] = [pair[0], pair[1]];
+    for (place, &(x1, z1)) in points.iter().enumerate() {
+        let (x0, z0) = points[place.saturating_sub(1)];
         if (z0 >= 0.0) != (z1 >= 0.0) {
             let crossing = x0 + (x1 - x0) * z0 / (z0 - z1);
             pending = Some(pending.map_or((crossing, crossing), |(first, _)| (first, crossing)));

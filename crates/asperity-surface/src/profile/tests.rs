@@ -63,6 +63,46 @@ fn parameters_are_those_of_a_table_by_hand() {
 }
 
 #[test]
+fn elements_begin_with_the_first_point() {
+    // Crossings at 0.6, 3.5 and 6.4 µm.
+    let heights_m = [-3.0, 2.0, 3.0, 2.0, -2.0, -3.0, -2.0, 3.0].map(|z| z * 1e-9);
+    for mirrored in [false, true] {
+        let mut heights_m = heights_m;
+        if mirrored {
+            heights_m.reverse();
+        }
+        let found = FeatureParameters::new(&Profile::new(&heights_m, 1e-6).unwrap(), None);
+        assert_near(found.rsm_m.unwrap(), 5.8e-6, 1e-9);
+    }
+}
+
+#[test]
+fn another_program_has_the_same_parameters() {
+    // surfalize 0.19.2, `Profile` of heights in µm at 0.5 µm, five sections.
+    let height = |place: usize| {
+        let i = place as f64;
+        (0.05 * i).sin() + 0.3 * (0.37 * i + 1.0).sin() + 0.1 * (2.1 * i).sin() + 0.4 * (0.011 * i).sin().powi(3)
+    };
+    let heights_m: Vec<f64> = (0..4000).map(|place| 1e-6 * height(place)).collect();
+    let found = of(&heights_m, &Preparation { level: Level::Mean, ..Preparation::default() });
+    let sections = FeatureParameters::new(&found.prepared.profile, Some(4e-4));
+    assert_eq!(sections.sections, 5);
+    for (found, wanted) in [
+        (found.ra_m, 0.671_094_760_286_610_4e-6),
+        (found.rq_m, 0.775_335_907_786_285_7e-6),
+        (found.rsk, -0.005_417_608_733_086_956),
+        (found.rku, 1.945_300_936_157_22),
+        (sections.rp_m, 1.668_062_792_182_696_5e-6),
+        (sections.rv_m, 1.727_294_075_933_313e-6),
+        (sections.rz_m, 3.395_356_868_116_01e-6),
+        (sections.rt_m, 3.522_729_128_673_805e-6),
+        (found.rdq.unwrap(), 0.299_273_843_754_713_6),
+    ] {
+        assert_near(found, wanted, 1e-9);
+    }
+}
+
+#[test]
 fn small_hills_and_dales_belong_to_their_neighbours() {
     // Waves of 400 points; a ripple of 7 % of their height crosses the mean line many times beside each of their crossings.
     let wave = |place: usize| (TAU * (place as f64 + 0.5) / 400.0).sin();

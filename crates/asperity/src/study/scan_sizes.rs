@@ -90,7 +90,7 @@ impl ScanSizes {
         let scans = surface.read_scans(folder)?;
         if let Some(profile) = MeasuredProfile::of(surface, &scans, &mut StageOutput::default())? {
             let length_m = profile.statistics.correlation_length_m.ok_or(StudyError::NoCorrelationLength)?;
-            return Ok(Self::new(profile.statistics.shortest_wave_m(), [length_m; 2]));
+            return Ok(Self::new(profile.shortest_wave_m, [length_m; 2]));
         }
         let measured = measure_all(&surface.preparation, scans, &mut StageOutput::default())?;
         let scan = measured.ok_or(StudyError::NoStage("surface"))?;

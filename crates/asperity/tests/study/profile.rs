@@ -81,5 +81,17 @@ fn sizes_of_a_study_follow_from_its_profile() {
     let study = Study::parse(&text("file = \"stylus.csv\"\nisotropic = true\n"), "study.toml").unwrap();
     let sizes = study.scan_sizes(folder.path()).unwrap();
     assert!((sizes.shortest_wave_m / 4e-6 - 1.0).abs() < 0.01, "{sizes:?}");
+    let coarse = text("file = \"stylus.csv\"\nisotropic = true\ncut_off = \"20 um\"\n");
+    let coarse = Study::parse(&coarse, "study.toml").unwrap().scan_sizes(folder.path()).unwrap();
+    assert!(coarse.shortest_wave_m == 20e-6 && coarse.strip_points[0] < sizes.strip_points[0], "{coarse:?}");
+    for (more, words) in [
+        ("covariance = \"empirical\"\n", "the covariance in all directions"),
+        ("generator = \"weierstrass_mandelbrot\"\n", "the fractal dimension"),
+    ] {
+        let changed = text("file = \"stylus.csv\"\nisotropic = true\n").replace("generator = \"spectral\"\n", more);
+        let study = Study::parse(&changed, "study.toml").unwrap();
+        let error = study.check_scans(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
     assert!(sizes.correlation_length_m.iter().all(|length_m| (length_m / LENGTH_M - 1.0).abs() < 0.25), "{sizes:?}");
 }
