@@ -49,7 +49,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
         class,
         unbroken(&answer),
         after,
-        numbers(verdict),
+        numbers(run, verdict),
         card(&limits.title(run, verdict), &limits.picture(verdict)),
         card("What would stop it", &remedies::card(verdict)),
         card("What decides it", &drivers::card(verdict)),
@@ -63,11 +63,12 @@ fn card(title: &str, content: &Html) -> Html {
 }
 
 /// Returns the lines below the headline: errors of the probability and steady sliding, what is not stated, and the vibration.
-fn numbers(verdict: &VerdictResult) -> Html {
+fn numbers(run: &Run, verdict: &VerdictResult) -> Html {
     let (mut sentences, mut lines) = (Vec::new(), Vec::new());
     let text = |text: String| Html::from(unbroken(&text));
     if is_exact(verdict) {
         sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(sliding)))));
+        sentences.push(text(exact_values(run)));
     } else {
         if verdict.probability > 0.0 && verdict.probability < 1.0 {
             sentences.push(text(computed_to(verdict)));
@@ -99,6 +100,16 @@ fn numbers(verdict: &VerdictResult) -> Html {
         }
     };
     lines.into_iter().map(line).collect()
+}
+
+/// Returns how sure the answer of a machine of exact values is in a sentence.
+fn exact_values(run: &Run) -> String {
+    let point = run.results.friction.as_ref().map(|friction| &friction.operating_point);
+    let computed = point.filter(|point| point.mean_interval.is_some()).map_or_else(String::new, |point| {
+        let mean = shown(Dimension::None, point.mean, point.mean_interval);
+        format!(" The friction coefficient is computed: {mean}, with its 95 % interval.")
+    });
+    format!("Your values count as exact.{computed}")
 }
 
 /// Returns how many machines vibrate for at least half of the time in a sentence; `None` if friction does not fluctuate.
