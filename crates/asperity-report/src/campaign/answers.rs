@@ -317,16 +317,18 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
         found.max_by(|(_, a), (_, b)| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
     };
     let (_, [low, high]) = widest(&|member| member.answers.probability_interval)?;
-    let computed = format!("omputed to ± {} percentage points", significant((50.0 * (high - low)).max(0.01), 2));
+    let points = format!("± {} percentage points", significant((50.0 * (high - low)).max(0.01), 2));
     let range = widest(&|member| member.answers.probability_range).filter(|(_, ends)| ends[1] - ends[0] > high - low);
     let (answer, detail) = match range {
         // The wider range comes first.
         Some((member, ends)) => {
             let [low, high] = ends.map(probability);
-            let detail = format!("So far the values that are not known move {member}. Otherwise c{computed}.");
+            let detail = format!(
+                "So far the values that are not known move {member}. The computation itself is sure to {points}."
+            );
             (format!("{low} to {high} in one member"), detail)
         }
-        None => (format!("C{computed}"), String::new()),
+        None => (format!("Computed to {points}"), String::new()),
     };
     Some(Answer { question: "How sure is that?", answer, detail })
 }
