@@ -27,6 +27,8 @@ pub(super) struct Pair {
 #[derive(Default)]
 pub(crate) struct Header {
     pub(super) pairs: Vec<Pair>,
+    /// Decimal sign of the first pair that states it. Every line asks for it.
+    decimal: Option<Decimal>,
     /// Limit of further pairs.
     room: TextLimit,
 }
@@ -97,6 +99,9 @@ impl Header {
         };
         let words = words.to_lowercase().replace(['_', '-'], " ");
         let name = words.split_whitespace().collect::<Vec<_>>().join(" ");
+        if name == DECIMAL_SIGN && self.find(DECIMAL_SIGN).is_none() {
+            self.decimal = Decimal::named(value);
+        }
         self.pairs.push(Pair { key: key.into(), name, unit, value: value.into() });
     }
 
@@ -168,7 +173,7 @@ impl Header {
 
     /// Returns the decimal sign that the header states.
     pub(crate) fn decimal(&self) -> Option<Decimal> {
-        Decimal::named(&self.find(DECIMAL_SIGN)?.value)
+        self.decimal
     }
 
     /// Returns the first unit of x, y or z that is not a length.
