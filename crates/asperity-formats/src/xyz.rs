@@ -3,7 +3,8 @@
 //! Points follow each other along x or along y, in either direction, or in any order. The reader determines the grid from the
 //! coordinates. A point may differ from its grid point by [a quarter of a step](grid::TOLERANCE), which allows for
 //! the rounding of coarse digits and for the jitter of a stage. The header may name the columns x, y and z in another order. A fourth column,
-//! often an intensity, is left out, and so are an index of the rows and any columns beside those that a header names x, y and z. Missing are grid points without a point, and heights
+//! often an intensity, is left out, and so are an index of the rows and any columns beside those that a header names x, y
+//! and z. Missing are grid points without a point, and heights
 //! `nan`, `BAD` and `No Data`. Lists that leave three of four grid points empty are refused, and so are two points on
 //! one grid point.
 //!

@@ -85,20 +85,8 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
         chart.band("ζ < ζ_v: vibrates", &x, [&[y_ends.0; 2], &[0.0; 2]], VERMILION);
         chart.band("ζ > ζ_v: quiet", &x, [&[0.0; 2], &[y_ends.1; 2]], BLUE);
     }
-    let has_bands = title == PROBABILITY && is_curves && groups.len() <= MOST_BANDS;
-    let has_ranges = has_bands && members.iter().any(|member| member.answers.probability_range.is_some());
-    if has_bands {
-        let words = if has_ranges { RANGE } else { "95 % interval" };
-        for (place, (curve, _)) in groups.iter().enumerate() {
-            let ends = |(index, member): (usize, &MemberResult)| {
-                let MemberAnswers { probability_range, probability_interval, .. } = member.answers;
-                let ends = if has_ranges { probability_range } else { probability_interval };
-                (others(member) == *curve).then_some((at(index, member), ends?))
-            };
-            // The legend names bands once.
-            let name = if place == 0 { words } else { "" };
-            band(&mut chart, name, members.iter().enumerate().filter_map(ends).collect(), pen(place).colour);
-        }
+    if title == PROBABILITY && is_curves && groups.len() <= MOST_BANDS {
+        bands(&mut chart, members, &groups, &at, &others);
     }
     for (place, (name, mut points)) in groups.into_iter().enumerate() {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -119,6 +107,32 @@ pub(super) fn figure(results: &CampaignResults) -> Option<CaptionedFigure> {
     let caption = caption(points, title, members.iter().filter(|member| answer(member).is_none()).count());
     let figure = CaptionedFigure::from_charts("members", title, caption, 1, &[chart], &[])?;
     Some(CaptionedFigure { sources: vec![SOURCE.into()], ..figure })
+}
+
+/// Adds a band to each curve: the ranges over unknown values or, if no member has one, the intervals. `at` and `curve_of` return the place and
+/// the curve of a member.
+fn bands(
+    chart: &mut Chart,
+    members: &[MemberResult],
+    curves: &[Group],
+    at: &dyn Fn(usize, &MemberResult) -> f64,
+    curve_of: &dyn Fn(&MemberResult) -> String,
+) {
+    let has_ranges = members.iter().any(|member| member.answers.probability_range.is_some());
+    for (place, (curve, _)) in curves.iter().enumerate() {
+        let ends = |(index, member): (usize, &MemberResult)| {
+            let MemberAnswers { probability_range, probability_interval, .. } = member.answers;
+            let ends = if has_ranges { probability_range } else { probability_interval };
+            (curve_of(member) == *curve).then_some((at(index, member), ends?))
+        };
+        // The legend names bands once.
+        let name = match (place, has_ranges) {
+            (0, true) => RANGE,
+            (0, false) => "95 % interval",
+            _ => "",
+        };
+        band(chart, name, members.iter().enumerate().filter_map(ends).collect(), pen(place).colour);
+    }
 }
 
 /// Adds the intervals or ranges of the members of one curve, at their values.

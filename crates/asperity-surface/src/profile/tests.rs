@@ -188,12 +188,14 @@ fn intervals_of_profiles_cover() {
     ];
     const PROFILES: u64 = 400;
     let (mut covered, mut defined) = ([0.0; 6], [0.0; 6]);
+    let mut spacings = Vec::new();
     for index in 0..PROFILES {
         let xi = random::standard_normal(&mut random::stream(4, "profile", index), field.xi_len());
         let map = field.generate(&xi);
         let line = &map.values_m()[..grid.nx()];
         let prepared = Profile::new(line, 1e-6).unwrap().prepare(&Preparation::default()).unwrap();
         let statistics = ProfileStatistics::new(prepared).unwrap();
+        spacings.push((statistics.features.rsm_m.unwrap(), statistics.features.rsm_interval().unwrap().0));
         for (place, ((name, wanted), (own, estimate))) in truth.iter().zip(statistics.estimates).enumerate() {
             assert_eq!(*name, own);
             let Some(Estimate { interval, .. }) = estimate else { continue };
@@ -203,6 +205,11 @@ fn intervals_of_profiles_cover() {
     }
     assert!(defined.iter().all(|count| *count >= 0.8 * PROFILES as f64), "{defined:?}");
     let covered = [0, 1, 2, 3, 4, 5].map(|place| covered[place] / defined[place]);
+    // RSm with its thresholds has no closed form: the mean of all profiles, whose error is a twentieth of that of one, stands for it.
+    let mean = spacings.iter().map(|(spacing, _)| spacing).sum::<f64>() / PROFILES as f64;
+    let held = spacings.iter().filter(|(_, interval)| (interval.low..=interval.high).contains(&mean)).count();
+    let of_spacings = held as f64 / PROFILES as f64;
+    assert!((0.91..=0.985).contains(&of_spacings), "{of_spacings}");
     // Binomial standard deviation 1.1 %.
     assert!(covered.iter().all(|fraction| (0.91..=0.985).contains(fraction)), "{covered:?}");
 }

@@ -20,7 +20,7 @@ pub fn profile_of(scan: Scan) -> Result<Profile, MapError> {
     Profile::new(&scan.heights_m.into_iter().collect::<Vec<f64>>(), step_m)
 }
 
-/// Profile with what it tells of the surface.
+/// Statistics of a profile, and the model and distribution of the surface that were fitted to it.
 pub(super) struct MeasuredProfile {
     pub(super) statistics: ProfileStatistics,
     /// Fitted model; `None` if the study states another texture.
@@ -85,7 +85,7 @@ impl MeasuredProfile {
         let shortest_wave_m = stated_wave_m.unwrap_or_else(|| statistics.shortest_wave_m());
         output.warnings.push(format!(
             "a profile cannot show a lay, nor the summits of the surface beside its line: friction rests on the model alone, of waves down to \
-             {}; no scan was pressed to check it",
+             {}; no scan was pressed to check it, and intervals leave out shorter waves and these differences",
             length(shortest_wave_m)
         ));
         let marginal = statistics.marginal()?;
