@@ -29,8 +29,8 @@ pub enum MapError {
     },
     /// Heights along one line, where a map is needed.
     #[error(
-        "a profile of {points} points, without heights across it: `asperity surface stats` measures it, and a study takes it for a surface \
-         without lay (`isotropic = true` in [surface])"
+        "a profile of {points} points, without heights across it: `asperity surface stats` measures it, and [surface] of a study takes one \
+         profile, for a surface without lay (`isotropic = true`)"
     )]
     Profile {
         /// Number of points.

@@ -15,6 +15,8 @@ pub const MAX_POINTS: u64 = 1 << 28;
 const PLAUSIBLE_PITCH_M: std::ops::RangeInclusive<f64> = 1e-12..=1.0;
 /// Maximum number of characters of a warning, which may quote the file.
 const WARNING_CHARS: usize = 1000;
+/// Median slope above which heights without a unit are hardly in metre.
+const STEEP: f64 = 10.0;
 /// Ratio of the two pitches above which a warning is issued.
 const PLAUSIBLE_PITCH_RATIO: f64 = 10.0;
 
@@ -197,8 +199,29 @@ impl Scan {
                 self.warnings.push(doubt);
                 Ok(())
             }
+            Some(_) if self.median_slope(dx_m) > STEEP => {
+                self.warnings.push(format!(
+                    "half of the neighbouring heights differ by more than {STEEP} pixels; the file states no unit of height, and metre was \
+                     assumed: state it by `--height-unit`, in a study by `height_unit`"
+                ));
+                Ok(())
+            }
             _ => Ok(()),
         }
+    }
+
+    /// Returns the median of the slopes between neighbours along x, over a part of the pairs; 0 without a pair.
+    fn median_slope(&self, dx_m: f64) -> f64 {
+        /// Number of pairs that tell heights in millimetre from heights in metre.
+        const PAIRS: usize = 4096;
+
+        let (ny, nx) = self.heights_m.dim();
+        let pairs = ny * nx.saturating_sub(1);
+        let places = (0..pairs).step_by(pairs.div_ceil(PAIRS).max(1)).map(|pair| (pair / (nx - 1), pair % (nx - 1)));
+        let differences = places.map(|(row, column)| self.heights_m[[row, column + 1]] - self.heights_m[[row, column]]);
+        let mut slopes: Vec<f64> = differences.filter(|d| d.is_finite()).map(|d| d.abs() / dx_m).collect();
+        slopes.sort_unstable_by(f64::total_cmp);
+        slopes.get(slopes.len() / 2).copied().unwrap_or(0.0)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The covariance of a measured map, without a model.
 
+mod deconvolved;
 mod positive;
 mod taper;
 
@@ -8,6 +9,7 @@ use std::f64::consts::TAU;
 use ndarray::Array2;
 use thiserror::Error;
 
+use self::deconvolved::deconvolved;
 use self::positive::{Beneath, PositiveCorrelation, Spline, made_positive};
 use self::taper::Taper;
 use super::estimate::{Autocorrelation, EstimateError};
@@ -144,6 +146,30 @@ impl MeasuredCovariance {
         };
         let std_m = (estimate.variance_m2() / (1.0 - mean_fraction)).sqrt();
         Ok(Self { std_m, spline, dx_m: grid.dx_m(), dy_m: grid.dy_m(), report })
+    }
+
+    /// Returns the covariance of fields that have the waves of `map` as sharp as its grid shows them, within the map.
+    ///
+    /// The correlation is not tapered, so grooves do not end and steep spectra have no floor. It is that of the most
+    /// likely non-negative spectrum on a torus of twice the sides of the map, repeats with that period, and contains
+    /// the noise of the spectrum of one map. Other grids need [`MeasuredCovariance::from_map`], and so do maps with
+    /// voids, unless they are filled.
+    ///
+    /// # Panics
+    /// If a height is missing.
+    #[must_use]
+    pub fn deconvolved(&self, map: &HeightMap) -> Self {
+        assert_eq!(map.missing_points(), 0, "the spectrum of a map with voids is not deconvolved");
+        let grid = map.grid();
+        let report = EmpiricalCovariance {
+            reliable_x_m: grid.width_m(),
+            reliable_y_m: grid.height_m(),
+            taper_change: 0.0,
+            clipped_variance: 0.0,
+            clipping_change: 0.0,
+            ..self.report
+        };
+        Self { spline: deconvolved(map), report, ..*self }
     }
 
     /// Returns the same correlation with another standard deviation of the heights.

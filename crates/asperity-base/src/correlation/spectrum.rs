@@ -70,7 +70,7 @@ impl ProfileSpectrum {
 }
 
 /// Returns the Hann window, sin²(π(i + ½)/n).
-fn hann(n: usize) -> Vec<f64> {
+pub(super) fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2)).collect()
 }
 

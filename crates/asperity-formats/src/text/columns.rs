@@ -59,14 +59,58 @@ pub(crate) fn columns_in(line: &str) -> Vec<Column> {
     columns
 }
 
-/// Returns the columns that the last line of a header with a name for each of them names, as `choose` sees it.
+/// Returns the columns that the last line of a header with a name for each of them names, as `choose` sees it. Their units may stand in the
+/// line below.
 pub(crate) fn named<T>(head: &[u8], choose: impl Fn(&[Column]) -> Option<T>) -> Option<T> {
-    utf8_or_latin1(head).lines().rev().find_map(|line| choose(&columns_in(line)))
+    let text = utf8_or_latin1(head);
+    let mut below: Option<&str> = None;
+    text.lines().rev().find_map(|line| {
+        let mut columns = columns_in(line);
+        let units = below.replace(line).and_then(|below| units_in(below, columns.len()));
+        for (column, unit) in columns.iter_mut().zip(units.into_iter().flatten()).filter(|(_, unit)| !unit.is_empty()) {
+            column.unit.get_or_insert(unit);
+        }
+        choose(&columns)
+    })
+}
+
+/// Returns the units of a line that has nothing else, one for each of several columns; those of some columns may be empty.
+fn units_in(line: &str, columns: usize) -> Option<Vec<String>> {
+    let line = line.trim_matches(['#', '%', ' ', '\r']);
+    let separated = line.contains([',', ';', '\t']);
+    let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ').map(bare);
+    let units: Vec<String> = words.filter(|word| separated || !word.is_empty()).map(str::to_owned).collect();
+    let are_units =
+        units.iter().all(|word| word.is_empty() || is_unit(word)) && units.iter().any(|word| !word.is_empty());
+    (units.len() == columns && are_units).then_some(units)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn units_may_stand_in_the_line_below_the_names() {
+        let units = |head: &str| {
+            named(head.as_bytes(), |columns| {
+                let is_named = columns.iter().any(|column| column.name == "Height");
+                is_named
+                    .then(|| columns.iter().map(|column| column.unit.clone().unwrap_or_default()).collect::<Vec<_>>())
+            })
+        };
+        for head in ["Position;Height\nmm;µm\n", "# Position, Height\n# [mm], [µm]\n", "Position Height\n(mm) (µm)\n"]
+        {
+            assert_eq!(units(head), Some(vec!["mm".into(), "µm".into()]), "{head}");
+        }
+        assert_eq!(units("No.;Position;Height\n;mm;µm"), Some(vec!["".into(), "mm".into(), "µm".into()]));
+        // Lines of other words or another number of columns are no units, and a unit beside the name counts.
+        for head in
+            ["Position;Height\nfirst;second", "Position;Height\nmm", "Position;Height\n;", "Position;Height\n\nmm;µm"]
+        {
+            assert_eq!(units(head), Some(vec![String::new(), String::new()]), "{head}");
+        }
+        assert_eq!(units("Position [m];Height\nmm;µm"), Some(vec!["m".into(), "µm".into()]));
+    }
 
     #[test]
     fn columns_have_names_and_units_in_any_usual_form() {

@@ -45,14 +45,20 @@ impl Profile {
 }
 
 /// Returns the columns of a header that names a position and heights, both with a unit of which that of the position is a length; further
-/// columns have no name.
+/// columns have no name, and a column before them has none if it is the index of the rows.
 pub(super) fn names(head: &[u8], columns: usize) -> Option<Vec<Column>> {
     named(head, |found| {
         let count = found.iter().rposition(|column| !column.name.is_empty())? + 1;
-        let are_named = found[..count].iter().all(|column| !column.name.is_empty() && column.unit.is_some());
-        let is_profile = are_named && (2..=columns).contains(&count) && found[0].per_metre().is_some();
+        let first = first_named(found);
+        let are_named = found[first..count].iter().all(|column| !column.name.is_empty() && column.unit.is_some());
+        let is_profile = are_named && (first + 2..=columns).contains(&count) && found[first].per_metre().is_some();
         is_profile.then(|| found[..count].to_vec())
     })
+}
+
+/// Returns the index of the first column with a name, if it is the first or follows an index of the rows.
+fn first_named(columns: &[Column]) -> usize {
+    usize::from(columns.first().is_some_and(|column| column.name.is_empty()))
 }
 
 /// Returns whether a header names a position and heights, one for each column.
@@ -75,13 +81,18 @@ pub(super) fn of(
     let plain = |heights: Vec<f64>, form: String| {
         Ok(Some(Profile { heights, step: None, channels: vec![], channel: 0, units: [None, None], form }))
     };
-    if let Some(names) =
-        names.filter(|names| (names.len()..columns).all(|place| column(place).iter().all(|z| z.is_nan())))
-    {
-        let channels: Vec<String> = names[1..].iter().map(|column| column.name.clone()).collect();
+    let counts = |place: usize| column(place).windows(2).all(|pair| pair[1] == pair[0] + 1.0);
+    let are_complete = |names: &Vec<Column>| {
+        (0..first_named(names)).all(counts)
+            && (names.len()..columns).all(|place| column(place).iter().all(|z| z.is_nan()))
+    };
+    if let Some(names) = names.filter(are_complete) {
+        let positions = first_named(&names);
+        let channels: Vec<String> = names[positions + 1..].iter().map(|column| column.name.clone()).collect();
         let channel = options.choose(Format::Text, &channels)?;
-        let units = [&names[0], &names[channel + 1]].map(|column| column.unit.clone());
-        let found = stepped(&column(0), column(channel + 1), "columns of positions and heights".into(), options)?;
+        let heights = positions + 1 + channel;
+        let units = [&names[positions], &names[heights]].map(|column| column.unit.clone());
+        let found = stepped(&column(positions), column(heights), "columns of positions and heights".into(), options)?;
         return Ok(Some(Profile { channels, channel, units, ..found }));
     }
     // Nothing is known about a row or column of voids alone.

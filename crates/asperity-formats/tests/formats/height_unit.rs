@@ -125,6 +125,14 @@ fn heights_without_a_unit_that_exceed_the_field_of_view_are_refused() {
     let scan = with_pitch([-1e-3, 0.0], None, 0.5e-3).unwrap();
     assert_heights(&scan, &[-1e-3, 0.0, -1e-3, 0.0]);
     assert_eq!(scan.warnings, [] as [String; 0]);
+    // A wide field holds heights in millimetre, but their slopes are those of no surface.
+    let wide: String = (0..400).map(|i| format!("{}\n", [0.0, 3e-4, 1e-4, 5e-4][i % 4])).collect();
+    let read = |unit: &str| read_bytes(format!("# pixel size: 10 um\n{unit}{wide}").as_bytes()).unwrap();
+    assert_warns(
+        &read(""),
+        "half of the neighbouring heights differ by more than 10 pixels; the file states no unit of height",
+    );
+    assert!(!read("# unit: mm\n").warnings.iter().any(|warning| warning.contains("neighbouring")));
 }
 
 #[test]

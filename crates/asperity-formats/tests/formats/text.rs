@@ -223,6 +223,10 @@ fn profiles_as_programs_export_them_are_read_or_refused_by_name() {
         ("# x [um], z [um]\n# Lt 2 mm, tip 2 um\n0.0 0.12\n0.5 0.31\n1.0 0.25\n1.5 0.02\n", Some(0.5)),
         ("# z unit: nm\n# x unit: mm\n# x [um] z [um]\n0.0 0.12\n0.5 0.31\n1.0 0.25\n1.5 0.02\n", Some(0.5)),
         ("x (um),raw (um),level (um)\n0.0,0.12,1\n0.5,0.31,2\n1.0,0.25,3\n1.5,0.02,1\n", Some(0.5)),
+        // Units in the line below the names, and an index of the rows.
+        ("Surface tester\nPosition;Height\nmm;µm\n0,0;0,12\n0,0005;0,31\n0,0010;0,25\n0,0015;0,02\n", Some(0.5)),
+        (",x [um],z [um]\n0,0.0,0.12\n1,0.5,0.31\n2,1.0,0.25\n3,1.5,0.02\n", Some(0.5)),
+        ("\"\",\"x [um]\",\"z [um]\"\n1,0.0,0.12\n2,0.5,0.31\n3,1.0,0.25\n4,1.5,0.02\n", Some(0.5)),
     ] {
         let scan = in_um(text, None).unwrap_or_else(|error| panic!("{text}: {error}"));
         assert_eq!(scan.heights_m.dim(), (1, 4), "{text}");

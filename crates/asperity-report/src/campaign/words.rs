@@ -74,7 +74,7 @@ pub(super) fn probability(probability: f64) -> Cow<'static, str> {
     match probability {
         p if p > 0.0 && p < 1e-4 => "< 0.01 %".into(),
         p if p > 1.0 - 1e-4 && p < 1.0 => "> 99.99 %".into(),
-        p => percent(p, 3).into(),
+        p => percent(p, if p > 0.99 { 3 } else { 2 }).into(),
     }
 }
 

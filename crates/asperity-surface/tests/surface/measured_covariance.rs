@@ -373,3 +373,54 @@ fn the_normal_covariance_of_lognormal_heights_has_its_closed_form() {
     let smoother = measured.beneath(|rho| rho, 0.5, |own| 1.3 * ratio(own));
     assert!((1.3 * ratio(&smoother) - 1.0).abs() < 0.02, "{}", ratio(&smoother));
 }
+
+#[test]
+fn deconvolution_keeps_grooves_that_run_through_the_map() {
+    // Grooves along y; the correlation over half of the map is known: exp(−(64/150)²) = 0.83.
+    let long = Covariance::new(CorrelationModel::SquaredExponential, 1.0, 3.0, 150.0).unwrap();
+    let (mut tapered, mut sharp) = (0.0, 0.0);
+    for index in 0..8 {
+        let map = sample(&SeparableCovariance(long), unit_grid(128, 128), 70 + index);
+        let (_, measured) = measure(&map);
+        let own = measured.deconvolved(&map);
+        tapered += measured.correlation(0.0, 64.0) / 8.0;
+        sharp += own.correlation(0.0, 64.0) / 8.0;
+        let field = SpectralField::free(&own, map.grid()).unwrap();
+        assert!(field.clipped_variance() < 1e-9, "non-negative on twice the sides: {}", field.clipped_variance());
+    }
+    // The iterations approach it from below.
+    assert!(tapered < 0.3 && (0.65..0.85).contains(&sharp), "{tapered} {sharp}");
+}
+
+#[test]
+fn deconvolution_leaves_no_floor_beneath_a_steep_spectrum() {
+    // Mean squares of the first to fourth differences of neighbours weigh the shortest waves more and more. A map without
+    // voids has them without any model.
+    let steep = Covariance::isotropic(CorrelationModel::Matern { nu: 3.0 }, 1.0, 4.0).unwrap();
+    let (mut met, mut wanted) = ([0.0; 4], [0.0; 4]);
+    for index in 0..10 {
+        let map = sample(&steep, unit_grid(128, 128), 90 + index);
+        let (_, measured) = measure(&map);
+        let own = measured.deconvolved(&map);
+        for order in 1..=4 {
+            // Coefficients of (1 − shift)^k times its reverse: the binomials of 2k with alternating signs.
+            let mut rows: Vec<Vec<f64>> = map.heights_m().rows().into_iter().map(|row| row.to_vec()).collect();
+            for row in &mut rows {
+                for _ in 0..order {
+                    *row = row.windows(2).map(|pair| pair[1] - pair[0]).collect();
+                }
+            }
+            let count = rows.iter().map(Vec::len).sum::<usize>() as f64;
+            wanted[order - 1] += rows.iter().flatten().map(|d| d * d).sum::<f64>() / count;
+            let mut binomial = 1.0;
+            for k in 0..=2 * order {
+                let lag = k as f64 - order as f64;
+                let sign = if (k + order).is_multiple_of(2) { 1.0 } else { -1.0 };
+                met[order - 1] += sign * binomial * own.value_m2(lag, 0.0);
+                binomial *= (2 * order - k) as f64 / (k + 1) as f64;
+            }
+        }
+    }
+    let ratios: Vec<f64> = met.iter().zip(wanted).map(|(met, wanted)| met / wanted).collect();
+    assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{ratios:?}");
+}

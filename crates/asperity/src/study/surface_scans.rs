@@ -3,6 +3,8 @@
 use asperity_formats::Scan;
 
 use crate::map::HeightMap;
+use crate::monitor::{Monitor, Quiet};
+use crate::random;
 use crate::study::output::StageOutput;
 use crate::study::series::map_field;
 use crate::study::{StudyError, sentence};
@@ -10,6 +12,7 @@ use crate::surface::level::Level;
 use crate::surface::model::SurfaceModelError;
 use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::scanned::ScannedSurface;
+use crate::surface::{FillError, FillOptions, Filling, RandomSurface};
 
 /// Returns the error of one of several scans.
 pub(super) fn of_one(file: &str, error: StudyError) -> StudyError {
@@ -109,4 +112,18 @@ fn in_words(preparation: &Preparation, prepared: &Prepared) -> String {
     let kind = if preparation.robust { " (robust)" } else { "" };
     let (short, long) = (filter("S", preparation.s_filter_m), filter("L", preparation.l_filter_m));
     format!("{form} ({outliers}; {short}; {long}{kind})")
+}
+
+/// Returns the map with its voids filled by a random surface of its statistics; `stage` is the stream of the random numbers.
+pub(super) fn filled(
+    map: &HeightMap,
+    seed: u64,
+    stage: &'static str,
+    monitor: &dyn Monitor,
+) -> Result<HeightMap, FillError> {
+    if map.missing_points() == 0 {
+        return Ok(map.clone());
+    }
+    let filling = Filling::new(map, FillOptions::default(), &Quiet(monitor))?;
+    Ok(filling.generate(&random::standard_normal(&mut random::stream(seed, stage, 0), filling.xi_len())))
 }

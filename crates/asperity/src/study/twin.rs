@@ -18,18 +18,18 @@ use thiserror::Error;
 use crate::distribution::Marginal;
 use crate::map::BoundaryKind;
 use crate::map::{Grid, HeightMap};
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, Silent};
 use crate::random;
 use crate::study::file::SurfaceSection;
 use crate::study::output::StageOutput;
 use crate::study::result::{BandMethod, Comparison, TwinModel, distribution_result};
 use crate::study::surface_model::model_of;
 use crate::study::surface_result::covariance_result;
-use crate::study::surface_scans::measure;
+use crate::study::surface_scans::{filled, measure};
 use crate::study::{StudyError, Table, sentence};
 use crate::surface::RandomSurface;
 use crate::surface::level::Level;
-use crate::surface::model::SurfaceModelError;
+use crate::surface::model::{SurfaceCovariance, SurfaceModelError, Texture};
 use crate::surface::preparation::{Preparation, Prepared};
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 
@@ -38,9 +38,10 @@ use comparison::{Target, TwinTraits, masked, outside_sentence, statistics_table}
 
 pub use options::TwinOptions;
 
-/// Stream names of the random numbers: of the twins, and of the maps that estimate the variance of the form.
+/// Stream names of the random numbers: of the twins, of the maps that estimate the variance of the form, and of missing heights.
 const STAGE: &str = "twin";
 const TRIAL_STAGE: &str = "twin trial";
+const FILL_STAGE: &str = "twin fill";
 /// Number of maps that estimate the fraction of variance in the form.
 const TRIALS: usize = 8;
 /// Fraction of variance in the form above which the height of the long waves is reported as uncertain.
@@ -94,7 +95,7 @@ impl Twins {
         output.warnings.extend(section.keys_without_effect("surface"));
         let request = section.request(&options.families)?;
         let model = model_of(&request, section.stated_marginal(), Some(&measured), None, &mut output);
-        let (model, chosen) = match model {
+        let (mut model, chosen) = match model {
             Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
@@ -106,6 +107,15 @@ impl Twins {
         let section = &section;
         let (own, grid) = (measured.map.grid(), options.grid(measured.map.grid())?);
         let periodic = options.boundary == BoundaryKind::Periodic;
+        let is_of_the_scan = grid == own && !periodic;
+        if let Texture::Translated { covariance: SurfaceCovariance::Empirical(covariance), .. } = &mut model.texture {
+            // The scan's own correlation contains all its waves, down to the pixel.
+            model.shortest_wave_m = None;
+            // Heights that cannot be filled leave the tapered correlation.
+            if is_of_the_scan && let Ok(complete) = filled(&measured.map, options.seed, FILL_STAGE, &Silent) {
+                **covariance = covariance.deconvolved(&complete);
+            }
+        }
         let mut generated = model.patch(grid, periodic)?;
         output.warnings.append(&mut generated.warnings);
         output.assumptions.extend(generated.correction.take());
@@ -127,7 +137,7 @@ impl Twins {
                 covariance: chosen.as_ref().map(covariance_result),
                 marginal: distribution_result(&model.marginal),
             },
-            limits: limits(section),
+            limits: limits(section, is_of_the_scan),
             assumptions: output.assumptions,
             warnings: output.warnings,
         };
@@ -304,11 +314,12 @@ impl Twins {
         let twins = self.target.compare_statistics(traits);
         let mut tables = vec![("statistics", statistics_table(traits))];
         let mut curves = Vec::new();
-        for (name, comparison, table) in self.target.compare_curves(traits) {
+        let mut warnings = self.warnings.clone();
+        for (name, comparison, table, sentence) in self.target.compare_curves(traits) {
             curves.push((name.to_owned(), comparison));
             tables.push((name, table));
+            warnings.extend(sentence);
         }
-        let mut warnings = self.warnings.clone();
         if band_method(traits.len()) == BandMethod::None {
             warnings
                 .push("one twin does not spread: draw at least two for bands, 39 for bands of any distribution".into());
@@ -340,7 +351,7 @@ impl Twins {
 }
 
 /// Returns sentences about features that twins of a generator lack, whatever the fit.
-fn limits(section: &SurfaceSection) -> Vec<String> {
+fn limits(section: &SurfaceSection, is_of_the_scan: bool) -> Vec<String> {
     let mut limits = vec![
         "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."
             .into(),
@@ -356,11 +367,13 @@ fn limits(section: &SurfaceSection) -> Vec<String> {
                 .into(),
         );
         if section.covariance == CovarianceSource::Empirical {
-            limits.push(
+            limits.push(if is_of_the_scan {
+                "Twins have the spectrum of the scan as sharp as its window shows it, with the noise of the spectrum of one map.".into()
+            } else {
                 "The scan's own correlation is kept at short lags and tapered where it falls into its noise: longer waves \
                  are weaker in the twins."
-                    .into(),
-            );
+                    .into()
+            });
         } else {
             limits.push(
                 "The covariance models are symmetric about x and y: a lay at an angle to the axes is averaged away; the \

@@ -94,9 +94,7 @@ impl Beneath {
             found.normalise();
             let correlation = found.correlation();
             let torus = &found.torus;
-            let mut met = torus.fft.spectrum();
-            let values: Vec<f64> = correlation.into_iter().map(distorted).collect();
-            torus.fft.forward(&values, &mut met, &mut torus.fft.workspace());
+            let met = torus.transform(&correlation.into_iter().map(distorted).collect::<Vec<f64>>());
             for ((value, target), met) in found.spectrum.iter_mut().zip(&target).zip(&met) {
                 *value *= (target / met.re.max(least)).clamp(1.0 / LARGEST_FACTOR, LARGEST_FACTOR);
             }
@@ -113,7 +111,7 @@ impl Beneath {
     fn normalise(&mut self) {
         let torus = &self.torus;
         let weighted = self.spectrum.iter().enumerate().map(|(place, value)| torus.multiplicity(place) * value);
-        let variance = weighted.sum::<f64>() / (torus.fft.nx() * torus.fft.ny()) as f64;
+        let variance = weighted.sum::<f64>() / torus.points();
         self.spectrum.iter_mut().for_each(|value| *value /= variance);
     }
 
@@ -212,8 +210,8 @@ impl<'a> Rings<'a> {
 }
 
 /// Periodic grid of lags.
-struct Torus {
-    fft: RealFft2,
+pub(super) struct Torus {
+    pub(super) fft: RealFft2,
 }
 
 impl Torus {
@@ -235,8 +233,12 @@ impl Torus {
                 values[self.place(x, y)] = value(x, y);
             }
         }
+        self.transform(&values)
+    }
+
+    pub(super) fn transform(&self, values: &[f64]) -> Vec<Complex64> {
         let mut spectrum = self.fft.spectrum();
-        self.fft.forward(&values, &mut spectrum, &mut self.fft.workspace());
+        self.fft.forward(values, &mut spectrum, &mut self.fft.workspace());
         spectrum
     }
 
@@ -252,20 +254,20 @@ impl Torus {
         spectrum
     }
 
-    fn values(&self, mut spectrum: Vec<Complex64>) -> Vec<f64> {
+    pub(super) fn values(&self, mut spectrum: Vec<Complex64>) -> Vec<f64> {
         let mut values = vec![0.0; self.fft.nx() * self.fft.ny()];
         self.fft.inverse(&mut spectrum, &mut values, &mut self.fft.workspace());
         values
     }
 
     /// Multiplicity of an index of the half spectrum in the full spectrum.
-    fn multiplicity(&self, place: usize) -> f64 {
+    pub(super) fn multiplicity(&self, place: usize) -> f64 {
         self.fft.multiplicity(place / self.fft.ny())
     }
 
     /// Returns a function of the wavevector of an index of the spectrum. A wavevector on the zone boundary equals its
     /// opposite along that axis; the shorter image counts.
-    fn wavevector(&self, place: usize, image: impl Fn(f64, f64) -> (f64, f64)) -> (f64, f64) {
+    pub(super) fn wavevector(&self, place: usize, image: impl Fn(f64, f64) -> (f64, f64)) -> (f64, f64) {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
         let (kx, ky) = (place / ny, place % ny);
         let phase = |k: usize, n: usize| TAU * signed_index(k, n) / n as f64;
@@ -278,14 +280,18 @@ impl Torus {
     }
 
     /// Returns the mean of a function of the spectrum over all wavevectors.
-    fn sum(&self, spectrum: &[Complex64], part: impl Fn(&Complex64) -> f64) -> f64 {
+    pub(super) fn sum(&self, spectrum: &[Complex64], part: impl Fn(&Complex64) -> f64) -> f64 {
         let weighted = spectrum.iter().enumerate().map(|(place, value)| self.multiplicity(place) * part(value));
-        weighted.sum::<f64>() / (self.fft.nx() * self.fft.ny()) as f64
+        weighted.sum::<f64>() / self.points()
+    }
+
+    pub(super) fn points(&self) -> f64 {
+        (self.fft.nx() * self.fft.ny()) as f64
     }
 
     /// Returns the cubic spline interpolant of the sequence with this spectrum: the spectrum of its coefficients is
     /// divided by that of the B-spline samples ⅙, ⅔, ⅙, (2 + cos ω)/3 along each axis.
-    fn spline(&self, mut spectrum: Vec<Complex64>, reach_x: usize, reach_y: usize) -> Spline {
+    pub(super) fn spline(&self, mut spectrum: Vec<Complex64>, reach_x: usize, reach_y: usize) -> Spline {
         let (nx, ny) = (self.fft.nx(), self.fft.ny());
         let samples = |k: usize, n: usize| (2.0 + (TAU * k as f64 / n as f64).cos()) / 3.0;
         for (i, value) in spectrum.iter_mut().enumerate() {

@@ -1,5 +1,7 @@
 //! The card of the changes that make vibration improbable.
 
+use std::cmp::Ordering;
+
 use asperity_results::keys::STATIC_FRICTION;
 use asperity_results::{Reach, Remedy, VerdictResult};
 
@@ -35,7 +37,7 @@ fn target(probability: f64) -> String {
     unbroken(&format!("{} %", significant(100.0 * probability, 2)))
 }
 
-/// Returns the smallest relative change that reaches the first target that is not met.
+/// Returns the change that reaches the first target that is not met: the one whose curve is drawn, or else the smallest relative change.
 pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let Some(first) = verdict.remedies.first() else { return Html::default() };
     let Some(place) = first.reach.iter().position(|reach| reach.probability < verdict.probability) else {
@@ -58,7 +60,9 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
     let found = verdict.remedies.iter().filter_map(|remedy| Some((remedy, remedy.reach.get(place)?)));
     let size = |(remedy, reach): &(&Remedy, &Reach)| reach.value.map(|value| (value / remedy.now).ln().abs());
     let reached = found.filter_map(|change| Some((size(&change)?, change)));
-    let Some((_, (remedy, reach))) = reached.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+    let order = |(size, (remedy, _)): &(f64, (&Remedy, &Reach))| (remedy.risk.is_empty(), *size);
+    let Some((_, (remedy, reach))) = reached.min_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal))
+    else {
         return html!("{}", not_reached(&verdict.remedies, wanted));
     };
     let dimension = Dimension::of_unit(&remedy.unit);

@@ -18,7 +18,6 @@ use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, sentence};
 use crate::surface::filter::{Edges, Respaced};
 use crate::surface::model::BandSlopes;
-use crate::surface::{FillOptions, Filling, RandomSurface};
 
 /// Largest number of points of a scan; a larger one is pressed in its middle.
 const MOST_POINTS: usize = 1 << 20;
@@ -56,7 +55,7 @@ pub(super) fn run(
         return Ok((None, output));
     }
     let missing = cropped.missing_points();
-    let map = match filled(&cropped, seed, monitor) {
+    let map = match filled(&cropped, seed, STAGE, monitor) {
         Ok(map) => map,
         Err(reason) => {
             output.warnings.push(format!("the scan itself was not pressed: its voids could not be filled ({reason})"));
@@ -130,16 +129,6 @@ fn middle(map: &HeightMap) -> Result<HeightMap, StudyError> {
     let heights_m = map.heights_m().slice(s![top..top + ny, left..left + nx]).to_owned();
     let part = Grid::new(nx, ny, grid.dx_m(), grid.dy_m()).and_then(|grid| HeightMap::measured(grid, heights_m));
     part.map_err(|error| StudyError::Grid { section: "surface", error })
-}
-
-/// Returns the map with its voids filled by a random surface of its statistics.
-fn filled(map: &HeightMap, seed: u64, monitor: &dyn Monitor) -> Result<HeightMap, String> {
-    if map.missing_points() == 0 {
-        return Ok(map.clone());
-    }
-    let filling = Filling::new(map, FillOptions::default(), &Quiet(monitor)).map_err(|error| error.to_string())?;
-    let xi = standard_normal(&mut stream(seed, "friction/scan", 0), filling.xi_len());
-    Ok(filling.generate(&xi))
 }
 
 /// Returns the halvings of the pixel at which a scan of a number of points is solved.

@@ -1,6 +1,7 @@
 //! Comparison of a scan with its twins, statistic by statistic.
 
 use crate::map::HeightMap;
+use crate::stats::{quantile_sorted, sorted_present};
 use crate::study::result::{CurveComparison, StatisticComparison, SurfaceStatistics, finite, pair};
 use crate::study::surface_result::surface_statistics;
 use crate::study::{StudyError, Table, sentence};
@@ -9,12 +10,15 @@ use crate::surface::scanned::ScannedSurface;
 
 use super::band::Scale::{Above, Linear, Share};
 use super::band::{CHANCE_OUTSIDE, Scale, Spread};
-use super::curve::Curve;
+use super::curve::{Curve, CurveKind};
 
 type Reading = fn(&SurfaceStatistics) -> Option<f64>;
 
 /// Scale of positive statistics.
 const POSITIVE: Scale = Above(0.0);
+
+/// Fraction of points inside the band below which a spectrum has a warning.
+const FEW_INSIDE: f64 = 0.8;
 
 /// Compared statistics; a kurtosis is at least 1.
 const STATISTICS: [(&str, Scale, Reading); 24] = [
@@ -92,8 +96,12 @@ impl Target {
         entries.collect()
     }
 
-    /// Compares every function of the scan with those of its twins; returns its table too.
-    pub(super) fn compare_curves(&self, twins: &[TwinTraits]) -> Vec<(&'static str, CurveComparison, Table)> {
+    /// Compares every function of the scan with those of its twins; returns its table too, and a sentence about a spectrum that
+    /// often lies outside of its band.
+    pub(super) fn compare_curves(
+        &self,
+        twins: &[TwinTraits],
+    ) -> Vec<(&'static str, CurveComparison, Table, Option<String>)> {
         let compare = |(i, curve): (usize, &Curve)| {
             let scale = if curve.kind.is_spectrum() { POSITIVE } else { Linear };
             let spreads: Vec<Spread> = (0..curve.x.len())
@@ -112,6 +120,11 @@ impl Target {
                 .collect();
             let (inside, points) = (compared.iter().filter(|inside| **inside).count(), compared.len());
             let comparison = CurveComparison { inside_share: finite(inside as f64 / points as f64), inside, points };
+            let sentence = comparison.inside_share.filter(|share| curve.kind.is_spectrum() && *share < FEW_INSIDE);
+            let sentence = sentence.map(|share| {
+                let ratios = curve.y.iter().zip(&spreads).map(|(scan, twins)| scan / twins.mean);
+                spectrum_sentence(curve.kind, share, ratios)
+            });
             let unit = curve.kind.unit();
             let table = Table::new([
                 (curve.kind.abscissa().to_owned(), curve.x.clone()),
@@ -120,7 +133,7 @@ impl Target {
                 (format!("twins_low{unit}"), low),
                 (format!("twins_high{unit}"), high),
             ]);
-            (curve.kind.name(), comparison, table)
+            (curve.kind.name(), comparison, table, sentence)
         };
         self.curves.iter().enumerate().map(compare).collect()
     }
@@ -162,6 +175,19 @@ pub(super) fn outside_sentence(twins: &[(String, StatisticComparison)]) -> Optio
     })
 }
 
+/// Returns a sentence about a spectrum with a `share` of points inside the band, given the ratios of the scan and the mean of its
+/// twins.
+fn spectrum_sentence(kind: CurveKind, share: f64, ratios: impl Iterator<Item = f64>) -> String {
+    let ratios = sorted_present(ratios.filter(|ratio| ratio.is_finite()));
+    let [low, middle, high] = [0.1, 0.5, 0.9].map(|p| sentence::significant(quantile_sorted(&ratios, p), 2));
+    format!(
+        "the {} of the scan lies in the 95 % band of its twins at only {} % of the wavenumbers: it is {middle} times the mean of \
+         the twins, from {low} to {high} times at 80 % of the wavenumbers",
+        kind.label(),
+        sentence::significant(100.0 * share, 2),
+    )
+}
+
 /// Returns a twin with the scan's missing points.
 pub(super) fn masked(twin: &HeightMap, scan: &HeightMap) -> Result<HeightMap, StudyError> {
     let mut heights = twin.heights_m().clone();
@@ -172,6 +198,17 @@ pub(super) fn masked(twin: &HeightMap, scan: &HeightMap) -> Result<HeightMap, St
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correlation::Axis;
+
+    #[test]
+    fn a_sentence_names_a_spectrum_outside_its_band_and_by_how_much() {
+        let ratios = (0..=10).map(|i| 0.5 + 0.1 * f64::from(i));
+        assert_eq!(
+            spectrum_sentence(CurveKind::Spectrum(Axis::X), 0.27, ratios.chain([f64::NAN])),
+            "the power spectrum along x of the scan lies in the 95 % band of its twins at only 27 % of the wavenumbers: it is 1.0 times \
+             the mean of the twins, from 0.60 to 1.4 times at 80 % of the wavenumbers"
+        );
+    }
 
     #[test]
     fn a_sentence_names_outliers_and_the_number_expected_by_chance() {

@@ -40,6 +40,18 @@ impl CurveKind {
         }
     }
 
+    /// Returns the name in sentences.
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::HeightDensity => "height density",
+            Self::Correlation(Axis::X) => "autocorrelation along x",
+            Self::Correlation(Axis::Y) => "autocorrelation along y",
+            Self::Spectrum(Axis::X) => "power spectrum along x",
+            Self::Spectrum(Axis::Y) => "power spectrum along y",
+            Self::RadialSpectrum => "radial power spectrum",
+        }
+    }
+
     /// Returns the column of the abscissas.
     pub(super) fn abscissa(self) -> &'static str {
         match self {
