@@ -59,9 +59,19 @@ pub(crate) fn columns_in(line: &str) -> Vec<Column> {
     columns
 }
 
-/// Returns the columns that the last line of a header with a name for each of them names, as `choose` sees it.
+/// Returns the columns that the last line of a header with a name for each of them names, as `choose` sees it. Their units may be in the
+/// line below: `X;Y` and `[mm];[um]`.
 pub(crate) fn named<T>(head: &[u8], choose: impl Fn(&[Column]) -> Option<T>) -> Option<T> {
-    utf8_or_latin1(head).lines().rev().find_map(|line| choose(&columns_in(line)))
+    let text = utf8_or_latin1(head);
+    let mut below: Vec<Column> = Vec::new();
+    text.lines().rev().find_map(|line| {
+        let mut columns = columns_in(line);
+        let are_units = below.iter().take(2).all(|column| column.name.is_empty() && column.unit.is_some());
+        let are_units = are_units && below.len() > 1 && below.len() == columns.len();
+        let units = std::mem::replace(&mut below, columns.clone()).into_iter().filter(|_| are_units);
+        columns.iter_mut().zip(units).for_each(|(column, of)| column.unit = column.unit.take().or(of.unit));
+        choose(&columns)
+    })
 }
 
 #[cfg(test)]
