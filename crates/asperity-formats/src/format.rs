@@ -60,6 +60,10 @@ formats! {
     Al3d("AL3D", Some("m")) = al3d,
     /// NanoFocus NMS.
     Nms("NMS", Some("um")) = nms,
+    /// OmniSurf3D OS3D of Digital Metrology.
+    Os3d("OS3D", Some("um")) = os3d,
+    /// Zeta Instruments ZMG.
+    Zmg("ZMG", Some("um")) = zmg,
     /// FRT MicroProf.
     Frt("FRT", Some("m")) = frt,
     /// BCR-STM and BCRF.

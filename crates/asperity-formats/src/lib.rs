@@ -1,7 +1,7 @@
 //! Reads and writes files of measured surfaces.
 //!
 //! The crate reads files of optical profilers (X3P, SUR, MNT, SDF, OPD, OPDx, Wyko ASCII, MetroPro, Zygo ASCII, DATX, PLU, PLUX, AL3D,
-//! NMS, FRT, TMD, LEXT, OIR, VK4, ZON, Keyence CSV) and probe microscopes (Nanoscope, JPK, Park Systems, IBW, NID, MDT, WSxM, GSF, GWY, BCR), and NetCDF, NPY, NPZ,
+//! NMS, OS3D, ZMG, FRT, TMD, LEXT, OIR, VK4, ZON, Keyence CSV) and probe microscopes (Nanoscope, JPK, Park Systems, IBW, NID, MDT, WSxM, GSF, GWY, BCR), and NetCDF, NPY, NPZ,
 //! TIFF, XYZ and text. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
 //!
 //! Input is not trusted: a declared size never exceeds what the bytes can hold, unpacking has limits, arithmetic on sizes
@@ -46,6 +46,7 @@ mod npz;
 mod oir;
 mod opd;
 mod opdx;
+mod os3d;
 mod plu;
 mod plux;
 mod replace;
@@ -66,6 +67,7 @@ mod wyko_ascii;
 mod x3p;
 mod xml;
 mod xyz;
+mod zmg;
 mod zon;
 mod zygo_ascii;
 

@@ -94,6 +94,8 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::plux::fixtures(),
         crate::al3d::fixtures(),
         crate::nms::fixtures(),
+        crate::os3d::fixtures(),
+        crate::zmg::fixtures(),
         crate::frt::fixtures(),
         crate::bcr::fixtures(),
         crate::tmd::fixtures(),

@@ -33,6 +33,7 @@ mod npz;
 mod oir;
 mod opd;
 mod opdx;
+mod os3d;
 mod plu;
 mod plux;
 mod reference;
@@ -50,6 +51,7 @@ mod vtk;
 mod wsxm;
 mod x3p;
 mod xyz;
+mod zmg;
 mod zon;
 
 use asperity_formats::Scan;
