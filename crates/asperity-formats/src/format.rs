@@ -26,8 +26,11 @@ macro_rules! formats {
     };
 }
 
-// The order is that of detection: signatures first, X3P after the other zip archives, text last.
+// The order is that of detection: signatures first, containers before the zip archives that they may hold, X3P after the other zip
+// archives, text last.
 formats! {
+    /// Container of contact.engineering: a zip archive of measurements.
+    Container("Container", None) = container,
     /// Sensofar PLUX: a zip archive.
     Plux("PLUX", Some("um")) = plux,
     /// Zip archive of NumPy array files.

@@ -103,6 +103,7 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::netcdf::fixtures(),
         crate::npy::fixtures(),
         crate::npz::fixtures(),
+        crate::container::fixtures(),
         crate::tiff::fixtures(),
         crate::vtk::fixtures(),
         crate::xyz::fixtures(),

@@ -6,6 +6,7 @@ mod al3d;
 mod ascii;
 mod bcr;
 mod check;
+mod container;
 mod datx;
 mod decimal;
 mod files;
