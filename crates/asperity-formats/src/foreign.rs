@@ -88,7 +88,11 @@ struct Zipped(&'static str, fn(&str) -> bool, &'static str);
 /// Kinds of zip archives, the most specific first.
 const ZIPPED: &[Zipped] = &[
     Zipped("a JPK force file", |name| name == "header.properties", TO_GWY),
-    Zipped("an Excel workbook (XLSX)", |name| name == "xl/workbook.xml", "save the sheet of heights as CSV"),
+    Zipped(
+        "an Excel workbook in binary form (XLSB)",
+        |name| name == "xl/workbook.bin",
+        "save the sheet of heights as CSV",
+    ),
     Zipped("an Office document", |name| name == "[Content_Types].xml", "export the heights as text"),
     Zipped("a zip archive", |_| true, UNPACK),
 ];

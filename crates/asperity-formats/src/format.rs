@@ -31,6 +31,8 @@ macro_rules! formats {
 formats! {
     /// Container of contact.engineering: a zip archive of measurements.
     Container("Container", None) = container,
+    /// Excel workbook (XLSX): a zip archive of sheets.
+    Xlsx("XLSX", None) = xlsx,
     /// Sensofar PLUX: a zip archive.
     Plux("PLUX", Some("um")) = plux,
     /// Zip archive of NumPy array files.

@@ -2,7 +2,7 @@
 //!
 //! The crate reads files of optical profilers (X3P, SUR, MNT, SDF, OPD, OPDx, Wyko ASCII, MetroPro, Zygo ASCII, DATX, PLU, PLUX, AL3D,
 //! NMS, OS3D, ZMG, FRT, TMD, LEXT, OIR, VK4, ZON, Keyence CSV) and probe microscopes (Nanoscope, JPK, Park Systems, IBW, NID, MDT, WSxM, GSF, GWY, BCR), and NetCDF, NPY, NPZ,
-//! TIFF, XYZ, text and containers of contact.engineering. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
+//! TIFF, XYZ, XLSX, text and containers of contact.engineering. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
 //!
 //! Input is not trusted: a declared size never exceeds what the bytes can hold, unpacking has limits, arithmetic on sizes
 //! is checked, and no input makes a reader panic. The content decides the format; the extension matters only for
@@ -66,6 +66,7 @@ mod vtk;
 mod wsxm;
 mod wyko_ascii;
 mod x3p;
+mod xlsx;
 mod xml;
 mod xyz;
 mod zmg;

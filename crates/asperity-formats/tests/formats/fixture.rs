@@ -104,6 +104,7 @@ pub(crate) fn all() -> Vec<Fixture> {
         crate::npy::fixtures(),
         crate::npz::fixtures(),
         crate::container::fixtures(),
+        crate::xlsx::fixtures(),
         crate::tiff::fixtures(),
         crate::vtk::fixtures(),
         crate::xyz::fixtures(),

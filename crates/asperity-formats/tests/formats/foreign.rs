@@ -72,7 +72,11 @@ fn files_of_known_formats_are_refused_by_name_with_advice() {
         (stl, "a binary STL mesh", "regular grid"),
         (b"solid part\n  facet normal 0 0 1\n".to_vec(), "an STL mesh", "regular grid"),
         (b"ply\nformat ascii 1.0\n".to_vec(), "a PLY mesh", "regular grid"),
-        (zip(&[("[Content_Types].xml", b"<a/>"), ("xl/workbook.xml", b"<a/>")]), "an Excel workbook (XLSX)", "CSV"),
+        (
+            zip(&[("[Content_Types].xml", b"<a/>"), ("xl/workbook.bin", b"\0")]),
+            "an Excel workbook in binary form",
+            "CSV",
+        ),
         (b"UK SOFT\r\nsoftware      PicoScan\r\n".to_vec(), "a Molecular Imaging (Agilent) STP file", "GWY"),
         (b"fileType      Image\nversion       PicoView\n".to_vec(), "a Molecular Imaging (Agilent) MI file", "GWY"),
         (terrain(1201, 412), "an SRTM tile of terrain heights (HGT)", "NPY or text"),

@@ -51,6 +51,7 @@ mod vk;
 mod vtk;
 mod wsxm;
 mod x3p;
+mod xlsx;
 mod xyz;
 mod zmg;
 mod zon;
