@@ -203,7 +203,7 @@ fn read_as(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
 }
 
 /// Reads content that is not compressed as a whole.
-fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
+pub(crate) fn read_plain(format: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let size = bytes.len() as u64;
     let detected = format.or_else(|| Format::detect(bytes)).and_then(Format::codec);
     let codec = detected.ok_or_else(|| unrecognised(bytes, size))?;

@@ -44,6 +44,9 @@ const FOREIGN: &[Foreign] = &[
     Foreign("a Leica LIF file", Test(is_leica), AS_TEXT),
     Foreign("a Nikon ND2 file", Start(&[b"\xda\xce\xbe\x0a"]), AS_TEXT),
     Foreign("an ISO 28600 file", Start(&[b"ISO/TC 201 SPM data transfer format"]), TO_GWY),
+    Foreign("a Molecular Imaging (Agilent) STP file", Start(&[b"UK SOFT\r\n"]), TO_GWY),
+    Foreign("a Molecular Imaging (Agilent) MI file", Start(&[b"fileType      "]), TO_GWY),
+    Foreign("an SRTM tile of terrain heights (HGT)", Test(is_terrain), TO_MATRIX),
     Foreign("a Gwyddion XYZ field", Start(&[b"Gwyddion XYZ Field"]), TO_GWY),
     Foreign("a Zeiss CZI file", Start(&[b"ZISRAWFILE"]), AS_TEXT),
     Foreign(
@@ -85,7 +88,11 @@ struct Zipped(&'static str, fn(&str) -> bool, &'static str);
 /// Kinds of zip archives, the most specific first.
 const ZIPPED: &[Zipped] = &[
     Zipped("a JPK force file", |name| name == "header.properties", TO_GWY),
-    Zipped("an Excel workbook (XLSX)", |name| name == "xl/workbook.xml", "save the sheet of heights as CSV"),
+    Zipped(
+        "an Excel workbook in binary form (XLSB)",
+        |name| name == "xl/workbook.bin",
+        "save the sheet of heights as CSV",
+    ),
     Zipped("an Office document", |name| name == "[Content_Types].xml", "export the heights as text"),
     Zipped("a zip archive", |_| true, UNPACK),
 ];
@@ -185,6 +192,13 @@ fn is_bzip2(bytes: &[u8], _: u64) -> bool {
 /// Returns whether bytes start as a Leica image file: a block of XML, its size, and its text in UTF-16.
 fn is_leica(bytes: &[u8], _: u64) -> bool {
     bytes.starts_with(b"\x70\0\0\0") && bytes.get(8) == Some(&0x2a) && bytes.get(13..15) == Some(b"<\0".as_slice())
+}
+
+/// Returns whether content is a tile of the Shuttle Radar Topography Mission, which has no header: a square of 1201 or 3601
+/// big-endian `i16` in metre, −32768 where the height is missing.
+fn is_terrain(bytes: &[u8], size: u64) -> bool {
+    let is_height = |raw: &[u8; 2]| matches!(i16::from_be_bytes(*raw), -500..=9000 | i16::MIN);
+    [1201, 3601].iter().any(|side| size == 2 * side * side) && bytes.as_chunks().0.iter().take(256).all(is_height)
 }
 
 fn is_html(bytes: &[u8], _: u64) -> bool {

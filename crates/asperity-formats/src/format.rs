@@ -26,8 +26,13 @@ macro_rules! formats {
     };
 }
 
-// The order is that of detection: signatures first, X3P after the other zip archives, text last.
+// The order is that of detection: signatures first, containers before the zip archives that they may hold, X3P after the other zip
+// archives, text last.
 formats! {
+    /// Container of contact.engineering: a zip archive of measurements.
+    Container("Container", None) = container,
+    /// Excel workbook (XLSX): a zip archive of sheets.
+    Xlsx("XLSX", None) = xlsx,
     /// Sensofar PLUX: a zip archive.
     Plux("PLUX", Some("um")) = plux,
     /// Zip archive of NumPy array files.
@@ -60,6 +65,10 @@ formats! {
     Al3d("AL3D", Some("m")) = al3d,
     /// NanoFocus NMS.
     Nms("NMS", Some("um")) = nms,
+    /// OmniSurf3D OS3D of Digital Metrology.
+    Os3d("OS3D", Some("um")) = os3d,
+    /// Zeta Instruments ZMG.
+    Zmg("ZMG", Some("um")) = zmg,
     /// FRT MicroProf.
     Frt("FRT", Some("m")) = frt,
     /// BCR-STM and BCRF.

@@ -1,8 +1,8 @@
 //! Reads and writes files of measured surfaces.
 //!
 //! The crate reads files of optical profilers (X3P, SUR, MNT, SDF, OPD, OPDx, Wyko ASCII, MetroPro, Zygo ASCII, DATX, PLU, PLUX, AL3D,
-//! NMS, FRT, TMD, LEXT, OIR, VK4, ZON, Keyence CSV) and probe microscopes (Nanoscope, JPK, Park Systems, IBW, NID, MDT, WSxM, GSF, GWY, BCR), and NetCDF, NPY, NPZ,
-//! TIFF, XYZ and text. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
+//! NMS, OS3D, ZMG, FRT, TMD, LEXT, OIR, VK4, ZON, Keyence CSV) and probe microscopes (Nanoscope, JPK, Park Systems, IBW, NID, MDT, WSxM, GSF, GWY, BCR), and NetCDF, NPY, NPZ,
+//! TIFF, XYZ, XLSX, text and containers of contact.engineering. It writes X3P, SUR, SDF, GWY, NPY, text and VTK images. [`descriptions`] returns the table of formats.
 //!
 //! Input is not trusted: a declared size never exceeds what the bytes can hold, unpacking has limits, arithmetic on sizes
 //! is checked, and no input makes a reader panic. The content decides the format; the extension matters only for
@@ -20,6 +20,7 @@ mod archive;
 mod bcr;
 mod chosen_map;
 mod codec;
+mod container;
 mod date;
 mod datx;
 mod error;
@@ -46,6 +47,7 @@ mod npz;
 mod oir;
 mod opd;
 mod opdx;
+mod os3d;
 mod plu;
 mod plux;
 mod replace;
@@ -64,8 +66,10 @@ mod vtk;
 mod wsxm;
 mod wyko_ascii;
 mod x3p;
+mod xlsx;
 mod xml;
 mod xyz;
+mod zmg;
 mod zon;
 mod zygo_ascii;
 

@@ -12,6 +12,8 @@
 //! Numbers are unpacked as n·`scale_factor` + `add_offset`. Missing are numbers equal to `_FillValue` or
 //! `missing_value`, or to the fill value of their type if `_FillValue` is absent, and points with a 1 in the variable
 //! `mask`.
+//!
+//! `heights` of one dimension are a line scan, with their positions in `x`.
 
 mod classic;
 mod contents;
@@ -30,7 +32,7 @@ pub(crate) const CODEC: Description = Description {
     extensions: &["nc", "nc4", "cdf"],
     vendor: "Unidata",
     known_by: "`CDF\\x01`, `CDF\\x02`, `CDF\\x05`; HDF5 without the groups of DATX",
-    reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length",
+    reads: "classic, 64-bit offset, 64-bit data, netCDF-4; variables of two dimensions in a unit of length; line scans `heights`",
     missing_points: "`_FillValue`, `missing_value`, the fill value of the type, a variable `mask`, NaN",
     orientation: "the first y is the top row; (x, y) is turned to (y, x)",
     // HDF5 files that are not DATX are tried as netCDF-4: the registry tries DATX first.
@@ -108,11 +110,14 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     // Heights without a unit are in the unit of the positions.
     let unit = map.unit().or_else(|| [&slow, &fast].iter().find_map(|axis| axis.positions.and_then(Variable::unit)));
     warn_if!(warnings, unit.is_none(), "the file states no unit; heights and positions count as metre");
-    let is_turned = slow.is_named("x") || fast.is_named("y");
+    let is_line = map.shape.len() == 1;
+    let is_turned = !is_line && (slow.is_named("x") || fast.is_named("y"));
     let numbers = |variable: &Variable| source.map(variable, (rows, columns), is_turned);
     let heights = heights(numbers, &contents, map, unit.unwrap_or("m"), &input)?;
+    refuse_if!(is_line && options.pitch_m.is_none() && !fast.is_even(&source)?, uneven(&input));
     let mut pitch_m = |axis: &Axis| axis.pitch_m(&source, unit.is_none().then_some("m"), &mut warnings);
-    let (along_slow, along_fast) = (pitch_m(&slow)?, pitch_m(&fast)?);
+    let along_slow = pitch_m(&slow)?;
+    let along_fast = if is_line { along_slow } else { pitch_m(&fast)? };
     let read = [slow.positions, fast.positions, Some(map)].into_iter().flatten().map(|one| one.name.clone());
     let read: Vec<String> = read.collect();
     let (shape, pitch_m) = match is_turned {
@@ -146,10 +151,6 @@ fn heights(
 /// Returns the error for a file without a map of heights.
 fn no_map(input: &Input, contents: &Contents) -> FormatError {
     let wanted = "a variable of two dimensions in a unit of length, or named `heights`";
-    let is_line = |variable: &&Variable| variable.name == HEIGHTS && variable.shape.len() == 1;
-    if contents.variables.iter().any(|variable| is_line(&variable)) {
-        return input.unsupported("the file holds a line scan", wanted);
-    }
     let units: Vec<String> = contents
         .variables
         .iter()
@@ -159,6 +160,11 @@ fn no_map(input: &Input, contents: &Contents) -> FormatError {
         .collect();
     let found = if units.is_empty() { "no map".into() } else { units.join(", ") };
     input.unsupported(format!("the file holds {found}"), wanted)
+}
+
+/// Returns the error for a line scan between whose points the distance varies.
+fn uneven(input: &Input) -> FormatError {
+    input.unsupported("the file holds a line scan whose positions are not evenly spaced", "positions in equal steps")
 }
 
 /// Converts stored numbers to metre; NaN for missing ones.
@@ -209,8 +215,11 @@ impl<'c> Axis<'c> {
     fn new(contents: &'c Contents, map: &Variable, back: usize) -> Self {
         let place = map.shape.len().saturating_sub(back);
         let dimension = map.dimensions.get(place).copied().flatten().and_then(|place| contents.dimensions.get(place));
+        // Line scans with varying distances have the dimension `n` and the positions `x`.
+        let is_line = |variable: &Variable| map.shape.len() == 1 && variable.name == "x";
         let is_match = |variable: &&Variable| {
-            variable.shape.len() == 1 && dimension.is_some_and(|(name, _)| *name == variable.name)
+            let is_named = dimension.is_some_and(|(name, _)| *name == variable.name) || is_line(variable);
+            variable.shape.len() == 1 && is_named
         };
         let positions = contents.variables.iter().find(is_match).filter(|variable| variable.sample.is_some());
         Self { dimension, length: map.shape.get(place).copied().unwrap_or_default(), positions }
@@ -218,6 +227,15 @@ impl<'c> Axis<'c> {
 
     fn is_named(&self, name: &str) -> bool {
         self.dimension.is_some_and(|(own, _)| own.eq_ignore_ascii_case(name))
+    }
+
+    /// Returns whether the positions step evenly, if there are positions.
+    fn is_even(&self, source: &Source) -> Result<bool> {
+        let variable = self.positions.filter(|variable| variable.shape == [self.length]);
+        let places = variable.map(|variable| source.numbers(variable)).transpose()?.unwrap_or_default();
+        let (Some(first), Some(last)) = (places.first(), places.last()) else { return Ok(true) };
+        let pitch = (last - first) / (places.len() - 1) as f64;
+        Ok(places.windows(2).all(|pair| ((pair[1] - pair[0]) / pitch - 1.0).abs() <= UNEVEN))
     }
 
     /// Returns the distance between positions, or else the length of the side divided by the number of points.

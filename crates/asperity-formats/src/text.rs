@@ -51,7 +51,7 @@ pub(crate) const CODEC: Description = Description {
     vendor: "any",
     known_by: "no control characters in UTF-8, UTF-16 or Latin-1",
     reads: "one row per line; spaces, tabs, commas or semicolons; decimal commas; profiles as one column or with positions; headers of \
-            Gwyddion, SPIP, Attocube, Nova, ESRI grids, Dektak profiles, and plain keys",
+            Gwyddion, SPIP, Attocube, Nova, ESRI grids, Dektak and HFM profiles, and plain keys",
     writes: ".csv with commas, others with spaces; unit and pixel size as comments",
     missing_points: "empty, nan, inf, 1.#QNAN, BAD, No Data, #N/A, the NODATA_value of the header",
     orientation: "the first line is row 0",

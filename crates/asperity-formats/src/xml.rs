@@ -43,7 +43,7 @@ pub(crate) struct Document {
 }
 
 /// Describes an error of the XML reader.
-fn fault(error: &Error) -> String {
+pub(crate) fn fault(error: &Error) -> String {
     match error {
         Error::Syntax(_) => "the document ends inside of a tag or a comment".into(),
         Error::IllFormed(IllFormedError::MismatchedEndTag { expected, found }) => {
@@ -208,7 +208,7 @@ fn append(text: &mut String, more: &str) {
 }
 
 /// Resolves a character reference or a predefined entity.
-fn resolve(reference: &BytesRef) -> Option<String> {
+pub(crate) fn resolve(reference: &BytesRef) -> Option<String> {
     match reference.resolve_char_ref() {
         Ok(Some(character)) => Some(character.into()),
         _ => resolve_predefined_entity(reference).map(str::to_owned),
@@ -216,7 +216,7 @@ fn resolve(reference: &BytesRef) -> Option<String> {
 }
 
 /// Decodes XML text: UTF-16 with a byte-order mark, UTF-8, or else Latin-1.
-fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some(text) = utf16(bytes) {
         return Cow::Owned(text);
     }

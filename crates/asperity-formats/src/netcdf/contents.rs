@@ -64,9 +64,12 @@ impl Variable {
         })
     }
 
-    /// Returns the last two dimensions if the variable is a map of numbers.
+    /// Returns the last two dimensions if the variable is a map of numbers, 1 and the length if it is a line scan.
     pub(super) fn map(&self) -> Option<(usize, usize)> {
         let (columns, rest) = self.shape.split_last()?;
+        if rest.is_empty() && self.name == HEIGHTS && self.sample.is_some() {
+            return Some((1, *columns));
+        }
         let (rows, rest) = rest.split_last()?;
         (self.sample.is_some() && rest.iter().all(|&length| length == 1)).then_some((*rows, *columns))
     }

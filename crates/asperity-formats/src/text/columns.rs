@@ -74,14 +74,14 @@ pub(crate) fn named<T>(head: &[u8], choose: impl Fn(&[Column]) -> Option<T>) -> 
     })
 }
 
-/// Returns the units of a line that has nothing else, one for each of several columns; those of some columns may be empty.
+/// Returns the units of a line, one for each of several columns. The first two are lengths, or empty like the unit of an index.
 fn units_in(line: &str, columns: usize) -> Option<Vec<String>> {
     let line = line.trim_matches(['#', '%', ' ', '\r']);
     let separated = line.contains([',', ';', '\t']);
     let words = line.split(|c: char| matches!(c, ',' | ';' | '\t') || !separated && c == ' ').map(bare);
     let units: Vec<String> = words.filter(|word| separated || !word.is_empty()).map(str::to_owned).collect();
     let are_units =
-        units.iter().all(|word| word.is_empty() || is_unit(word)) && units.iter().any(|word| !word.is_empty());
+        units.iter().take(2).all(|word| word.is_empty() || is_unit(word)) && units.iter().any(|word| is_unit(word));
     (units.len() == columns && are_units).then_some(units)
 }
 

@@ -2,12 +2,14 @@
 
 use super::columns::{Column, named};
 use super::header::Header;
-use crate::{Format, FormatError, ReadOptions, Result, Shape};
+use crate::{Format, FormatError, ReadOptions, Result, Shape, large};
 
 /// Fewest points of a profile with positions.
 const FEWEST: usize = 4;
 /// Fewest numbers that do not rise or fall by chance.
 pub(super) const MANY: usize = 8;
+/// Name of a column with 0 for heights that are missing and 1 for others, as in HFM files.
+const VALID: &str = "valid";
 /// Distance of a position from its place in equal steps, in steps, up to which the steps count as equal.
 const TOLERANCE: f64 = 0.25;
 
@@ -50,7 +52,8 @@ pub(super) fn names(head: &[u8], columns: usize) -> Option<Vec<Column>> {
     named(head, |found| {
         let count = found.iter().rposition(|column| !column.name.is_empty())? + 1;
         let first = first_named(found);
-        let are_named = found[first..count].iter().all(|column| !column.name.is_empty() && column.unit.is_some());
+        let is_known = |column: &Column| column.unit.is_some() || column.name == VALID;
+        let are_named = found[first..count].iter().all(|column| !column.name.is_empty() && is_known(column));
         let is_profile = are_named && (first + 2..=columns).contains(&count) && found[first].per_metre().is_some();
         is_profile.then(|| found[..count].to_vec())
     })
@@ -88,11 +91,16 @@ pub(super) fn of(
     };
     if let Some(names) = names.filter(are_complete) {
         let positions = first_named(&names);
-        let channels: Vec<String> = names[positions + 1..].iter().map(|column| column.name.clone()).collect();
+        let named = names[positions + 1..].iter().filter(|column| column.name != VALID);
+        let channels: Vec<String> = named.map(|column| column.name.clone()).collect();
         let channel = options.choose(Format::Text, &channels)?;
-        let heights = positions + 1 + channel;
-        let units = [&names[positions], &names[heights]].map(|column| column.unit.clone());
-        let found = stepped(&column(positions), column(heights), "columns of positions and heights".into(), options)?;
+        let place = positions + 1 + channel;
+        let units = [&names[positions], &names[place]].map(|column| column.unit.clone());
+        let mut heights = column(place);
+        if let Some(place) = names.iter().position(|column| column.name == VALID) {
+            large::hide(&mut heights, column(place).into_iter().map(|valid| valid == 0.0));
+        }
+        let found = stepped(&column(positions), heights, "columns of positions and heights".into(), options)?;
         return Ok(Some(Profile { channels, channel, units, ..found }));
     }
     // Nothing is known about a row or column of voids alone.

@@ -49,6 +49,11 @@ fn leica() -> Vec<u8> {
     [[0x70, 0, 0, 0, 0x37, 0, 0, 0, 0x2a].as_slice(), &letters, &xml].concat()
 }
 
+/// Returns a square tile of equal heights in metre.
+fn terrain(side: usize, height: i16) -> Vec<u8> {
+    height.to_be_bytes().repeat(side * side)
+}
+
 #[test]
 fn files_of_known_formats_are_refused_by_name_with_advice() {
     let stl = [[b' '; 80].as_slice(), &2_u32.to_le_bytes(), &[1; 100]].concat();
@@ -67,7 +72,15 @@ fn files_of_known_formats_are_refused_by_name_with_advice() {
         (stl, "a binary STL mesh", "regular grid"),
         (b"solid part\n  facet normal 0 0 1\n".to_vec(), "an STL mesh", "regular grid"),
         (b"ply\nformat ascii 1.0\n".to_vec(), "a PLY mesh", "regular grid"),
-        (zip(&[("[Content_Types].xml", b"<a/>"), ("xl/workbook.xml", b"<a/>")]), "an Excel workbook (XLSX)", "CSV"),
+        (
+            zip(&[("[Content_Types].xml", b"<a/>"), ("xl/workbook.bin", b"\0")]),
+            "an Excel workbook in binary form",
+            "CSV",
+        ),
+        (b"UK SOFT\r\nsoftware      PicoScan\r\n".to_vec(), "a Molecular Imaging (Agilent) STP file", "GWY"),
+        (b"fileType      Image\nversion       PicoView\n".to_vec(), "a Molecular Imaging (Agilent) MI file", "GWY"),
+        (terrain(1201, 412), "an SRTM tile of terrain heights (HGT)", "NPY or text"),
+        (terrain(3601, i16::MIN), "an SRTM tile of terrain heights (HGT)", "NPY or text"),
         (zip(&[("readme.txt", b"hello")]), "a zip archive", "unpack"),
         (tar, "a tar archive", "unpack"),
         (b"BZh91AY&SY\x00".to_vec(), "a bzip2 archive", "unpack"),
@@ -121,7 +134,10 @@ fn ordinary_text_and_bytes_match_no_other_format() {
     let mut wave = igor_wave(false);
     wave[7] = 1;
     let mesh = [[b' '; 80].as_slice(), &3_u32.to_le_bytes(), &[1; 100]].concat();
-    for bytes in [wave, b"BM\x00\x00\x00\x00\x00\x00\x00\x00abcdefgh".to_vec(), mesh] {
+    // Tiles with numbers that are no heights of the Earth, or of another size.
+    for bytes in
+        [terrain(1201, 0x7f01), terrain(1200, 412), wave, b"BM\x00\x00\x00\x00\x00\x00\x00\x00abcdefgh".to_vec(), mesh]
+    {
         assert_error(read_bytes(&bytes), "unknown format");
     }
 }

@@ -156,6 +156,24 @@ impl Classic {
     }
 }
 
+/// A file as written by SurfaceTopography, of three rows of two heights in nm.
+pub(crate) fn of_surface_topography() -> Vec<u8> {
+    Classic::default().bytes()
+}
+
+/// A line scan as written by SurfaceTopography, with the positions `x` in µm along the dimension of this name.
+fn line_scan(dimension: &'static str, x: &[f64]) -> Classic {
+    let heights: Vec<f64> = (0..x.len()).map(|n| n as f64).collect();
+    Classic {
+        dimensions: vec![(dimension, x.len() as u64)],
+        variables: vec![
+            Var("x", vec![0], unit("um"), 6, doubles(x)),
+            Var("heights", vec![0], unit("nm"), 6, doubles(&heights)),
+        ],
+        ..Classic::default()
+    }
+}
+
 /// Bytes and zeros up to a multiple of four.
 fn padded(bytes: &[u8]) -> Vec<u8> {
     let mut padded = bytes.to_vec();
@@ -471,7 +489,10 @@ fn other_versions_and_files_without_a_map_are_refused_with_their_content() {
     let usual = Classic::default().bytes();
     assert_refused([
         (with(Some(Var("current", vec![0, 1], unit("A/m"), 6, doubles(&[8.0; 6])))), "holds `current` (A/m); wanted"),
-        (with(Some(Var("heights", vec![1], unit("nm"), 6, doubles(&[8.0; 3])))), "NetCDF: the file holds a line scan"),
+        (
+            line_scan("n", &[0.0, 1.5, 4.0]).bytes(),
+            "NetCDF: the file holds a line scan whose positions are not evenly spaced",
+        ),
         (with(None), "NetCDF: the file holds no map"),
         (in_records(2, Some(0)).bytes(), "NetCDF: rows (byte 0) is `0`; wanted 1 or more"),
         (sized(1 << 30), "the limit is"),
@@ -482,4 +503,15 @@ fn other_versions_and_files_without_a_map_are_refused_with_their_content() {
         (patched(&usual, 11, [0x0c_u8]), "NetCDF: dimensions (byte 8) is `tag 12`; wanted tag 10"),
         (patched(&usual, 12, 1_000_000_u32.to_be_bytes()), "is 1000000; the limit is"),
     ]);
+}
+
+#[test]
+fn a_line_scan_is_a_scan_of_one_row() {
+    for dimension in ["x", "n"] {
+        let scan = line_scan(dimension, &[0.0, 1.5, 3.0]).read();
+        assert_eq!(scan.heights_m.dim(), (1, 3));
+        assert_nm(&scan, [0.0, 1.0, 2.0]);
+        assert_pitch(&scan, (1.5e-6, 1.5e-6));
+        assert_no_warning(&scan);
+    }
 }

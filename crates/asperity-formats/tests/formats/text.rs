@@ -193,6 +193,11 @@ fn heights_along_a_line_are_a_profile() {
         assert!((step_m / 5e-7 - 1.0).abs() < 1e-12, "{text}: {step_m}");
         assert!(scan.heights_m.iter().zip(heights_nm).all(|(z, nm)| (z / nm * 1e9 - 1.0).abs() < 1e-12), "{text}");
     }
+    // HFM: units below the names, and a mark of missing heights.
+    let hfm = "X;Y;valid\r\n[mm];[um];[1/0]\r\n8.6722;-1.5;1\r\n8.6727;0;0\r\n8.6732;2.5;1\r\n8.6737;3;1\r\n";
+    let scan = read_bytes(hfm.as_bytes()).unwrap();
+    assert_heights(&scan, &[-1.5e-6, f64::NAN, 2.5e-6, 3e-6]);
+    assert!(scan.channels == ["Y"] && (scan.pitch_m.unwrap().0 / 5e-7 - 1.0).abs() < 1e-9, "{scan:?}");
     let two = "Lateral(µm),Raw(nm),Level(nm)\n0,1,11\n1,2,12\n2,3,13\n3,5,15\n";
     let scan = read_channel(two.as_bytes(), "level").unwrap();
     assert_eq!(scan.channels, ["Raw", "Level"]);

@@ -7,18 +7,22 @@ use crate::contact::Control;
 use crate::friction::strip::StripProblem;
 use crate::friction::{PressedScan, WINDOWS};
 use crate::map::{BoundaryKind, Grid, HeightMap};
-use crate::monitor::{Monitor, Quiet};
+use crate::monitor::Monitor;
 use crate::random::{standard_normal, stream};
 use crate::study::check::FrictionStudy;
 use crate::study::file::WindowShape;
 use crate::study::friction_strips::strip_problem;
 use crate::study::output::StageOutput;
 use crate::study::result::{ScanCutoff, ScanFriction};
+use crate::study::surface_scans::filled;
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{StudyError, sentence};
+use crate::surface::RandomSurface;
 use crate::surface::filter::{Edges, Respaced};
 use crate::surface::model::BandSlopes;
 
+/// Stream of the random heights in voids.
+const FILL_STAGE: &str = "friction/scan";
 /// Largest number of points of a scan; a larger one is pressed in its middle.
 const MOST_POINTS: usize = 1 << 20;
 /// Largest number of cells at a quarter of the pixel; half of it is always solved.
@@ -55,7 +59,7 @@ pub(super) fn run(
         return Ok((None, output));
     }
     let missing = cropped.missing_points();
-    let map = match filled(&cropped, seed, STAGE, monitor) {
+    let map = match filled(&cropped, seed, FILL_STAGE, monitor) {
         Ok(map) => map,
         Err(reason) => {
             output.warnings.push(format!("the scan itself was not pressed: its voids could not be filled ({reason})"));
