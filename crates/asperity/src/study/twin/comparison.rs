@@ -205,8 +205,8 @@ mod tests {
         let ratios = (0..=10).map(|i| 0.5 + 0.1 * f64::from(i));
         assert_eq!(
             spectrum_sentence(CurveKind::Spectrum(Axis::X), 0.27, ratios.chain([f64::NAN])),
-            "the power spectrum along x of the scan lies in the 95 % band of its twins at only 27 % of the wavenumbers: it is 1.0 times \
-             the mean of the twins, from 0.60 to 1.4 times at 80 % of the wavenumbers"
+            "the power spectrum along x of the scan lies in the 95 % band of its twins at only 27 % of the wavenumbers: it is 1 times \
+             the mean of the twins, from 0.6 to 1.4 times at 80 % of the wavenumbers"
         );
     }
 
