@@ -1,5 +1,5 @@
-//! The first screen of a campaign: which value changes the probability, or how many members vibrate and where the verdict changes, and the
-//! ranges of the other answers.
+//! The first screen of a campaign: how probable vibration is and which value changes that, or how many members vibrate and where the verdict
+//! changes, and the ranges of the other answers.
 
 use std::collections::BTreeMap;
 
@@ -10,6 +10,7 @@ use crate::campaign::words::{
 };
 use crate::format::{count, significant};
 use crate::page::answer::Answer;
+use crate::words::unbroken;
 
 /// Difference of probabilities below which a value hardly matters.
 const SMALL: f64 = 0.05;
@@ -19,10 +20,15 @@ const MOST_NAMES: usize = 4;
 pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
     // Beside probabilities, the verdicts on central values would be other answers to the same question.
     let found = match results.members.iter().any(|member| member.answers.probability.is_some()) {
-        true => [effects(results), probabilities(results), certainty(results), limits(results), friction(results)],
+        true => [probabilities(results), certainty(results), effects(results), limits(results), friction(results)],
         false => [verdicts(results), change(results), limits(results), friction(results), None],
     };
-    let found: Vec<Answer> = found.into_iter().flatten().collect();
+    let on_one_line = |found: Answer| Answer {
+        answer: unbroken(&found.answer),
+        detail: unbroken(&found.detail),
+        question: found.question,
+    };
+    let found: Vec<Answer> = found.into_iter().flatten().map(on_one_line).collect();
     if !found.is_empty() {
         return found;
     }

@@ -167,8 +167,9 @@ fn computed_to(verdict: &VerdictResult) -> String {
     if symmetric && (0.05..0.95).contains(&p) {
         format!("Computed to ±{} percentage points.", significant(100.0 * below.max(above), 2))
     } else {
-        // Two digits do not separate the ends near 1.
-        let end = |p: f64| if p > 0.9 && p < 0.999 { format!("{} %", significant(100.0 * p, 3)) } else { percent(p) };
+        // Two digits do not separate ends that are both near 1.
+        let is_near_one = |p: f64| low > 0.9 && p < 0.999;
+        let end = |p: f64| if is_near_one(p) { format!("{} %", significant(100.0 * p, 3)) } else { percent(p) };
         format!("Computed to between {} and {}.", end(low), end(high))
     }
 }
