@@ -13,7 +13,7 @@ const MOST_CURVES: usize = 6;
 
 const PROBABILITY: &str = "Probability of vibration";
 /// Name of the band of a curve.
-const RANGE: &str = "90 % range over unknown values";
+const RANGE: &str = "shaded: 90 % range over unknown values";
 /// Largest number of curves with a band.
 const MOST_BANDS: usize = 3;
 const MARGIN: &str = "Margin of the damping ratio";
@@ -128,7 +128,7 @@ fn bands(
         // The legend names bands once.
         let name = match (place, has_ranges) {
             (0, true) => RANGE,
-            (0, false) => "95 % interval",
+            (0, false) => "shaded: 95 % interval",
             _ => "",
         };
         band(chart, name, members.iter().enumerate().filter_map(ends).collect(), pen(place).colour);
