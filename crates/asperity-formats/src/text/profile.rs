@@ -2,7 +2,7 @@
 
 use super::columns::{Column, named};
 use super::header::Header;
-use crate::{Format, FormatError, ReadOptions, Result, Shape, large};
+use crate::{Format, FormatError, ReadOptions, Result, Shape, large, shown};
 
 /// Fewest points of a profile with positions.
 const FEWEST: usize = 4;
@@ -10,6 +10,12 @@ const FEWEST: usize = 4;
 pub(super) const MANY: usize = 8;
 /// Name of a column with 0 for heights that are missing and 1 for others, as in HFM files.
 const VALID: &str = "valid";
+/// Start of the name that data frames give a column without one.
+const UNNAMED: &str = "Unnamed:";
+/// Usual names of positions and of heights, in small letters.
+const POSITIONS: [&str; 9] =
+    ["x", "position", "pos", "lateral", "distance", "length", "abscissa", "x position", "lateral position"];
+const HEIGHTS: [&str; 8] = ["z", "height", "heights", "profile", "total profile", "raw", "level", "y"];
 /// Distance of a position from its place in equal steps, in steps, up to which the steps count as equal.
 const TOLERANCE: f64 = 0.25;
 
@@ -46,22 +52,51 @@ impl Profile {
     }
 }
 
-/// Returns the columns of a header that names a position and heights, both with a unit of which that of the position is a length; further
-/// columns have no name, and a column before them has none if it is the index of the rows.
+/// Columns of a profile, by what their names and units say.
+struct Roles {
+    positions: usize,
+    heights: Vec<usize>,
+    /// Column of zeros where the height is missing.
+    valid: Option<usize>,
+}
+
+impl Roles {
+    /// Returns the roles of named columns; `None` if the names are not those of a profile. Columns without a unit and a known name have no
+    /// role, among them an index of the rows.
+    fn of(columns: &[Column]) -> Option<Self> {
+        let name = |place: &usize| columns[*place].name.to_lowercase();
+        let is_position = |place: &usize| POSITIONS.contains(&name(place).as_str());
+        let is_height = |place: &usize| HEIGHTS.contains(&name(place).as_str());
+        let valid = (0..columns.len()).find(|place| name(place) == VALID);
+        let named: Vec<usize> =
+            (0..columns.len()).filter(|place| Some(*place) != valid && !name(place).is_empty()).collect();
+        let is_point = named.iter().any(|place| name(place) == "y") && named.len() > 2;
+        let lengths = || named.iter().filter(|place| columns[**place].per_metre().is_some());
+        let by_name = named.iter().find(|place| is_position(place));
+        let positions = *by_name.or_else(|| lengths().find(|place| !is_height(place))).or_else(|| lengths().next())?;
+        let is_of_heights = |place: &usize| *place != positions && (columns[*place].unit.is_some() || is_height(place));
+        let heights: Vec<usize> = named.iter().copied().filter(is_of_heights).collect();
+        // Without a unit of the positions, both names must be usual ones.
+        let is_known =
+            heights.first().is_some_and(|place| is_height(place) || columns[positions].per_metre().is_some());
+        (is_known && !is_point).then_some(Self { positions, heights, valid })
+    }
+}
+
+/// Returns the columns of a header that names positions and heights, with their units or by usual names. Further columns have no name, and a
+/// column before all others has none if it is the index of the rows.
 pub(super) fn names(head: &[u8], columns: usize) -> Option<Vec<Column>> {
     named(head, |found| {
         let count = found.iter().rposition(|column| !column.name.is_empty())? + 1;
-        let first = first_named(found);
-        let is_known = |column: &Column| column.unit.is_some() || column.name == VALID;
-        let are_named = found[first..count].iter().all(|column| !column.name.is_empty() && is_known(column));
-        let is_profile = are_named && (first + 2..=columns).contains(&count) && found[first].per_metre().is_some();
-        is_profile.then(|| found[..count].to_vec())
+        let mut found = found[..count].to_vec();
+        if let Some(index) = found.first_mut().filter(|column| column.name.starts_with(UNNAMED)) {
+            index.name.clear();
+        }
+        // A key with its value, `z unit = um`, is no list of names.
+        let is_name = |column: &Column| column.name.contains(char::is_alphabetic);
+        let is_profile = count <= columns && found[1..].iter().all(is_name);
+        (is_profile && Roles::of(&found).is_some()).then_some(found)
     })
-}
-
-/// Returns the index of the first column with a name, if it is the first or follows an index of the rows.
-fn first_named(columns: &[Column]) -> usize {
-    usize::from(columns.first().is_some_and(|column| column.name.is_empty()))
 }
 
 /// Returns whether a header names a position and heights, one for each column.
@@ -84,23 +119,31 @@ pub(super) fn of(
     let plain = |heights: Vec<f64>, form: String| {
         Ok(Some(Profile { heights, step: None, channels: vec![], channel: 0, units: [None, None], form }))
     };
-    let counts = |place: usize| column(place).windows(2).all(|pair| pair[1] == pair[0] + 1.0);
-    let are_complete = |names: &Vec<Column>| {
-        (0..first_named(names)).all(counts)
-            && (names.len()..columns).all(|place| column(place).iter().all(|z| z.is_nan()))
-    };
-    if let Some(names) = names.filter(are_complete) {
-        let positions = first_named(&names);
-        let named = names[positions + 1..].iter().filter(|column| column.name != VALID);
-        let channels: Vec<String> = named.map(|column| column.name.clone()).collect();
+    let is_empty = |place: usize| column(place).iter().all(|z| z.is_nan());
+    // The names of a data frame may leave out the one of the index.
+    let shift = |names: &Vec<Column>| usize::from(names.len() + 1 == columns && !is_empty(columns - 1));
+    let are_complete = |names: &Vec<Column>| (names.len() + shift(names)..columns).all(is_empty);
+    if let Some(names) = names.filter(are_complete)
+        && let Some(Roles { positions, heights, valid }) = Roles::of(&names)
+    {
+        let shift = shift(&names);
+        let channels: Vec<String> = heights.iter().map(|place| names[*place].name.clone()).collect();
         let channel = options.choose(Format::Text, &channels)?;
-        let place = positions + 1 + channel;
+        let place = heights[channel];
         let units = [&names[positions], &names[place]].map(|column| column.unit.clone());
-        let mut heights = column(place);
-        if let Some(place) = names.iter().position(|column| column.name == VALID) {
-            large::hide(&mut heights, column(place).into_iter().map(|valid| valid == 0.0));
+        let mut found = column(place + shift);
+        if let Some(valid) = valid {
+            large::hide(&mut found, column(valid + shift).into_iter().map(|valid| valid.is_nan() || valid == 0.0));
         }
-        let found = stepped(&column(positions), heights, "columns of positions and heights".into(), options)?;
+        let has_role = |place: &usize| *place == positions || Some(*place) == valid || heights.contains(place);
+        let others: Vec<&str> =
+            (0..names.len()).filter(|place| !has_role(place)).map(|place| names[place].name.as_str()).collect();
+        let left_out = others.into_iter().filter(|name| !name.is_empty()).map(shown).collect::<Vec<_>>().join(", ");
+        let mut form = "columns of positions and heights".to_owned();
+        if !left_out.is_empty() {
+            form += &format!("; `{left_out}` was left out");
+        }
+        let found = stepped(&column(positions + shift), found, form, options)?;
         return Ok(Some(Profile { channels, channel, units, ..found }));
     }
     // Nothing is known about a row or column of voids alone.

@@ -101,6 +101,8 @@ pub(crate) struct Table {
     pub(crate) rows: usize,
     /// Number of times that blank lines divide rows.
     pub(crate) gaps: usize,
+    /// Whether blank lines divide the first row from the second.
+    pub(crate) is_first_divided: bool,
     /// Whether a blank line precedes the first row, and whether one follows the last row.
     starts_blank: bool,
     blank: bool,
@@ -252,6 +254,7 @@ impl Table {
         let is_blank = self.blank || piece.starts_blank;
         if piece.rows > 0 {
             self.gaps += piece.gaps + usize::from(is_blank && self.rows > 0);
+            self.is_first_divided |= is_blank && self.rows == 1 || self.rows == 0 && piece.is_first_divided;
             self.starts_blank |= is_blank && self.rows == 0;
         }
         self.blank = if piece.rows > 0 { piece.blank } else { is_blank || piece.blank };
@@ -337,6 +340,7 @@ impl<'a> Scanner<'a> {
         let found = table.found;
         if found > 0 {
             table.gaps += usize::from(table.blank && table.rows > 0);
+            table.is_first_divided |= table.blank && table.rows == 1;
             table.starts_blank |= table.blank && table.rows == 0;
             table.blank = false;
             table.rows += 1;

@@ -34,7 +34,7 @@ pub(super) fn without_labels(
 ) -> Result<Shape> {
     let (rows, columns) = shape;
     // Some programs write a blank line after each row, or after a row of labels.
-    refuse_if!(table.gaps > 1 && table.gaps + 1 < rows, blocks(table));
+    refuse_if!(table.gaps > usize::from(table.is_first_divided) && table.gaps + 1 < rows, blocks(table));
     if rows <= 2 || columns <= 2 || corner == Corner::Number && has_extent {
         return Ok(shape);
     }

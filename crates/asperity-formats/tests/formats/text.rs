@@ -238,6 +238,33 @@ fn profiles_as_programs_export_them_are_read_or_refused_by_name() {
         assert!((scan.heights_m[[0, 1]] / 0.31e-6 - 1.0).abs() < 1e-12, "{text}: {scan:?}");
         assert_eq!(scan.pitch_m.map(|(step_m, _)| (step_m * 1e8).round() / 100.0), pitch_um, "{text}");
     }
+    // Roles of columns follow from their names and units, in any order; indices of any kind and other columns have none.
+    for text in [
+        "Height;Position\nµm;mm\n0,12;0,0\n0,31;0,0005\n0,25;0,0010\n0,02;0,0015\n",
+        "z [um],x [um]\n0.12,0\n0.31,0.5\n0.25,1\n0.02,1.5\n",
+        "x [um],valid,z [um]\n0,1,0.12\n0.5,1,0.31\n1,1,0.25\n1.5,1,0.02\n",
+        "valid,x [um],z [um]\n1,0,0.12\n1,0.5,0.31\n1,1,0.25\n1,1.5,0.02\n",
+        "flag,x [um],z [um]\n1,0,0.12\n1,0.5,0.31\n0,1,0.25\n1,1.5,0.02\n",
+        ",x [um],z [um]\n0,0,0.12\n2,0.5,0.31\n4,1,0.25\n6,1.5,0.02\n",
+        "Unnamed: 0,x [um],z [um]\n7,0,0.12\n3,0.5,0.31\n4,1,0.25\n4,1.5,0.02\n",
+        "x [um],z [um]\n1,0,0.12\n2,0.5,0.31\n4,1,0.25\n5,1.5,0.02\n",
+        "Index,x [um],z\n1,0,0.12\n2,0.5,0.31\n3,1,0.25\n4,1.5,0.02\n",
+    ] {
+        let scan = in_um(text, None).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let heights_um: Vec<f64> = scan.heights_m.iter().map(|z| (z * 1e8).round() / 100.0).collect();
+        assert_eq!(heights_um, [0.12, 0.31, 0.25, 0.02], "{text}");
+        assert!((scan.pitch_m.unwrap().0 / 5e-7 - 1.0).abs() < 1e-9, "{text}");
+        assert!(
+            !text.starts_with("flag") || scan.warnings.iter().any(|w| w.contains("`flag` was left out")),
+            "{scan:?}"
+        );
+    }
+    // Names without units leave the distance between points open.
+    let plain = in_um("x,z\n0,0.12\n0.5,0.31\n1,0.25\n1.5,0.02\n", None).unwrap();
+    assert!(plain.is_profile() && plain.pitch_m.is_none());
+    // Missing marks of a column `valid`.
+    let marked = in_um("x [um],z [um],valid\n0,0.12,1\n0.5,0.31,0\n1,0.25,\n1.5,0.02,1\n", None).unwrap();
+    assert_eq!(marked.heights_m.iter().filter(|z| z.is_nan()).count(), 2);
     // Rounded positions need the distance between points.
     let rounded: String = (0..12).map(|k| format!("{:.3} {}\n", 0.0005 * f64::from(k), k * k % 7)).collect();
     assert!(in_um(&rounded, Some((5e-7, 5e-7))).unwrap().is_profile());
@@ -254,6 +281,7 @@ fn blocks_and_doubtful_labels_are_refused() {
     let open = "evenly: labels, coordinates or heights";
     assert_refused([
         ("1 2\n3 4\n\n5 6\n7 8\n\n9 0\n1 2\n", "3 blocks of numbers, divided by blank lines"),
+        ("1 2 3\n4 5 7\n\n7 8 1\n2 3 4\n", "2 blocks of numbers, divided by blank lines"),
         (&line, open),
         (&cone, open),
         (&ramp, open),
@@ -261,6 +289,7 @@ fn blocks_and_doubtful_labels_are_refused() {
     ]);
     // A blank line after each row divides nothing, nor does a comment.
     assert_eq!(read("1 2 3\n\n4 5 6\n# a\n\n7 8 1\n\n").heights_m.dim(), (3, 3));
+    assert_eq!(read("1 5 2\n\n4 5 7\n7 8 1\n2 3 4\n").heights_m.dim(), (4, 3));
     // However many pieces a long text is read in.
     let long: String =
         (0..12000).map(|row| format!("{}\n\n", vec![((row * 7) % 13).to_string(); 300].join(" "))).collect();
