@@ -73,9 +73,16 @@ impl Roles {
         let is_point = named.iter().any(|place| name(place) == "y") && named.len() > 2;
         let lengths = || named.iter().filter(|place| columns[**place].per_metre().is_some());
         let by_name = named.iter().find(|place| is_position(place));
-        let positions = *by_name.or_else(|| lengths().find(|place| !is_height(place))).or_else(|| lengths().next())?;
-        let is_of_heights = |place: &usize| *place != positions && (columns[*place].unit.is_some() || is_height(place));
-        let heights: Vec<usize> = named.iter().copied().filter(is_of_heights).collect();
+        let is_other = |place: &&usize| !is_height(place) || lengths().count() > 1;
+        let by_unit = || lengths().find(|place| !is_height(place)).or_else(|| lengths().find(is_other));
+        let positions = *by_name.or_else(by_unit)?;
+        let others = || named.iter().copied().filter(|place| *place != positions);
+        let is_length = |place: &usize| columns[*place].per_metre().is_some() || is_height(place);
+        let mut heights: Vec<usize> = others().filter(is_length).collect();
+        if heights.is_empty() {
+            // Another quantity is refused by its unit.
+            heights = others().filter(|place| columns[*place].unit.is_some()).collect();
+        }
         // Without a unit of the positions, both names must be usual ones.
         let is_known =
             heights.first().is_some_and(|place| is_height(place) || columns[positions].per_metre().is_some());

@@ -248,6 +248,7 @@ fn profiles_as_programs_export_them_are_read_or_refused_by_name() {
         ",x [um],z [um]\n0,0,0.12\n2,0.5,0.31\n4,1,0.25\n6,1.5,0.02\n",
         "Unnamed: 0,x [um],z [um]\n7,0,0.12\n3,0.5,0.31\n4,1,0.25\n4,1.5,0.02\n",
         "x [um],z [um]\n1,0,0.12\n2,0.5,0.31\n4,1,0.25\n5,1.5,0.02\n",
+        "t [s],x [um],z [um]\n0,0,0.12\n1,0.5,0.31\n2,1,0.25\n3,1.5,0.02\n",
         "Index,x [um],z\n1,0,0.12\n2,0.5,0.31\n3,1,0.25\n4,1.5,0.02\n",
     ] {
         let scan = in_um(text, None).unwrap_or_else(|error| panic!("{text}: {error}"));
@@ -262,6 +263,7 @@ fn profiles_as_programs_export_them_are_read_or_refused_by_name() {
     // Names without units leave the distance between points open.
     let plain = in_um("x,z\n0,0.12\n0.5,0.31\n1,0.25\n1.5,0.02\n", None).unwrap();
     assert!(plain.is_profile() && plain.pitch_m.is_none());
+    assert_error(in_um("Time [s],z [um]\n0,0.12\n1,0.31\n2,0.25\n3,0.02\n", None), "`Time [s]`; wanted a number");
     // Missing marks of a column `valid`.
     let marked = in_um("x [um],z [um],valid\n0,0.12,1\n0.5,0.31,0\n1,0.25,\n1.5,0.02,1\n", None).unwrap();
     assert_eq!(marked.heights_m.iter().filter(|z| z.is_nan()).count(), 2);
