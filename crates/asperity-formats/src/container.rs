@@ -4,17 +4,20 @@
 //! The description lists the measurements of all surfaces. `datafile` names up to two files of each: `squeezed-netcdf`,
 //! with scale, detrending and filling applied, and `original`, the file of the instrument. The squeezed file is read if
 //! there is one. An original may lack its unit, the size of its field, n pitches, and a scale of its heights, which the
-//! description then states; it is neither detrended nor filled.
+//! description then states; it is neither detrended nor filled. A unit that the user states is that of the numbers in
+//! the file, to which the scale is then not applied.
 //!
-//! Both descriptions have a key and its value on each line, so neither JSON nor YAML is parsed in full. The layout is
-//! that of the two programs.
+//! A measurement is chosen by the name of its file or by its own name, if no other has it.
+
+mod description;
 
 use crate::file::read_plain;
 use crate::x3p::ZIP_MAGIC;
 use crate::{
-    Archive, Description, Format, FormatError, ReadOptions, Result, Scan, Tested, per_metre, refuse_if, shown, some_of,
-    unique,
+    Archive, Channel, Description, Format, FormatError, ReadOptions, Result, Scan, Tested, per_metre, refuse_if, shown,
+    some_of, unique,
 };
+use description::measurements;
 
 pub(crate) const CODEC: Description = Description {
     extensions: &["zip"],
@@ -32,13 +35,14 @@ const NAMES: [&str; 2] = ["index.json", "meta.yml"];
 const SURFACES: &[u8] = b"surfaces";
 /// Number of bytes that are searched for this word.
 const START_BYTES: usize = 1 << 14;
-/// Maximum size of the description in bytes, and maximum number of measurements.
+/// Maximum size of the description in bytes, which a small archive does not reach: parsed, it may take two hundred times its size.
 const MAX_BYTES: u64 = 1 << 22;
-const MAX_MEASUREMENTS: usize = 1 << 12;
+const FREE_BYTES: u64 = 1 << 18;
 
 /// Measurement in the description.
 #[derive(Default)]
 struct Measurement {
+    name: Option<String>,
     squeezed: Option<String>,
     original: Option<String>,
     unit: Option<String>,
@@ -68,13 +72,17 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
     let wanted = "a measurement with a `datafile` in index.json or meta.yml";
     let none = || FormatError::unsupported(Format::Container, "the container holds no measurement", wanted);
     let (mut archive, name) = description(bytes).ok_or_else(none)?;
-    let mut measurements = measurements(&String::from_utf8_lossy(&archive.read_whole(name, MAX_BYTES)?));
+    let limit = (64 * bytes.len() as u64).clamp(FREE_BYTES, MAX_BYTES);
+    let mut measurements = measurements(name, &String::from_utf8_lossy(&archive.read_whole(name, limit)?))?;
     let file = |one: &Measurement| one.squeezed.clone().or_else(|| one.original.clone());
     let files: Vec<String> = measurements.iter().filter_map(file).collect();
     measurements.retain(|one| file(one).is_some());
     refuse_if!(files.is_empty(), none());
     let names = unique(files.clone());
-    let chosen = options.choose(Format::Container, &names)?;
+    let chosen = match options.choose(Format::Container, &names) {
+        Ok(chosen) => chosen,
+        Err(error) => named(&measurements, options).ok_or(error)?,
+    };
     let content = archive.read_whole(&files[chosen], u64::MAX)?;
     let nested = || FormatError::unsupported(Format::Container, "a container in a container", "a file of heights");
     refuse_if!(Format::detect(&content) == Some(Format::Container), nested());
@@ -85,8 +93,15 @@ fn read(bytes: &[u8], options: &ReadOptions) -> Result<Scan> {
         let (count, read) = (scan.channels.len(), scan.channel_name().map(shown).unwrap_or_default());
         scan.warnings.push(format!("`{}` holds {count} height maps; `{read}` was read", shown(&files[chosen])));
     }
-    measurements[chosen].complete(&mut scan, options);
+    measurements[chosen].complete(&mut scan, options)?;
     Ok(scan.with_channels(names, chosen))
+}
+
+/// Returns the index of the only measurement with the name that the options state.
+fn named(measurements: &[Measurement], options: &ReadOptions) -> Option<usize> {
+    let Some(Channel::Name(wanted)) = &options.channel else { return None };
+    let mut places = (0..measurements.len()).filter(|&place| measurements[place].name.as_ref() == Some(wanted));
+    places.next().filter(|_| places.next().is_none())
 }
 
 /// Returns the error for a measurement that is not read, which names the others.
@@ -100,65 +115,35 @@ fn unread(names: &[String], chosen: usize, error: FormatError) -> FormatError {
 
 impl Measurement {
     /// Adds unit, scale and distance between points that the file of the measurement does not state.
-    fn complete(&self, scan: &mut Scan, options: &ReadOptions) {
+    ///
+    /// # Errors
+    /// Neither the file nor the options state the unit of the heights, and that of the description is not a length.
+    fn complete(&self, scan: &mut Scan, options: &ReadOptions) -> Result<()> {
         let unit = self.unit.as_deref().and_then(|unit| Some((unit, per_metre(unit)?)));
+        let other = self.unit.as_deref().filter(|_| unit.is_none()).map(shown);
         let scale = self.scale.filter(|&scale| scale != 1.0 && self.squeezed.is_none());
-        if let Some((unit, per_metre)) = unit.filter(|_| scan.height_unit.is_none() && options.height_unit.is_none()) {
-            let scale = scale.unwrap_or(1.0);
+        if scan.height_unit.is_none() && options.height_unit.is_none() {
+            if let Some(other) = other {
+                let wanted = "a unit of length; state it, as by --height-unit, if the numbers are heights";
+                return Err(FormatError::unsupported(Format::Container, format!("numbers in `{other}`"), wanted));
+            }
+            let (scale, per_metre) = (scale.unwrap_or(1.0), unit.map_or(1.0, |(_, per_metre)| per_metre));
             scan.heights_m.mapv_inplace(|z| z * scale / per_metre);
-            scan.height_unit = Some(unit.to_owned());
+            scan.height_unit = unit.map(|(unit, _)| unit.to_owned());
         } else if let Some(scale) = scale {
-            scan.warnings
-                .push(format!("the height scale {scale} of the container was not applied: the heights have a unit"));
+            let reason =
+                if options.height_unit.is_some() { "the stated unit replaces it" } else { "the heights have a unit" };
+            scan.warnings.push(format!("the height scale {scale} of the container was not applied: {reason}"));
         }
-        if let (None, Some((_, per_metre)), Some(width)) = (scan.pitch_m, unit, self.size.first()) {
-            let (ny, nx) = scan.heights_m.dim();
-            let pitch_m = |side: f64, count: usize| side / per_metre / count as f64;
-            let dx_m = pitch_m(*width, nx);
-            scan.pitch_m = Some((dx_m, self.size.get(1).map_or(dx_m, |side| pitch_m(*side, ny))));
-        }
-    }
-}
-
-/// Returns the measurements that a description lists.
-fn measurements(text: &str) -> Vec<Measurement> {
-    let mut measurements: Vec<Measurement> = Vec::new();
-    // Indentation of the keys of a measurement: the unit of its instrument lies deeper.
-    let (mut open, mut is_size, mut level) = (None, false, 0);
-    for line in text.lines() {
-        // A text in quotes may go on over several lines.
-        let quotes = |line: &str, quote: char| line.replace("\\\\", "").replace("\\\"", "").matches(quote).count();
-        if let Some(quote) = open {
-            open = Some(quote).filter(|_| quotes(line, quote).is_multiple_of(2));
-            continue;
-        }
-        let start = line.trim_start().trim_start_matches("- ");
-        let (column, line) = (line.len() - start.len(), start.trim_end().trim_end_matches(','));
-        let (key, value) = line.split_once(':').unwrap_or(("", line));
-        let (key, value) = (key.trim_matches('"'), value.trim());
-        open = value.chars().next().filter(|&c| matches!(c, '"' | '\'') && !quotes(value, c).is_multiple_of(2));
-        if key == "datafile" && measurements.len() < MAX_MEASUREMENTS {
-            measurements.push(Measurement::default());
-            level = column;
-        }
-        is_size = key == "size" && column == level || key.is_empty() && is_size;
-        let Some(last) = measurements.last_mut() else { continue };
-        let text = || {
-            let text = value.trim_matches(['"', '\'']);
-            Some(text.to_owned()).filter(|text| !text.is_empty() && text != "null")
+        let Some(width) = self.size.first().filter(|_| scan.pitch_m.is_none()) else { return Ok(()) };
+        let Some((_, per_metre)) = unit else {
+            scan.warnings.push("the container states a size without a unit of length; no pixel size was read".into());
+            return Ok(());
         };
-        match key {
-            "original" => last.original = text(),
-            "squeezed-netcdf" => last.squeezed = text(),
-            "unit" if column == level => last.unit = text(),
-            "height_scale" if column == level => {
-                last.scale = value.parse().ok().filter(|scale: &f64| scale.is_finite())
-            }
-            _ if is_size => {
-                last.size.extend(value.split([',', '[', ']']).filter_map(|side| side.trim().parse::<f64>().ok()))
-            }
-            _ => (),
-        }
+        let (ny, nx) = scan.heights_m.dim();
+        let pitch_m = |side: f64, count: usize| side / per_metre / count as f64;
+        let dx_m = pitch_m(*width, nx);
+        scan.pitch_m = Some((dx_m, self.size.get(1).map_or(dx_m, |side| pitch_m(*side, ny))));
+        Ok(())
     }
-    measurements
 }

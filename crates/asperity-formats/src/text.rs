@@ -24,7 +24,7 @@ mod length;
 pub(crate) mod profile;
 pub(crate) mod rows;
 pub(crate) mod separator;
-mod structure;
+pub(crate) mod structure;
 mod write;
 
 use std::borrow::Cow;

@@ -33,7 +33,7 @@ pub(super) fn in_thousands(groups: &[&str]) -> bool {
 }
 
 /// Returns whether the comma of a number may be a decimal sign or separate thousands, as in `1,234`, but not in `0,5`.
-pub(super) fn is_ambiguous(field: &[u8]) -> bool {
+pub(crate) fn is_ambiguous(field: &[u8]) -> bool {
     let text = std::str::from_utf8(field).unwrap_or_default();
     let groups: Vec<&str> = text.strip_prefix(['+', '-']).unwrap_or(text).split(',').collect();
     groups.len() == 2 && in_thousands(&groups)

@@ -91,7 +91,7 @@ fn are_indices(labels: &[f64], others: &[f64]) -> bool {
 }
 
 /// Returns whether labels have equal steps.
-fn steps_evenly(labels: &[f64]) -> bool {
+pub(crate) fn steps_evenly(labels: &[f64]) -> bool {
     match labels {
         [] | [_] => false,
         // Any two numbers have equal steps.
