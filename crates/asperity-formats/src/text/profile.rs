@@ -129,7 +129,11 @@ pub(super) fn of(
     let is_empty = |place: usize| column(place).iter().all(|z| z.is_nan());
     // The names of a data frame may leave out the one of the index.
     let shift = |names: &Vec<Column>| usize::from(names.len() + 1 == columns && !is_empty(columns - 1));
-    let are_complete = |names: &Vec<Column>| (names.len() + shift(names)..columns).all(is_empty);
+    if names.as_ref().is_some_and(|names| names.len() > columns) {
+        let found = "a profile whose last column is empty";
+        return Err(FormatError::unsupported(Format::Text, found, "numbers in every column that has a name"));
+    }
+    let are_complete = |names: &Vec<Column>| rows > 1 && (names.len() + shift(names)..columns).all(is_empty);
     if let Some(names) = names.filter(are_complete)
         && let Some(Roles { positions, heights, valid }) = Roles::of(&names)
     {
