@@ -265,13 +265,8 @@ fn profiles_as_programs_export_them_are_read_or_refused_by_name() {
     assert!(plain.is_profile() && plain.pitch_m.is_none());
     assert_error(in_um("Time [s],z [um]\n0,0.12\n1,0.31\n2,0.25\n3,0.02\n", None), "`Time [s]`; wanted a number");
     // Names of columns that the rows do not have.
-    for text in [
-        "Lateral(µm),Raw(nm)\n0,",
-        "Lateral(µm),Raw(nm)\n0,\n1,\n",
-        "Lateral(µm),Raw(nm)\n0,1",
-        "Raw(nm),x(um)\n0,\n1,\n",
-    ] {
-        assert!(in_um(text, None).map_or(true, |scan| !scan.heights_m.is_empty()), "{text}");
+    for text in ["Lateral(µm),Raw(nm)\n0,", "Lateral(µm),Raw(nm)\n0,\n1,\n", "Raw(nm),x(um)\n0,\n1,\n"] {
+        assert_error(in_um(text, None), "a profile whose last column is empty");
     }
     // Missing marks of a column `valid`.
     let marked = in_um("x [um],z [um],valid\n0,0.12,1\n0.5,0.31,0\n1,0.25,\n1.5,0.02,1\n", None).unwrap();
