@@ -95,7 +95,7 @@ impl Twins {
         output.warnings.extend(section.keys_without_effect("surface"));
         let request = section.request(&options.families)?;
         let model = model_of(&request, section.stated_marginal(), Some(&measured), None, &mut output);
-        let (mut model, chosen) = match model {
+        let (mut model, mut chosen) = match model {
             Err(StudyError::Surface(SurfaceModelError::Empirical(error))) if options.allow_model => {
                 output.warnings.push(format!("the twins have the covariance model that fits the scan best: {error}"));
                 section.covariance = CovarianceSource::Measured;
@@ -107,13 +107,20 @@ impl Twins {
         let section = &section;
         let (own, grid) = (measured.map.grid(), options.grid(measured.map.grid())?);
         let periodic = options.boundary == BoundaryKind::Periodic;
-        let is_of_the_scan = grid == own && !periodic;
+        let mut is_sharp = false;
         if let Texture::Translated { covariance: SurfaceCovariance::Empirical(covariance), .. } = &mut model.texture {
             // The scan's own correlation contains all its waves, down to the pixel.
             model.shortest_wave_m = None;
             // Heights that cannot be filled leave the tapered correlation.
-            if is_of_the_scan && let Ok(complete) = filled(&measured.map, options.seed, FILL_STAGE, &Silent) {
+            if grid == own
+                && !periodic
+                && let Ok(complete) = filled(&measured.map, options.seed, FILL_STAGE, &Silent)
+            {
                 **covariance = covariance.deconvolved(&complete);
+                is_sharp = true;
+            }
+            if let Some(chosen) = &mut chosen {
+                chosen.covariance = SurfaceCovariance::Empirical(covariance.clone());
             }
         }
         let mut generated = model.patch(grid, periodic)?;
@@ -137,7 +144,7 @@ impl Twins {
                 covariance: chosen.as_ref().map(covariance_result),
                 marginal: distribution_result(&model.marginal),
             },
-            limits: limits(section, is_of_the_scan),
+            limits: limits(section, is_sharp),
             assumptions: output.assumptions,
             warnings: output.warnings,
         };
@@ -351,7 +358,7 @@ impl Twins {
 }
 
 /// Returns sentences about features that twins of a generator lack, whatever the fit.
-fn limits(section: &SurfaceSection, is_of_the_scan: bool) -> Vec<String> {
+fn limits(section: &SurfaceSection, is_sharp: bool) -> Vec<String> {
     let mut limits = vec![
         "Twins are stationary: they look alike everywhere, while a scan may be rougher in one place than in another."
             .into(),
@@ -367,7 +374,7 @@ fn limits(section: &SurfaceSection, is_of_the_scan: bool) -> Vec<String> {
                 .into(),
         );
         if section.covariance == CovarianceSource::Empirical {
-            limits.push(if is_of_the_scan {
+            limits.push(if is_sharp {
                 "Twins have the spectrum of the scan as sharp as its window shows it, with the noise of the spectrum of one map.".into()
             } else {
                 "The scan's own correlation is kept at short lags and tapered where it falls into its noise: longer waves \

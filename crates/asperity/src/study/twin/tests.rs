@@ -150,6 +150,8 @@ fn grooves_that_run_through_the_scan_run_through_its_twins() {
         }
         let twins = Twins::new(scan_of(heights.clone()), "map", &TwinOptions::new(3)).unwrap();
         let comparison = compare(&twins, 39);
+        // The covariance that is reported is the one that was drawn: not tapered.
+        assert_eq!(comparison.model.covariance.as_ref().unwrap().empirical.unwrap().taper_change, 0.0);
         // Few of the wavenumbers across the grooves are independent.
         for (name, curve) in comparison.curves.iter().filter(|(name, _)| name.starts_with("psd")) {
             assert!(curve.inside_share.unwrap() > 0.85, "{name}, holes {holes}: {curve:?}");
