@@ -29,6 +29,8 @@ pub struct MeanErrors {
     pub grid: [f64; 2],
     /// Smallest and largest factor that the difference between random and scanned surface leaves possible.
     pub model: [f64; 2],
+    /// 95 % interval of the mean by all errors together, over the mean.
+    pub whole: [f64; 2],
     /// Factors of friction for surfaces with shorter waves, from the shortest wave of the strips to the pixel of the scan. Empty if the
     /// scan resolves all waves, and without a scan.
     pub cut_off: Vec<CutOff>,
@@ -46,6 +48,7 @@ impl Default for MeanErrors {
             pitch_factor: 1.0,
             grid: [1.0; 2],
             model: [1.0; 2],
+            whole: [1.0; 2],
             cut_off: Vec::new(),
             unresolved: Vec::new(),
         }

@@ -55,8 +55,8 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
     ];
     let page = Page {
         title: run.name.clone(),
-        intro: "One study with many values: report of a campaign by asperity. The report of a single run of the study shows what decides, what would stop \
-                vibration, and what the answer rests on.",
+        intro: "One study with many values: report of a campaign by asperity. The report of a single run of the study shows what decides and what would \
+                stop vibration.",
         first_screen: None,
         answers: answers::answers(results),
         warnings: results.warnings.clone(),
@@ -78,7 +78,7 @@ pub fn campaign_summary(results: &CampaignResults) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use asperity_results::{InputValue, MemberAnswers, MemberResult, MotionKind, VariedKey};
+    use asperity_results::{InputKind, InputValue, MemberAnswers, MemberResult, MotionKind, RestsOn, VariedKey};
 
     use super::answers::answers;
     use super::figure::figure;
@@ -194,6 +194,27 @@ mod tests {
         let answers = answers(&results);
         assert!(answers.iter().all(|answer| answer.question != "How many vibrate?"), "{answers:?}");
         assert!(figure(&results).unwrap().svg().contains("95 % interval"));
+    }
+
+    #[test]
+    fn the_first_screen_states_what_all_members_rest_on() {
+        let mut results = judged();
+        let input = |name: &str, value: f64, kind| RestsOn {
+            input: name.into(),
+            value: InputValue::Number(value),
+            unit: String::new(),
+            kind,
+        };
+        results.rests_on = vec![
+            input("surface.file", 2.0, InputKind::Measured),
+            input("vibration.stribeck", 4.2, InputKind::Default),
+            input("vibration.kinetic_share", 0.9, InputKind::Unknown),
+        ];
+        let (first, others) = answer(&results, "What does it rest on, beside the values that differ?");
+        assert_eq!(first, "Surface: 2 scans");
+        let unknown = "Unknown: kinetic over static friction 0.9.";
+        let default = "Not stated: Stribeck coefficient 4.2 (the paper’s value, not measured).";
+        assert_eq!(others, format!("{unknown} {default}"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{InputValue, MotionKind, Pair, SCHEMA_VERSION};
+use crate::{InputValue, MotionKind, Pair, RestsOn, SCHEMA_VERSION};
 
 /// Rows of all members of a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,6 +18,9 @@ pub struct CampaignResults {
     pub keys: Vec<VariedKey>,
     /// The members in their order.
     pub members: Vec<MemberResult>,
+    /// Inputs of the verdict that all members have in common, with their origin; empty in results of earlier versions.
+    #[serde(default)]
+    pub rests_on: Vec<RestsOn>,
     /// Warnings, in sentences.
     pub warnings: Vec<String>,
     /// Warnings of the members. Warnings that differ in numbers only are one.
@@ -31,6 +34,7 @@ impl Default for CampaignResults {
             seed: 0,
             keys: Vec::new(),
             members: Vec::new(),
+            rests_on: Vec::new(),
             warnings: Vec::new(),
             member_warnings: Vec::new(),
         }

@@ -231,6 +231,10 @@ pub struct NominalMachine {
     pub limit_damping_ratio: Option<f64>,
     /// Margin ζ − ζ_v; with mode coupling the margin of the friction coefficient, μ_c − μ.
     pub damping_margin: f64,
+    /// 95 % interval of the margin, by the errors of a computed friction coefficient; `null` if it has none, and in results of earlier
+    /// versions.
+    #[serde(default)]
+    pub damping_margin_interval: Option<Pair>,
 }
 
 /// Vibration of the machines that vibrate.

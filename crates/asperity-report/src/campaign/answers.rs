@@ -10,6 +10,7 @@ use crate::campaign::words::{
 };
 use crate::format::{count, significant};
 use crate::page::answer::Answer;
+use crate::page::verdict::rests_on::by_origin;
 use crate::words::unbroken;
 
 /// Difference of probabilities below which a value hardly matters.
@@ -20,15 +21,16 @@ const MOST_NAMES: usize = 4;
 pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
     // Beside probabilities, the verdicts on central values would be other answers to the same question.
     let found = match results.members.iter().any(|member| member.answers.probability.is_some()) {
-        true => [probabilities(results), certainty(results), effects(results), limits(results), friction(results)],
-        false => [verdicts(results), change(results), limits(results), friction(results), None],
+        true => [probabilities(results), certainty(results), effects(results)],
+        false => [verdicts(results), change(results), None],
     };
+    let found = found.into_iter().chain([limits(results), friction(results), inputs(results)]);
     let on_one_line = |found: Answer| Answer {
         answer: unbroken(&found.answer),
         detail: unbroken(&found.detail),
         question: found.question,
     };
-    let found: Vec<Answer> = found.into_iter().flatten().map(on_one_line).collect();
+    let found: Vec<Answer> = found.flatten().map(on_one_line).collect();
     if !found.is_empty() {
         return found;
     }
@@ -370,6 +372,17 @@ fn friction(results: &CampaignResults) -> Option<Answer> {
         question: "What is the friction coefficient?",
         answer: format!("{} to {}", significant(low, 3), significant(high, 3)),
         detail: format!("Least in {least}, largest in {largest}."),
+    })
+}
+
+/// Answers on which values in common the answers of the members rest.
+fn inputs(results: &CampaignResults) -> Option<Answer> {
+    let lines: Vec<String> = by_origin(&results.rests_on).into_iter().map(|(_, line)| capitalised(line)).collect();
+    let (first, others) = lines.split_first()?;
+    Some(Answer {
+        question: "What does it rest on, beside the values that differ?",
+        answer: first.clone(),
+        detail: others.iter().map(|line| format!("{line}.")).collect::<Vec<_>>().join(" "),
     })
 }
 

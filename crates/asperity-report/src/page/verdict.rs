@@ -3,7 +3,7 @@
 mod drivers;
 mod margin;
 mod remedies;
-mod rests_on;
+pub(crate) mod rests_on;
 mod risk;
 pub(crate) mod text;
 

@@ -75,6 +75,7 @@ pub(crate) fn verdict() -> VerdictResult {
             kick_m_per_s: Some(0.013),
             limit_damping_ratio: Some(0.018),
             damping_margin: -0.0025,
+            damping_margin_interval: None,
         },
         if_vibrating: Some(VibratingMachines {
             kinds: [(MotionKind::StickSlip, 0.97), (MotionKind::SlipCycle, 0.03)].into(),

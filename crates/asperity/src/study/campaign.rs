@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use asperity_base::blocks::{self, Task};
+use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use self::factors::{Column, Factor, Key, MOST, Reader, SCAN, set};
@@ -17,14 +18,21 @@ pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
 use crate::study::check::FrictionSource;
-use crate::study::result::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, MotionKind, Results};
+use crate::study::result::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, MotionKind, RestsOn, Results};
 use crate::study::run::{SharedFriction, Stages};
+use crate::study::verdict::rests_on::is_of;
 use crate::study::{
     InvalidValue, RunBlocks, Stage, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash, sentence,
 };
 
-/// Answers of a member, and its warnings.
-type Answered = (MemberAnswers, Vec<String>);
+/// Answers of a member.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Answered {
+    answers: MemberAnswers,
+    warnings: Vec<String>,
+    /// Inputs of the verdict; empty for members that differ from the first ones in other values than the scan.
+    rests_on: Vec<RestsOn>,
+}
 
 /// Name of the stage that the blocks of a campaign belong to.
 const STAGE: &str = "campaign";
@@ -366,7 +374,13 @@ impl Campaign {
                 let friction = shared_of.get(&member).map(|friction| friction.as_ref()).transpose()?;
                 let found = study.run_answers(friction, &folder, &inner).map_err(|error| self.reason(&error))?;
                 let damping = study.vibration.as_ref().map(|vibration| vibration.machine.damping_ratio);
-                Ok((answers(&found.0, found.1.as_ref(), damping), found.0.warnings))
+                let rests_on =
+                    if self.is_first(member) { study.rests_on(&found.0, found.1.as_ref()) } else { Vec::new() };
+                Ok(Answered {
+                    answers: answers(&found.0, found.1.as_ref(), damping),
+                    warnings: found.0.warnings,
+                    rests_on,
+                })
             };
             let found = on(alone(count), || study.as_ref().map_err(String::clone).and_then(answer));
             // Members with friction in common read no scan, unless they state a verdict.
@@ -389,6 +403,7 @@ impl Campaign {
         let folder = self.study_folder();
         let columns: Vec<Vec<Column>> = self.factors.iter().map(|factor| factor.columns(&folder)).collect();
         let member_warnings = member_warnings(&answers);
+        let rests_on = self.in_common(&answers);
         let members = answers.into_iter().enumerate().map(|(member, found)| {
             let (mut scan, mut values) = (None, Vec::new());
             for ((factor, columns), choice) in self.factors.iter().zip(&columns).zip(self.choices(member)) {
@@ -398,7 +413,7 @@ impl Campaign {
                 values.extend(columns.iter().map(|column| column.cells[choice].clone()));
             }
             let (failed, reason) = (found.is_err(), found.as_ref().err().cloned());
-            MemberResult { scan, values, failed, reason, answers: found.unwrap_or_default().0 }
+            MemberResult { scan, values, failed, reason, answers: found.unwrap_or_default().answers }
         });
         let members: Vec<MemberResult> = members.collect();
         let warning = match (members.iter().filter(|member| member.failed).count(), members.len()) {
@@ -415,8 +430,25 @@ impl Campaign {
             members,
             warnings: self.changed_law().into_iter().chain(warning).collect(),
             member_warnings,
+            rests_on,
             ..CampaignResults::default()
         }
+    }
+
+    /// Returns whether a member has the first choice of every factor but the scan.
+    fn is_first(&self, member: usize) -> bool {
+        let choices = self.factors.iter().zip(self.choices(member));
+        choices.into_iter().all(|(factor, choice)| choice == 0 || matches!(factor, Factor::Scans(_)))
+    }
+
+    /// Returns the inputs of the verdict that do not differ between the members.
+    fn in_common(&self, answers: &[Result<Answered, String>]) -> Vec<RestsOn> {
+        let mut known = answers.iter().flatten().map(|found| &found.rests_on);
+        let Some(inputs) = known.find(|inputs| !inputs.is_empty()) else { return Vec::new() };
+        let mut varied: Vec<&str> = self.factors.iter().flat_map(Factor::keys).map(|key| &key.name[..]).collect();
+        varied.extend(self.factors.iter().any(|factor| matches!(factor, Factor::Scans(_))).then_some(SCAN));
+        let differs = |input: &RestsOn| varied.iter().any(|key| is_of(&input.input, key));
+        inputs.iter().filter(|input| !differs(input)).cloned().collect()
     }
 
     /// Returns a warning if members whose unit of dimensionless velocity differs have a law or belt velocity per this unit.
@@ -473,7 +505,7 @@ fn member_warnings(answers: &[Result<Answered, String>]) -> Vec<MemberWarning> {
     let mut found: Vec<MemberWarning> = Vec::new();
     let mut known: BTreeMap<String, usize> = BTreeMap::new();
     for (index, warnings) in
-        answers.iter().enumerate().filter_map(|(index, found)| Some((index, &found.as_ref().ok()?.1)))
+        answers.iter().enumerate().filter_map(|(index, found)| Some((index, &found.as_ref().ok()?.warnings)))
     {
         for warning in warnings {
             let has_digit = |word: &&str| word.contains(|letter: char| letter.is_ascii_digit());

@@ -23,7 +23,7 @@ mod probability;
 mod remedies;
 mod replicates;
 mod responses;
-mod rests_on;
+pub(super) mod rests_on;
 mod sampled;
 mod scan;
 mod sharing;
@@ -42,7 +42,7 @@ use self::probability::{Estimator, Probability};
 use self::responses::FrictionResponses;
 use self::sampled::Sampled;
 use self::scan::errors::ScanErrors;
-use self::turning::turning_points;
+use self::turning::{margins_between, turning_points};
 use self::vibrating::{samples_table, vibrating_machines};
 use crate::chaos::UncertainInput;
 use crate::choice::Choice;
@@ -51,7 +51,9 @@ use crate::monitor::Monitor;
 use crate::stats::{Interval, quantile_sorted};
 use crate::study::check::VerdictStudy;
 use crate::study::output::StageOutput;
-use crate::study::result::{ErrorCause, ErrorSource, MarginQuantile, Pair, VerdictResult};
+use crate::study::result::{
+    ErrorCause, ErrorSource, MarginQuantile, NominalMachine, Pair, RestsOn, TurningPoint, VerdictResult,
+};
 use crate::study::surface_stage::SurfaceStage;
 use crate::study::{Study, StudyError, sentence};
 
@@ -117,10 +119,6 @@ pub(super) fn run(
         remedies::remedies(&machines, study, (&decide, fluctuates), probabilities.friction_error, seed, monitor)?;
     output.warnings.extend(warnings);
     let rests_on = rests_on::rests_on(whole, study, window, fluctuates);
-    // Where friction fluctuates, the margin of its mean may not decide.
-    let turns = machines.variables() == 0
-        && window.mean_errors.unresolved.is_empty()
-        && vibrates == nominal.dynamics.margins()?.from_stick.is_sign_negative();
     let (probability, share, sampled) = (found, &probabilities.share, &sampled);
     let ends = Ends { study, machines: &machines, sampled, probability, share, evaluate: &evaluate, monitor };
     let (assumed, warnings) = ends.assumed(&rests_on)?;
@@ -134,11 +132,14 @@ pub(super) fn run(
         first_failure,
         duration_s: judge.duration_s,
         leaves_out_fluctuation: judge.friction_fluctuates && judge.is_coupled,
-        nominal: nominal.dynamics.nominal(vibrates, &nominal.inputs.scales)?,
+        nominal: NominalMachine {
+            damping_margin_interval: margins_between(&machines, window.mean_errors.whole),
+            ..nominal.dynamics.nominal(vibrates, &nominal.inputs.scales)?
+        },
         if_vibrating: vibrating_machines(&machines, sampled, monitor)?,
         margin_quantiles: margin_quantiles(sampled),
         remedies,
-        turning_points: if turns { turning_points(&machines, &nominal, &rests_on)? } else { Vec::new() },
+        turning_points: turns(&machines, &nominal, vibrates, &rests_on)?,
         friction_unresolved: !window.mean_errors.unresolved.is_empty(),
         unresolved_by: window.mean_errors.unresolved.clone(),
         rests_on,
@@ -195,6 +196,21 @@ impl Contact {
         }
         let responses = expansion::expand_friction(&points, &study, window, monitor, output)?;
         Ok(Self { study, responses, scan_error })
+    }
+}
+
+/// Returns the turning points of a machine of exact values whose friction is resolved.
+fn turns(
+    machines: &Machines<'_>,
+    nominal: &Machine,
+    vibrates: bool,
+    rests_on: &[RestsOn],
+) -> Result<Vec<TurningPoint>, StudyError> {
+    let resolved = machines.variables() == 0 && machines.mean_errors().unresolved.is_empty();
+    // Where friction fluctuates, the margin of its mean may not decide.
+    match resolved && vibrates == nominal.dynamics.margins()?.from_stick.is_sign_negative() {
+        true => Ok(turning_points(machines, nominal, rests_on)?),
+        false => Ok(Vec::new()),
     }
 }
 

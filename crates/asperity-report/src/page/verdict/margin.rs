@@ -4,6 +4,7 @@ use asperity_results::keys::DAMPING_RATIO;
 use asperity_results::{MachineModel, Quantiles, VerdictResult};
 
 use crate::Run;
+use crate::cells::shown;
 use crate::format::{Dimension, Unit, count, significant};
 use crate::markup::{Html, html};
 use crate::plot::Axis;
@@ -108,8 +109,17 @@ impl Limits {
             let of = |(place, margin): (usize, &f64)| values.map_or(value, |values| values[place]) + sign * margin;
             margins.iter().enumerate().map(of).collect()
         });
-        let [value, limit] = [(values.map(<[f64]>::to_vec), value), (limits, limit)]
-            .map(|(machines, central)| machines.and_then(spread).unwrap_or_else(|| significant(central, 3)));
+        // Of an exact machine the friction coefficient, or the limit, has the error of the computation.
+        let interval =
+            verdict.nominal.damping_margin_interval.map(|[low, high]| [self.central - high, self.central - low]);
+        let [of_value, of_limit] = if self.coupled { [interval, None] } else { [None, interval] };
+        let [value, limit] = [(values.map(<[f64]>::to_vec), value, of_value), (limits, limit, of_limit)].map(
+            |(machines, central, interval)| match machines.and_then(spread) {
+                Some(spread) => spread,
+                None if interval.is_some() => shown(Dimension::None, central, interval),
+                None => significant(central, 3),
+            },
+        );
         let constant = if verdict.friction_fluctuates { " without fluctuation" } else { "" };
         let name = if self.coupled { "Friction coefficient" } else { "Damping ratio" };
         format!("{name}: yours {value}, limit{constant} {limit}")

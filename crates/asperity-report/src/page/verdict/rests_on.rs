@@ -21,9 +21,21 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
             "This model covers squeal by two coupled modes. For groan and judder choose the model of one mass."
         }
     };
+    let chip = |(class, text): (&str, String)| html!("<li class=\"chip {}\">{}</li>\n", class, text);
+    let chips: Vec<Html> = by_origin(inputs).into_iter().map(chip).collect();
+    if chips.is_empty() {
+        return html!(
+            "<p>The results of an earlier version do not list the inputs.</p>\n<p class=\"note\">{}</p>\n",
+            machine
+        );
+    }
+    html!("<ul class=\"chips\">\n{}</ul>\n<p class=\"note\">{}</p>\n", chips.into_iter().collect::<Html>(), machine)
+}
+
+/// Returns a line for the scans of each body and for the inputs of each other origin, with the class of its chip.
+pub(crate) fn by_origin(inputs: &[RestsOn]) -> Vec<(&'static str, String)> {
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
-    let chip = |class: &str, text: String| html!("<li class=\"chip {}\">{}</li>\n", class, text);
-    let mut chips: Vec<Html> = of(InputKind::Measured).map(|input| chip("measured", scans(input))).collect();
+    let mut lines: Vec<_> = of(InputKind::Measured).map(|input| ("measured", scans(input))).collect();
     let with_value = |input: &RestsOn| format!("{} {}", named(&input.input), value(input));
     let origins: [(InputKind, &str, &str, Words<'_>); 5] = [
         (InputKind::Stated, "stated", "stated", &|input| named(&input.input)),
@@ -35,16 +47,10 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     for (kind, class, word, text) in origins {
         let texts: Vec<String> = of(kind).map(text).collect();
         if !texts.is_empty() {
-            chips.push(chip(class, format!("{word}: {}", texts.join(", "))));
+            lines.push((class, format!("{word}: {}", texts.join(", "))));
         }
     }
-    if chips.is_empty() {
-        return html!(
-            "<p>The results of an earlier version do not list the inputs.</p>\n<p class=\"note\">{}</p>\n",
-            machine
-        );
-    }
-    html!("<ul class=\"chips\">\n{}</ul>\n<p class=\"note\">{}</p>\n", chips.into_iter().collect::<Html>(), machine)
+    lines
 }
 
 /// Returns the number of scans of a body.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::monitor::Silent;
-use crate::study::result::InputValue;
+use crate::study::result::{InputKind, InputValue};
 use crate::study::{RunRecord, Share};
 
 const MACHINE: &str = "seed = 5\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
@@ -121,7 +121,8 @@ fn a_resolved_campaign_has_the_seed_of_its_study() {
 
 #[test]
 fn each_distinct_warning_is_listed_once_with_its_members() {
-    let answered = |warnings: [&str; 2]| Ok((MemberAnswers::default(), warnings.map(str::to_owned).to_vec()));
+    let answered =
+        |warnings: [&str; 2]| Ok(Answered { warnings: warnings.map(str::to_owned).to_vec(), ..Answered::default() });
     let found = member_warnings(&[
         answered(["3 of 10 windows carry no load", "the scan is small"]),
         Err("no scan".into()),
@@ -208,4 +209,22 @@ fn no_member_is_stored_whose_file_changed_meanwhile() {
     assert!(matches!(&error, StudyError::Changed(name) if name.ends_with("b.json")), "{error}");
     std::fs::write(&file, process(0.2)).unwrap();
     assert_eq!(answers(&Silent).unwrap(), [Some(0.3), Some(0.2)]);
+}
+
+#[test]
+fn a_campaign_rests_on_the_inputs_that_all_its_members_have() {
+    let own = |lines: &str, study: &str| {
+        let found = campaign(lines, study, None).unwrap().run_with(None, &Silent).unwrap();
+        found.rests_on.into_iter().map(|input| (input.input, input.kind)).collect::<BTreeMap<_, _>>()
+    };
+    let uncertain = MACHINE.replace("stribeck = 4.2", "stribeck = { uniform = [4, 5], unknown = true }");
+    for study in [MACHINE, &uncertain] {
+        let found = own("[values]\nvibration.damping_ratio = [0.1, 0.2]\n", study);
+        let kind = if study == MACHINE { InputKind::Stated } else { InputKind::Unknown };
+        assert_eq!(found.get("vibration.stribeck"), Some(&kind), "{found:?}");
+        assert_eq!(found.get("vibration.mass"), Some(&InputKind::Stated));
+        assert_eq!(found.get("vibration.kinetic_share"), Some(&InputKind::Default));
+        assert!(!found.contains_key("vibration.damping_ratio"));
+        assert!(!own("[values]\nvibration.stribeck = [4.0, 4.5]\n", study).contains_key("vibration.stribeck"));
+    }
 }

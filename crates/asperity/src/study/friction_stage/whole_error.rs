@@ -105,6 +105,7 @@ impl WholeError {
             resolved: errors.unresolved.is_empty(),
             ..point
         };
+        errors.whole = point.mean_interval.map_or([1.0; 2], |interval| interval.map(|end| end / mean));
         Self { errors, point, warnings, sentences }
     }
 }

@@ -127,6 +127,7 @@ impl Dynamics {
                     kick_m_per_s: smallest_kick(oscillator)?.map(|kick| kick * scales.velocity_m_per_s()),
                     limit_damping_ratio: Some(limit_damping_ratio),
                     damping_margin: oscillator.damping_ratio() - limit_damping_ratio,
+                    damping_margin_interval: None,
                 })
             }
             Self::ModeCoupling(model) => {
@@ -138,6 +139,7 @@ impl Dynamics {
                     kick_m_per_s: None,
                     limit_damping_ratio: model.limit_damping_ratio(model.sliding_friction()),
                     damping_margin: margin,
+                    damping_margin_interval: None,
                 })
             }
         }

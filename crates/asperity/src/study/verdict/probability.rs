@@ -130,6 +130,12 @@ impl Estimator<'_> {
             sources.push((cause, farthest(value, shifted)));
             interval = extended(interval, value, shifted, small.is_some());
         }
+        if self.machines.variables() == 0 && event.by_margin {
+            // The errors of one machine decide together.
+            let [low, high] = self.machines.mean_errors().whole;
+            let shifted = [self.shifted(event, value, None, low)?, self.shifted(event, value, None, high)?];
+            interval = extended(interval, value, shifted, false);
+        }
         sources.sort_by(|a, b| b.1.total_cmp(&a.1));
         if small.is_some_and(|small| small.is_complement) {
             let interval = Interval { low: 1.0 - interval.high, high: 1.0 - interval.low };
@@ -306,6 +312,22 @@ mod tests {
         close(extended(Interval { low: 0.8e-5, high: 1.25e-5 }, 1e-5, [1e-5, 3e-5], true), [0.8e-5, 3.75e-5]);
         // A bound, after which the friction of the other end makes the event almost certain.
         close(extended(Interval { low: 0.0, high: 1e-4 }, 0.0, [0.0, 0.99], true), [0.0, 0.9901]);
+    }
+
+    #[test]
+    fn an_exact_machine_is_undecided_within_the_whole_error_of_its_friction() {
+        // It vibrates if its friction exceeds 0.2.
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\ndamping_ratio = 0.2229535019025\n\
+                    normal_force = \"2.5 kN\"\nnominal_area = \"64 mm^2\"\ndimensionless_belt_velocity = 0.1\nstribeck = 4.2\n\
+                    static_friction = 0.19\nfriction_std = 0\n";
+        for (whole, wanted) in [([0.9, 1.04], [0.0; 2]), ([0.9, 1.06], [0.0, 1.0])] {
+            let (study, mut window) = stated(text);
+            window.mean_errors.whole = whole;
+            let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+            let sampled = Sampled::until(&machines, &constant, 0.02, 1, &Silent).unwrap();
+            let Interval { low, high } = estimator(&machines, &sampled, None).probability(&EVENT).unwrap().interval;
+            assert_eq!([low, high], wanted, "{whole:?}");
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 
 use crate::friction::WindowFriction;
 use crate::study::check::VerdictStudy;
-use crate::study::result::{InputKind, InputValue, Pair, RestsOn};
+use crate::study::result::{InputKind, InputValue, Pair, RestsOn, Results};
 use crate::study::uncertain::{Place, Point, needs};
 use crate::study::{QUICKSTART, Study, StudyFile};
 
@@ -131,6 +131,17 @@ pub(super) fn rests_on(whole: &Study, study: &VerdictStudy, window: &WindowFrict
     inputs
 }
 
+impl Study {
+    /// Returns the inputs of the motion of the machine; `window` is its friction. Empty without a machine.
+    pub(in crate::study) fn rests_on(&self, results: &Results, window: Option<&WindowFriction>) -> Vec<RestsOn> {
+        match (&results.verdict, &self.verdict, window) {
+            (Some(verdict), ..) => verdict.rests_on.clone(),
+            (None, Some(study), Some(window)) => rests_on(self, study, window, false),
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// Marks the values of a study of an own scan that are still those of the template.
 fn mark_examples(file: &StudyFile, inputs: &mut [RestsOn]) {
     let example = StudyFile::parse(QUICKSTART, "").ok().and_then(|example| Some((example.to_table().ok()?, example)));
@@ -161,7 +172,7 @@ fn entry(name: &str, value: InputValue, unit: &str, kind: InputKind) -> RestsOn 
 }
 
 /// Returns whether an input is that of a key or an element of its list.
-fn is_of(input: &str, key: &str) -> bool {
+pub(in crate::study) fn is_of(input: &str, key: &str) -> bool {
     input.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
 }
 

@@ -7,7 +7,7 @@ use super::dynamics::Dynamics;
 use super::machines::{Change, Machine, Machines};
 use crate::study::check::LARGEST_CHANGE;
 use crate::study::file::Hold;
-use crate::study::result::{InputValue, RestsOn, TurningPoint};
+use crate::study::result::{InputValue, Pair, RestsOn, TurningPoint};
 use crate::study::uncertain::Place;
 use crate::vibration::{VibrationError, limit_damping};
 
@@ -51,6 +51,14 @@ pub(super) fn turning_points(
 /// Returns the margin of the machine; `None` without an answer.
 fn margin(machines: &Machines<'_>) -> Option<f64> {
     Some(machines.nominal().ok()?.dynamics.margins().ok()?.from_stick)
+}
+
+/// Returns the smallest and the largest margin of the machine with its friction coefficient times either factor; `None` for equal factors
+/// and without an answer.
+pub(super) fn margins_between(machines: &Machines<'_>, factors: [f64; 2]) -> Option<Pair> {
+    let [low, high] = factors.map(|factor| margin(&machines.with_friction_factor(factor)));
+    let [low, high] = [low?, high?];
+    (factors[0] < factors[1]).then(|| [low.min(high), low.max(high)])
 }
 
 /// Returns the value nearest to the present one at which a margin changes its sign, within the bounds.
@@ -112,5 +120,23 @@ mod tests {
         let share = points.iter().find(|point| point.input == "vibration.kinetic_share").unwrap();
         assert!(nominal.dynamics.margins().unwrap().from_stick < 0.0);
         assert!(share.value.is_some_and(|share| share > 0.9 && share < 1.0), "{share:?}");
+    }
+    #[test]
+    fn margins_between_factors_of_friction_are_those_of_other_belt_velocities() {
+        // Without weakening the motion depends on (μ_st − μ_k)/V alone.
+        let text = "seed = 1\n[vibration]\nmass = \"1 kg\"\nnatural_frequency = \"316 rad/s\"\nnormal_force = \"2.5 kN\"\n\
+            nominal_area = \"833 mm^2\"\nstatic_friction = 0.3\nfriction_std = 0\ndimensionless_belt_velocity = 0.1\n\
+            velocity_law = \"linear\"\nlinear_weakening = 0\nkinetic_share = 0.7\ndamping_ratio = 0.2\n";
+        let (study, window) = stated(text);
+        let machines = Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1);
+        let at_velocity = |velocity: &str| {
+            let (study, window) = stated(&text.replace("velocity = 0.1", &format!("velocity = {velocity}")));
+            margin(&Machines::new(study.verdict.as_ref().unwrap(), &window, None, 1)).unwrap()
+        };
+        let found = margins_between(&machines, [0.8, 1.25]).unwrap();
+        for (found, wanted) in found.into_iter().zip([at_velocity("0.08"), at_velocity("0.125")]) {
+            assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
+        }
+        assert!(found[0] < found[1] && margins_between(&machines, [1.0; 2]).is_none());
     }
 }
