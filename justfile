@@ -31,7 +31,7 @@ damage COUNT="150000":
     ASPERITY_MUTATIONS={{COUNT}} cargo test --test formats damaged_files
 
 # Installs cargo-fuzz; needs a C++ compiler. docs/reliability.md states the results of a long run.
-# Coverage-guided fuzzing of every reader, SECONDS for each of 53 targets. `just fuzz --lines` lists the lines that it reached.
+# Coverage-guided fuzzing of every reader, SECONDS for each target. `just fuzz --lines` lists the lines that it reached.
 fuzz SECONDS="20":
     cargo install --quiet --root target/tools --locked cargo-fuzz --version 0.13.2
     PATH="$PWD/target/tools/bin:$PATH" scripts/fuzz {{SECONDS}}

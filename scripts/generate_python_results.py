@@ -40,7 +40,7 @@ They are dimensionless: X = x·c/N, τ = ω₀t. An undefined number is None, an
 METHODS = {"Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
 # Objects that are dictionaries.
 DICTIONARIES = {"FailedTrajectory": "Any", "MapCell": "Any", "MapResolution": "float"}
-LAWS_HEAD = '''"""Velocity laws of an oscillator. Made by scripts/generate_python_results.py; do not edit."""
+LAWS_HEAD = '''"""Oscillator and its velocity laws. Made by scripts/generate_python_results.py; do not edit."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
 
 def argument(schema: Schema) -> str:
     """Return the type of an argument."""
-    if schema["type"] != "array":
+    if schema.get("type") != "array":
         return annotation(schema)
     inner = argument(schema["items"])
     is_pair = schema.get("minItems") == schema.get("maxItems") == 2  # noqa: PLR2004
@@ -140,19 +140,23 @@ def arguments(name: str, schema: Schema) -> str:
     source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}:\n"
     source += text(schema["description"].partition("\n\n")[0], "    ") + "\n"
     for key, value in schema["properties"].items():
-        source += f"    {key}: {argument(value)}\n" + text(value["description"], "    ")
+        absent = "" if key in schema["required"] else " = None"
+        source += f"    {key}: {argument(value)}{absent}\n" + text(value["description"], "    ")
     return source
 
 
 def laws() -> str:
-    """Return the source of the module of velocity laws: a class for each, named like the law in one word."""
-    definitions: dict[str, Schema] = json.loads(_core.parameters_schema())["$defs"]
+    """Return the source of the parameters of an oscillator, with a class for each law, named like it in one word."""
+    parameters: Schema = json.loads(_core.parameters_schema())
+    definitions: dict[str, Schema] = parameters["$defs"]
     source, names = LAWS_HEAD, []
     for option in definitions["VelocityLaw"]["oneOf"]:
         ((name, value),) = option["properties"].items()
         names.append(name.capitalize())
         source += arguments(names[-1], definitions[name_of(value["$ref"])])
-    return source + f"\n\nVelocityLaw = {' | '.join(names)}\n" + arguments("Forcing", definitions["Forcing"])
+    source += f"\n\nVelocityLaw = {' | '.join(names)}\n" + arguments("Forcing", definitions["Forcing"])
+    exported = json.dumps(sorted([*names, "Forcing"]))
+    return source + arguments("Parameters", parameters) + f"\n\n__all__ = {exported}\n"
 
 
 def module(head: str, schema: Schema, tail: str = "") -> str:

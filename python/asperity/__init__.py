@@ -10,12 +10,13 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from asperity import laws
 from asperity.chaos import Expansion, design
 from asperity.contact import ContactSolution, solve_contact
 from asperity.errors import FormatError, NotConvergedError, ResourceError
 from asperity.friction import FrictionProcess, fit_friction_record, friction_process
 from asperity.interop import uncertain
-from asperity.laws import Coulomb, Exponential, Forcing, Linear, Stribeck, Tabulated
+from asperity.laws import *  # noqa: F403
 from asperity.random import (
     Covariance,
     KarhunenLoeve,
@@ -33,23 +34,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ContactSolution",
-    "Coulomb",
     "Covariance",
     "Expansion",
-    "Exponential",
-    "Forcing",
     "FormatError",
     "FrictionProcess",
     "HeightMap",
     "KarhunenLoeve",
-    "Linear",
     "NotConvergedError",
     "Oscillator",
     "ResourceError",
     "Spectral",
-    "Stribeck",
     "SurfaceModel",
-    "Tabulated",
     "Translation",
     "WeierstrassMandelbrot",
     "artificial_surface",
@@ -67,6 +62,7 @@ __all__ = [
     "uncertain",
     "verdict",
 ]
+__all__ += laws.__all__
 
 __version__ = version("asperity")
 

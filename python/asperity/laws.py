@@ -1,4 +1,4 @@
-"""Velocity laws of an oscillator. Made by scripts/generate_python_results.py; do not edit."""
+"""Oscillator and its velocity laws. Made by scripts/generate_python_results.py; do not edit."""
 
 from __future__ import annotations
 
@@ -65,3 +65,22 @@ class Forcing:
     """q = Q/N."""
     frequency: float
     """η = Ω/ω₀ > 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameters:
+    """Dimensionless parameters of an oscillator."""
+
+    static_friction: float
+    """μ_st, the stick limit."""
+    law: VelocityLaw
+    """Kinetic friction law μ(|v|)."""
+    damping_ratio: float
+    """ζ = d/(2mω₀)."""
+    belt_velocity: float
+    """V = v_b·mω₀/N."""
+    forcing: Forcing | None = None
+    """Harmonic force, if any."""
+
+
+__all__ = ["Coulomb", "Exponential", "Forcing", "Linear", "Stribeck", "Tabulated"]

@@ -1794,6 +1794,10 @@ class NominalMachine(Record):
     """
     damping_margin: float
     """Margin ζ − ζ_v; with mode coupling the margin of the friction coefficient, μ_c − μ."""
+    damping_margin_interval: list[float] | None
+    """95 % interval of the margin, by the errors of a computed friction coefficient; `null` if it has none, and in
+    results of earlier versions.
+    """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2239,6 +2243,10 @@ class CampaignResults(Record):
     """Keys that differ between the members, in the order of their values."""
     members: list[MemberResult]
     """The members in their order."""
+    rests_on: list[RestsOn]
+    """Inputs of the verdict that all members have in common, with their origin; empty in results of earlier
+    versions.
+    """
     warnings: list[str]
     """Warnings, in sentences."""
     member_warnings: list[MemberWarning]
@@ -2247,5 +2255,6 @@ class CampaignResults(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {
         "keys": VariedKey,
         "members": MemberResult,
+        "rests_on": RestsOn,
         "member_warnings": MemberWarning,
     }

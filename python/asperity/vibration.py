@@ -8,14 +8,14 @@ from typing import Any, Literal
 
 from asperity import _core
 from asperity._progress import Progress, callback
-from asperity.laws import Forcing, VelocityLaw
+from asperity.laws import Parameters
 from asperity.vibration_results import CriticalDamping, Ensemble, LimitCycle, StabilityMap
 
 Axis = tuple[float, float, int]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Oscillator:
+class Oscillator(Parameters):
     """Mass, spring and damper on a moving belt with dry friction.
 
     Examples
@@ -27,26 +27,12 @@ class Oscillator:
     'stick_slip'
     """
 
-    static_friction: float
-    """μ_st, the stick limit."""
-    law: VelocityLaw
-    """Kinetic friction over the velocity."""
-    damping_ratio: float
-    """ζ = d/(2mω₀)."""
-    belt_velocity: float
-    """V = v_b·mω₀/N."""
-    forcing: Forcing | None = None
-    """Harmonic force, if any."""
     _checked: _core.Oscillator = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        parameters = {
-            "static_friction": self.static_friction,
-            "law": {type(self.law).__name__.lower(): dataclasses.asdict(self.law)},
-            "damping_ratio": self.damping_ratio,
-            "belt_velocity": self.belt_velocity,
-            "forcing": self.forcing and dataclasses.asdict(self.forcing),
-        }
+        values = {own.name: getattr(self, own.name) for own in dataclasses.fields(Parameters)}
+        law = {type(self.law).__name__.lower(): dataclasses.asdict(self.law)}
+        parameters = values | {"law": law, "forcing": self.forcing and dataclasses.asdict(self.forcing)}
         object.__setattr__(self, "_checked", _core.Oscillator(parameters))
 
     def __getstate__(self) -> dict[str, Any]:

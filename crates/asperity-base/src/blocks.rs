@@ -135,6 +135,11 @@ impl<'a> Task<'a> {
             }
             let found = computed(own.get_or_insert_with(&workspace), index)?;
             if let Ok(bytes) = postcard::to_allocvec(&found) {
+                debug_assert!(
+                    postcard::from_bytes::<B>(&bytes).is_ok(),
+                    "a block of {} cannot be read again",
+                    self.name
+                );
                 store.save(round, index, failure(&found), bytes);
             }
             Ok(Some(found))

@@ -250,6 +250,13 @@ mod tests {
     }
 
     #[test]
+    fn every_unit_of_a_name_is_shown() {
+        for unit in asperity_results::units_of_names() {
+            assert_ne!(Dimension::of_unit(unit).unit(1.0).symbol, "", "{unit}");
+        }
+    }
+
+    #[test]
     fn engineering_units_are_chosen_by_size() {
         assert_eq!(spaced(Dimension::Length.show(1.0234e-6)), "1.023 µm");
         assert_eq!(spaced(Dimension::Length.show(6e-3)), "6 mm");

@@ -7,6 +7,11 @@ pub const STRIBECK: f64 = 4.2;
 /// Kinetic over static friction of the paper.
 pub const KINETIC_SHARE: f64 = 1.0;
 
+/// Inputs that scale the motion of a machine: mass, natural frequency and normal force.
+pub const SCALES: [&str; 3] = ["vibration.mass", "vibration.natural_frequency", "vibration.normal_force"];
+/// Inputs whose product is mω₀.
+pub const INERTIA: [&str; 2] = [SCALES[0], SCALES[1]];
+
 /// Value of a study that decides its answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key {

@@ -68,7 +68,7 @@ pub use table::{Table, TableError};
 pub use uncertainty::{
     FailedPoint, ParameterIndexResult, UncertainLevel, UncertainParameter, UncertainResponse, UncertaintyResult,
 };
-pub use unit::split_unit;
+pub use unit::{split_unit, units_of_names};
 pub use verdict::{
     Assumed, Driver, ErrorCause, ErrorSource, Guess, InputKind, InputValue, LearntFriction, MarginQuantile,
     NominalMachine, Quantiles, Reach, Remedy, RestsOn, Risk, TurningPoint, VerdictResult, VibratingMachines,

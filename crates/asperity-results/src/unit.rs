@@ -28,6 +28,12 @@ pub fn split_unit(name: &str) -> (&str, &'static str) {
     found.filter(|(stem, _)| !stem.is_empty()).unwrap_or((name, ""))
 }
 
+/// Returns all units that a name may end with.
+#[doc(hidden)]
+pub fn units_of_names() -> impl Iterator<Item = &'static str> {
+    ENDINGS.iter().map(|(_, unit)| *unit)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -24,34 +24,7 @@ use self::stribeck::Quotient;
 use self::table::Cubic;
 use super::{VibrationError, non_negative, positive};
 
-choice! {
-    /// Dependence of friction on the sliding velocity.
-    #[derive(Default)]
-    pub enum VelocityLawKind: "velocity law" {
-        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law; Coulomb's for a = 0).
-        #[default]
-        Stribeck = "stribeck",
-        /// μ_k − b|v| with `linear_weakening` b.
-        Linear = "linear",
-        /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
-        Exponential = "exponential",
-        /// monotone cubics between the points of `friction_table`.
-        Table = "table",
-    }
-}
-
 impl VelocityLawKind {
-    /// Returns how a study or the flags of a program state it, in dimensionless units.
-    #[doc(hidden)]
-    pub fn statement(self) -> &'static Statement<VelocityLaw> {
-        match self {
-            Self::Stribeck => Stribeck::STATEMENT,
-            Self::Linear => Linear::STATEMENT,
-            Self::Exponential => Exponential::STATEMENT,
-            Self::Table => FrictionTable::STATEMENT,
-        }
-    }
-
     /// Returns the error of a study without an input of the law.
     fn requires(self, input: &'static str) -> StatementError {
         StatementError { input, reason: format!("velocity_law = \"{self}\" requires this key") }
@@ -197,9 +170,31 @@ impl BatchForm {
     }
 }
 
-/// Declares [`VelocityLaw`] from the list of laws. `$dollar` is a dollar sign, which the inner macro needs.
+/// Declares [`VelocityLaw`] and [`VelocityLawKind`] from the list of laws, with the names of those that a study may state. `$dollar` is a
+/// dollar sign, which the inner macro needs.
 macro_rules! laws {
-    ($dollar:tt $(#[$about:meta])* pub enum $name:ident; $($(#[$doc:meta])* $variant:ident($law:ty),)+) => {
+    (
+        $dollar:tt $(#[$about:meta])* pub enum $name:ident;
+        $($(#[$doc:meta])* $variant:ident($law:ty) $(stated as #[doc = $stated:literal] $(#[$($of_kind:tt)+])* $kind:ident = $word:literal)?,)+
+    ) => {
+        choice! {
+            /// Dependence of friction on the sliding velocity.
+            #[derive(Default)]
+            pub enum VelocityLawKind: "velocity law" {
+                $($(#[doc = $stated] $(#[$($of_kind)+])* $kind = $word,)?)+
+            }
+        }
+
+        impl VelocityLawKind {
+            /// Returns how a study or the flags of a program state it, in dimensionless units.
+            #[doc(hidden)]
+            pub fn statement(self) -> &'static Statement<$name> {
+                match self {
+                    $($(Self::$kind => <$law>::STATEMENT,)?)+
+                }
+            }
+        }
+
         $(#[$about])*
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(rename_all = "snake_case")]
@@ -237,15 +232,24 @@ laws! {$
     /// The stick limit is a separate parameter, [`super::Oscillator::static_friction`].
     pub enum VelocityLaw;
     /// The law of the paper.
-    Stribeck(Stribeck),
+    Stribeck(Stribeck) stated as
+        /// μ_k/(1 + a|v|) with `stribeck` a (the paper's law; Coulomb's for a = 0).
+        #[default]
+        Stribeck = "stribeck",
     /// Constant coefficient.
     Coulomb(Coulomb),
     /// Linear weakening.
-    Linear(Linear),
+    Linear(Linear) stated as
+        /// μ_k − b|v| with `linear_weakening` b.
+        Linear = "linear",
     /// Exponential weakening.
-    Exponential(Exponential),
+    Exponential(Exponential) stated as
+        /// μ_∞ + (μ_k − μ_∞)e^{−|v|/v₀} with `stribeck_velocity` v₀ and `high_speed_share` μ_∞/μ_k.
+        Exponential = "exponential",
     /// Monotone cubics between given points.
-    Tabulated(FrictionTable),
+    Tabulated(FrictionTable) stated as
+        /// monotone cubics between the points of `friction_table`.
+        Table = "table",
 }
 
 impl VelocityLaw {

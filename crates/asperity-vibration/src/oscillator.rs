@@ -45,7 +45,7 @@ pub struct Forcing {
     pub frequency: f64,
 }
 
-/// Parameters of an [`Oscillator`].
+/// Dimensionless parameters of an oscillator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
@@ -191,6 +191,22 @@ impl Scales {
         positive("natural_frequency", natural_frequency_rad_per_s)?;
         positive("normal_force", normal_force_n)?;
         Ok(Self { mass_kg, natural_frequency_rad_per_s, normal_force_n })
+    }
+
+    /// Returns a value of this SI unit in the units of the machine: of `m/s` as a multiple of the velocity N/(mω₀). `None` for a unit that its
+    /// motion does not have.
+    pub fn dimensionless(&self, value: f64, unit: &str) -> Option<f64> {
+        Some(match unit {
+            "kg" => value / self.mass_kg,
+            "m" => value / self.length_m(),
+            "s" => value / self.time_s(),
+            "N" => value / self.normal_force_n,
+            "m/s" => value / self.velocity_m_per_s(),
+            "s/m" => value * self.velocity_m_per_s(),
+            "rad/s" => value / self.natural_frequency_rad_per_s,
+            "N/m" => value / self.stiffness_n_per_m(),
+            _ => return None,
+        })
     }
 
     /// Returns the spring stiffness c = mω₀² in N/m.

@@ -10,7 +10,7 @@ use asperity_vibration::{
     clipped_to_positive, cycle_portrait, limit_cycle, limit_damping, phase_cloud, smallest_kick,
 };
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
 use crate::answer::{Answer, Failure, read};
@@ -116,8 +116,17 @@ pub(crate) fn scaled(machine: &str) -> Result<Answer, Failure> {
     }))
 }
 
+/// Reads the parameters of an oscillator. They may have a `friction_factor`, by which all friction coefficients are multiplied.
 fn oscillator(parameters: &str) -> Result<Oscillator, Failure> {
-    Ok(Oscillator::new(read::<Parameters>(parameters)?)?)
+    moved(read(parameters)?)
+}
+
+fn moved(mut parameters: Value) -> Result<Oscillator, Failure> {
+    let factor = parameters.as_object_mut().and_then(|keys| keys.remove("friction_factor")?.as_f64()).unwrap_or(1.0);
+    let mut parameters: Parameters = read(&parameters.to_string())?;
+    parameters.static_friction *= factor;
+    parameters.law = parameters.law.with_coefficients(|coefficient| factor * coefficient)?;
+    Ok(Oscillator::new(parameters)?)
 }
 
 /// Returns the displacements and the velocities of a portrait.
@@ -168,7 +177,7 @@ pub(crate) fn ends_of_vibration(parameters: &str) -> Result<Answer, Failure> {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    parameters: Parameters,
+    parameters: Value,
     process: ProcessModel,
     #[serde(default)]
     drive: Drive,
@@ -179,7 +188,7 @@ struct Request {
 
 fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
     let request: Request = read(request)?;
-    let oscillator = Oscillator::new(request.parameters)?;
+    let oscillator = moved(request.parameters)?;
     let model = clipped_to_positive(&oscillator, request.process, 1.0);
     let clipped_fraction = model.clipped_fraction();
     let process = FrictionProcess::new(model)?;
@@ -231,10 +240,8 @@ fn simulated(request: &str, monitor: &dyn Monitor) -> Result<Answer, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use asperity_base::monitor::Silent;
-    use serde_json::Value;
-
     use super::*;
+    use asperity_base::monitor::Silent;
 
     /// Machine of figure 5 of the paper: one kilogram, so that V = 0.003 and λ = 0.01.
     const MACHINE: &str = r#"{"mass_kg": 1.0, "natural_frequency_rad_per_s": 316.0, "normal_force_n": 2500.0,
@@ -269,6 +276,17 @@ mod tests {
         let limits = numbers(&ends_of_vibration(&parameters().to_string()).unwrap());
         let critical = limits["critical_damping_ratio"].as_f64().unwrap();
         assert!((critical - 0.204_830_150_584).abs() < 1e-6, "critical damping ratio {critical}");
+    }
+
+    #[test]
+    fn another_friction_is_another_belt_velocity_and_stribeck_coefficient() {
+        // X and V per μ: with the friction 2μ, the machine is that of V/2 and 2a.
+        let (mut twice, mut slow) = (parameters(), parameters());
+        twice["friction_factor"] = 2.0.into();
+        slow["belt_velocity"] = (0.5 * slow["belt_velocity"].as_f64().unwrap()).into();
+        slow["law"]["stribeck"]["decay"] = (2.0 * slow["law"]["stribeck"]["decay"].as_f64().unwrap()).into();
+        let period = |machine: &Value| numbers(&motion(&machine.to_string(), 10).unwrap())["period"].as_f64().unwrap();
+        assert!((period(&twice) - period(&slow)).abs() < 1e-9, "{} {}", period(&twice), period(&slow));
     }
 
     #[test]

@@ -9,12 +9,9 @@ import type { Call, Result } from "../messages";
 /** Largest number of runs of an ensemble on the page. */
 const RUNS = 200;
 
-/** Law of friction over the sliding velocity, by its name. */
-type Law = Record<string, Record<string, number> & { points?: [number, number][] }>;
-
 interface Parameters {
   static_friction: number;
-  law: Law;
+  law: object;
   damping_ratio: number;
   belt_velocity: number;
   forcing: object | null;
@@ -34,17 +31,6 @@ type Key = "damping" | "belt_velocity" | "friction" | "variability";
 
 /** Units of the sliders in those of the values. */
 const FACTORS: Partial<Record<Key, number>> = { belt_velocity: 1e-3, variability: 1e-2 };
-
-/** Returns the law with its coefficients times a factor; velocities stay. */
-function times(law: Law, factor: number): Law {
-  const keys = ["kinetic", "slope", "high_speed"];
-  const of = ([name, own]: [string, Law[string]]) => {
-    const scaled = Object.entries(own).map(([key, value]) => [key, keys.includes(key) ? factor * (value as number) : value]);
-    const points = own.points?.map(([speed, coefficient]) => [speed, factor * coefficient]);
-    return [name, { ...Object.fromEntries(scaled), ...(points && { points }) }];
-  };
-  return Object.fromEntries(Object.entries(law).map(of));
-}
 
 /** Returns a slider around the value of the machine, which is shown with so many digits. */
 function slider(label: string, unit: string, own: number, low: number, high: number, log = true, digits = 4): Slider {
@@ -142,8 +128,7 @@ class Page {
         ...parameters,
         damping_ratio: damping,
         belt_velocity: belt_velocity / this.velocity_m_per_s,
-        static_friction: friction,
-        law: times(parameters.law, friction / parameters.static_friction),
+        friction_factor: friction / parameters.static_friction,
       },
       process: process && { ...process, std: variability * friction },
       units: { length_m, time_s, velocity_m_per_s: this.velocity_m_per_s },

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use asperity_base::blocks::{self, Task};
+use asperity_results::keys::SCALES;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -31,13 +32,29 @@ struct Answered {
     answers: MemberAnswers,
     warnings: Vec<String>,
     /// Inputs of the verdict; empty for members that differ from the first ones in other values than the scan.
+    #[serde(with = "as_json")]
     rests_on: Vec<RestsOn>,
+}
+
+/// Inputs as JSON text, because blocks do not state the kind of a value.
+mod as_json {
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::RestsOn;
+
+    pub(super) fn serialize<S: Serializer>(inputs: &[RestsOn], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&serde_json::to_string(inputs).map_err(S::Error::custom)?)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<RestsOn>, D::Error> {
+        serde_json::from_str(&String::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
 }
 
 /// Name of the stage that the blocks of a campaign belong to.
 const STAGE: &str = "campaign";
-/// Keys that change the unit of dimensionless velocity, N/(mω₀).
-const SCALES: [&str; 3] = ["vibration.normal_force", "vibration.mass", "vibration.natural_frequency"];
 
 /// One study over many values and scans.
 #[derive(Debug, Clone)]

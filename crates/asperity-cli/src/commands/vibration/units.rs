@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 
-use asperity::keys::KEYS;
+use asperity::keys::{KEYS, Key, SCALES};
 use asperity::quantity::{AngularFrequency, Dimension, Force, Mass};
 use asperity::sentence;
 use asperity::vibration::Scales;
@@ -63,8 +63,6 @@ impl Units {
     }
 }
 
-/// Flags of the machine.
-const MACHINE: [&str; 3] = ["--mass", "--natural-frequency", "--normal-force"];
 const WANTED: &str = "values with units require all of --mass, --natural-frequency and --normal-force";
 
 /// Converts the values with units of the flags of a vibration command to dimensionless numbers. Leaves all other arguments as they are.
@@ -84,7 +82,7 @@ pub(crate) fn dimensionless(arguments: Vec<OsString>) -> Result<Vec<OsString>, F
     // The parser of the flags reports a wrong value, and prints the help.
     if is_given("--help")
         || arguments.iter().any(|argument| argument == "-h")
-        || scales.is_none() && MACHINE.iter().all(|flag| is_given(flag))
+        || scales.is_none() && SCALES.iter().all(|input| is_given(&flag_of(input)))
     {
         return Ok(arguments);
     }
@@ -120,6 +118,11 @@ pub(crate) fn dimensionless(arguments: Vec<OsString>) -> Result<Vec<OsString>, F
     Ok(converted)
 }
 
+/// Returns the flag of an input.
+fn flag_of(input: &'static str) -> String {
+    format!("--{}", args::name(input).replace('_', "-"))
+}
+
 /// Returns the machine that the flags state.
 fn stated_scales(arguments: &[OsString]) -> Option<Scales> {
     let si = |flag: &str, unit| {
@@ -131,8 +134,8 @@ fn stated_scales(arguments: &[OsString]) -> Option<Scales> {
         };
         Dimension::of_unit(unit)?.parse(&value).ok()
     };
-    let [mass, frequency, force] = MACHINE;
-    Scales::new(si(mass, "kg")?, si(frequency, "rad/s")?, si(force, "N")?).ok()
+    let [mass, frequency, force] = SCALES.map(|input| si(&flag_of(input), Key::find(input)?.unit));
+    Scales::new(mass?, frequency?, force?).ok()
 }
 
 /// Returns the SI unit that the values of a flag may have.
@@ -141,10 +144,10 @@ fn unit_of(flag: &str) -> Option<&'static str> {
     let of_key = KEYS.iter().filter(|key| key.section == "vibration").find_map(|key| {
         let own = key.name.strip_prefix("dimensionless_").unwrap_or(key.name);
         match (key.velocity_power, key.unit) {
-            _ if own != flag => None,
+            _ if own != flag || SCALES.contains(&key.path().as_str()) => None,
             (1, _) => Some("s/m"),
-            (-1, _) | (_, "m/s") => Some("m/s"),
-            _ => None,
+            (-1, _) => Some("m/s"),
+            (_, unit) => Some(unit).filter(|unit| !unit.is_empty()),
         }
     });
     of_key.or_else(|| FLAGS_WITH_UNITS.iter().find(|(name, _)| *name == flag).map(|(_, unit)| *unit))
@@ -159,16 +162,10 @@ fn numbers(text: &str, unit: &str, scales: Option<&Scales>) -> Result<Option<Str
         return Ok(None);
     }
     let scales = scales.ok_or_else(|| Failure::usage(format_args!("`{text}` has a unit: {WANTED}")))?;
-    let one = match unit {
-        "m" => scales.length_m(),
-        "s" => scales.time_s(),
-        "N" => scales.length_m() * scales.stiffness_n_per_m(),
-        "rad/s" => scales.time_s().recip(),
-        "m/s" => scales.velocity_m_per_s(),
-        _ => scales.velocity_m_per_s().recip(),
+    let number = |(part, si): (&&str, Option<f64>)| {
+        let number = si.and_then(|si| scales.dimensionless(si, unit));
+        number.map_or_else(|| (*part).to_owned(), |number| format!("{number:?}"))
     };
-    let number =
-        |(part, si): (&&str, Option<f64>)| si.map_or_else(|| (*part).to_owned(), |si| format!("{:?}", si / one));
     Ok(Some(parts.iter().zip(found).map(number).collect::<Vec<_>>().join(",")))
 }
 

@@ -40,6 +40,11 @@ fn is_table(input: &str) -> bool {
     Key::find(input).is_none()
 }
 
+/// Returns the number that stands for an input which is left out.
+fn default(input: &str) -> Option<f64> {
+    Key::find(input)?.default?.value.number()
+}
+
 /// Returns the flag of an input.
 fn flag(input: &'static str, note: &str) -> Arg {
     let name = args::name(input);
@@ -58,7 +63,7 @@ impl Args for Friction {
         let mut command = command.arg(flag(STATIC, " at rest, the stick limit").required(true)).arg(kinetic);
         for kind in VelocityLawKind::ALL {
             let (own, inputs) = (first(*kind), kind.statement().inputs);
-            let more = inputs[1..].iter().map(|input| args::name(input));
+            let more = inputs[1..].iter().filter(|input| default(input).is_none()).map(|input| args::name(input));
             let note = format!("; {}", kind.description().trim_end_matches('.'));
             let law = more.fold(flag(inputs[0], &note), Arg::requires);
             command = command.arg(if is_table(inputs[0]) { law.conflicts_with(args::name(KINETIC)) } else { law });
@@ -121,7 +126,8 @@ struct Values<'a> {
 
 impl Stated for Values<'_> {
     fn number(&self, input: &str) -> Option<f64> {
-        self.flags.numbers.iter().find(|(name, _)| *name == input).map(|(_, value)| *value)
+        let stated = self.flags.numbers.iter().find(|(name, _)| *name == input);
+        stated.map(|(_, value)| *value).or_else(|| default(input))
     }
 
     fn kinetic(&self) -> f64 {

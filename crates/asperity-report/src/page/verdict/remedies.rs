@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use asperity_results::keys::STATIC_FRICTION;
+use asperity_results::keys::{INERTIA, STATIC_FRICTION};
 use asperity_results::{Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
@@ -101,10 +101,10 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
 /// Returns the damping that a change of mass or natural frequency leaves as it is, behind the name of the input; empty for other inputs, which
 /// change neither.
 fn held(remedy: &Remedy) -> &'static str {
-    match (remedy.input.as_str(), remedy.held.as_deref()) {
-        ("vibration.mass" | "vibration.natural_frequency", Some("damper")) => " (same damper in N s/m)",
-        ("vibration.mass" | "vibration.natural_frequency", Some(_)) => " (same damping ratio)",
-        _ => "",
+    match remedy.held.as_deref().filter(|_| INERTIA.contains(&remedy.input.as_str())) {
+        Some("damper") => " (same damper in N s/m)",
+        Some(_) => " (same damping ratio)",
+        None => "",
     }
 }
 

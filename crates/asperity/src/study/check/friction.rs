@@ -110,7 +110,7 @@ impl StudyFile {
         let (Some(f), Some(&material), Some(surface)) = (&self.friction, material, &self.surface) else {
             return Ok(None);
         };
-        let law = self.stated_law(f.law.statement(), 1.0)?;
+        let law = self.stated_law(f.law.statement(), None)?;
         let law_inputs = (f.law, self.stated_numbers(f.law.statement().inputs));
         let (strip, points, window) = f.sizes(None);
         for side in strip {

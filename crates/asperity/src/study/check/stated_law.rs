@@ -5,11 +5,12 @@ use asperity_base::statement::{Stated, Statement};
 use super::invalid_value::{InvalidValue, invalid};
 use crate::study::StudyFile;
 use crate::study::uncertain::numbers;
+use crate::vibration::Scales;
 
 impl StudyFile {
-    /// Returns a law that the file states, with velocities in this unit.
-    pub(super) fn stated_law<L>(&self, statement: &Statement<L>, unit_m_per_s: f64) -> Result<L, InvalidValue> {
-        (statement.law)(&StatedValues { file: self, unit_m_per_s }).map_err(|error| {
+    /// Returns a law that the file states, in SI or in the units of a machine.
+    pub(super) fn stated_law<L>(&self, statement: &Statement<L>, scales: Option<&Scales>) -> Result<L, InvalidValue> {
+        (statement.law)(&StatedValues { file: self, scales }).map_err(|error| {
             let (section, key) = split(error.input);
             invalid(section, key, error.reason)
         })
@@ -17,7 +18,7 @@ impl StudyFile {
 
     /// Returns the numbers of a law's inputs in SI.
     pub(super) fn stated_numbers(&self, inputs: &[&'static str]) -> Vec<(&'static str, Option<f64>)> {
-        let stated = StatedValues { file: self, unit_m_per_s: 1.0 };
+        let stated = StatedValues { file: self, scales: None };
         inputs.iter().map(|input| (*input, stated.number(input))).collect()
     }
 }
@@ -27,10 +28,16 @@ pub(super) fn split(input: &str) -> (&str, &str) {
     input.split_once('.').unwrap_or(("", input))
 }
 
-/// Values of a study, with velocities in a unit.
+/// Values of a study, in SI or in the units of a machine.
 struct StatedValues<'a> {
     file: &'a StudyFile,
-    unit_m_per_s: f64,
+    scales: Option<&'a Scales>,
+}
+
+impl StatedValues<'_> {
+    fn dimensionless(&self, value: f64, unit: &str) -> f64 {
+        self.scales.and_then(|scales| scales.dimensionless(value, unit)).unwrap_or(value)
+    }
 }
 
 impl Stated for StatedValues<'_> {
@@ -40,14 +47,8 @@ impl Stated for StatedValues<'_> {
             return self.file.hardness().map(|hardness| hardness.0);
         }
         let rows = || numbers().filter(|(key, _)| (key.section, key.name) == split(input));
-        let stated = rows().find_map(|(key, access)| {
-            let value = access.get(self.file, key, None)?;
-            Some(match key.unit {
-                "m/s" => value / self.unit_m_per_s,
-                "s/m" => value * self.unit_m_per_s,
-                _ => value,
-            })
-        });
+        let stated =
+            rows().find_map(|(key, access)| Some(self.dimensionless(access.get(self.file, key, None)?, key.unit)));
         stated.or_else(|| rows().find_map(|(key, _)| key.default?.value.number()))
     }
 
@@ -55,6 +56,11 @@ impl Stated for StatedValues<'_> {
     fn points(&self, _: &str) -> Option<Vec<[f64; 2]>> {
         let table = self.file.vibration.as_ref()?.friction_table.as_ref()?;
         let kinetic = table.first().map_or(1.0, |(_, coefficient)| *coefficient);
-        Some(table.iter().map(|(speed, coefficient)| [speed.0 / self.unit_m_per_s, coefficient / kinetic]).collect())
+        Some(
+            table
+                .iter()
+                .map(|(speed, coefficient)| [self.dimensionless(speed.0, "m/s"), coefficient / kinetic])
+                .collect(),
+        )
     }
 }

@@ -1,24 +1,22 @@
 //! Checks of `[vibration]`.
 
-use asperity_results::keys::{self, Key};
+use asperity_results::keys::Key;
 
 use super::invalid_value::{InvalidValue, POSITIVE, at_least, invalid, positive, within};
 use super::mode_coupling::check_springs;
 use super::stated_law::split;
-use super::vibration_study::{FrictionSource, MachineInputs, SECTION, VibrationStudy};
+use super::vibration_study::{FrictionSource, SECTION, VibrationStudy};
 use crate::distribution::{DistributionError, Marginal};
 use crate::friction::StatedFriction;
 use crate::friction::process::Generator;
 use crate::quantity::Length;
-use crate::study::file::{MachineModel, MapSection, Stribeck, StudyFile, VibrationSection, usual_window_m};
+use crate::study::file::{MachineModel, MapSection, StudyFile, VibrationSection, usual_window_m};
 use crate::study::uncertain::numbers;
 use crate::vibration::law::{Coulomb, VelocityLawKind};
-use crate::vibration::{Forcing, Scales, VelocityLaw, VibrationError};
+use crate::vibration::{Scales, VelocityLaw, VibrationError};
 
 /// Range of correlation lengths over N/c that sliding distances resolve.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-13..=1e13;
-/// Default coefficient a of the Stribeck law, the paper's value.
-const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(keys::STRIBECK);
 
 impl StudyFile {
     pub(super) fn check_vibration(&self) -> Result<Option<VibrationStudy>, InvalidValue> {
@@ -71,42 +69,8 @@ impl StudyFile {
         }
     }
 
-    /// Returns the machine; `None` without the section. A study with other values of its inputs has the same keys, which
-    /// [`check_vibration`](Self::check_vibration) has checked.
-    pub(in crate::study) fn machine(&self) -> Result<Option<MachineInputs>, InvalidValue> {
-        let Some(v) = &self.vibration else { return Ok(None) };
-        let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
-            .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
-        let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
-            (Some(velocity), None) => velocity.0 / scales.velocity_m_per_s(),
-            (None, Some(value)) => value,
-            _ => {
-                let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
-                return Err(invalid(SECTION, "belt_velocity", message));
-            }
-        };
-        let coupled = v.coupled();
-        let has_stribeck = v.velocity_law == VelocityLawKind::Stribeck && coupled.is_none();
-        Ok(Some(MachineInputs {
-            coupled,
-            scales,
-            normal_force: v.normal_force,
-            nominal_area: v.nominal_area,
-            damping_ratio: v.damping_ratio,
-            belt_velocity,
-            forcing: forcing(v)?,
-            kinetic_fraction: v.kinetic_share,
-            velocity_law: self.velocity_law(v, &scales)?,
-            stribeck: has_stribeck.then(|| v.stribeck.unwrap_or(USUAL_STRIBECK)),
-            friction: self.friction_source(v)?,
-            generator: v.generator.map(|generator| generator.0),
-            drive: v.drive,
-            upscaling: v.upscaling,
-        }))
-    }
-
     /// Returns the source of the friction: exactly one of the friction stage, a file and the keys of the section.
-    fn friction_source(&self, v: &VibrationSection) -> Result<FrictionSource, InvalidValue> {
+    pub(super) fn friction_source(&self, v: &VibrationSection) -> Result<FrictionSource, InvalidValue> {
         if let Some(level) = v.level
             && !self.friction.as_ref().is_some_and(|f| f.percentiles().contains(&level))
         {
@@ -207,11 +171,11 @@ fn check_motion(v: &VibrationSection, study: &VibrationStudy, friction: &StatedF
 
 impl StudyFile {
     /// Returns the velocity law for a kinetic friction coefficient of 1.
-    fn velocity_law(&self, v: &VibrationSection, scales: &Scales) -> Result<VelocityLaw, InvalidValue> {
+    pub(super) fn velocity_law(&self, v: &VibrationSection, scales: &Scales) -> Result<VelocityLaw, InvalidValue> {
         if v.model == MachineModel::ModeCoupling {
             return Ok(Coulomb { kinetic: 1.0 }.into());
         }
-        self.stated_law(v.velocity_law.statement(), scales.velocity_m_per_s())
+        self.stated_law(v.velocity_law.statement(), Some(scales))
     }
 
     /// Returns the key and the number of the velocity law per unit of dimensionless velocity.
@@ -223,21 +187,6 @@ impl StudyFile {
             let usual = || key.default?.value.number().filter(|_| !access.is_stated(self));
             Some((key.name, access.get(self, key, None).or_else(usual)?))
         })
-    }
-}
-
-/// Checks the harmonic force and returns it in the units of the machine.
-fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
-    match (v.forcing, v.forcing_frequency) {
-        (Some(force), Some(frequency)) => {
-            within(SECTION, "forcing", force, |q| q >= 0.0, "zero or a positive value")?;
-            within(SECTION, "forcing_frequency", frequency, positive, POSITIVE)?;
-            let (amplitude, frequency) = (force.0 / v.normal_force.0, frequency.0 / v.natural_frequency.0);
-            Ok(Some(Forcing { amplitude, frequency }))
-        }
-        (Some(_), None) => Err(invalid(SECTION, "forcing_frequency", "required because `forcing` is stated")),
-        (None, Some(_)) => Err(invalid(SECTION, "forcing", "required because `forcing_frequency` is stated")),
-        (None, None) => Ok(None),
     }
 }
 

@@ -1,17 +1,19 @@
 //! Checked machine of `[vibration]`: a mass on a belt.
 
-use asperity_results::MachineModel;
-use serde::Serialize;
-
 use std::path::PathBuf;
 
+use asperity_results::MachineModel;
+use asperity_results::keys::STRIBECK;
+use serde::Serialize;
+
+use super::invalid_value::{InvalidValue, POSITIVE, invalid, positive, within};
 use crate::friction::process::Generator;
 use crate::friction::{NominalContact, StatedFriction, Upscaling};
 use crate::quantity::{Area, Force};
-use crate::study::file::{ContactSpring, MapSection, Stribeck};
+use crate::study::file::{ContactSpring, MapSection, Stribeck, StudyFile, VibrationSection};
 use crate::study::sentence;
 use crate::study::uncertain::numbers;
-use crate::vibration::law::Coulomb;
+use crate::vibration::law::{Coulomb, VelocityLawKind};
 use crate::vibration::mode_coupling::{CoupledParameters, Damping, Model};
 use crate::vibration::{
     Drive, Forcing, MapOver, Oscillator, Parameters, Scales, TrajectorySettings, VelocityLaw, VibrationError,
@@ -20,6 +22,8 @@ use crate::vibration::{
 
 /// Duration of the check that friction stays positive, in units of 1/ω₀: the first slips are the fastest.
 const FIRST_TIME: f64 = 100.0;
+/// Default coefficient a of the Stribeck law, the paper's value.
+const USUAL_STRIBECK: Stribeck = Stribeck::Dimensionless(STRIBECK);
 /// Name of the section.
 pub(super) const SECTION: &str = "vibration";
 
@@ -86,6 +90,57 @@ pub(in crate::study) enum FrictionSource {
     File(PathBuf),
     /// Values stated in the study file, for a window of the usual size.
     Stated(StatedFriction),
+}
+
+impl StudyFile {
+    /// Returns the machine; `None` without the section. A study with other values of its inputs has the same keys, which
+    /// `check_vibration` has checked.
+    pub(in crate::study) fn machine(&self) -> Result<Option<MachineInputs>, InvalidValue> {
+        let Some(v) = &self.vibration else { return Ok(None) };
+        let scales = Scales::new(v.mass.0, v.natural_frequency.0, v.normal_force.0)
+            .map_err(|error| invalid(SECTION, "mass", error.to_string()))?;
+        let belt_velocity = match (v.belt_velocity, v.dimensionless_belt_velocity) {
+            (Some(velocity), None) => velocity.0 / scales.velocity_m_per_s(),
+            (None, Some(value)) => value,
+            _ => {
+                let message = "state exactly one of belt_velocity and dimensionless_belt_velocity";
+                return Err(invalid(SECTION, "belt_velocity", message));
+            }
+        };
+        let coupled = v.coupled();
+        let has_stribeck = v.velocity_law == VelocityLawKind::Stribeck && coupled.is_none();
+        Ok(Some(MachineInputs {
+            coupled,
+            scales,
+            normal_force: v.normal_force,
+            nominal_area: v.nominal_area,
+            damping_ratio: v.damping_ratio,
+            belt_velocity,
+            forcing: forcing(v)?,
+            kinetic_fraction: v.kinetic_share,
+            velocity_law: self.velocity_law(v, &scales)?,
+            stribeck: has_stribeck.then(|| v.stribeck.unwrap_or(USUAL_STRIBECK)),
+            friction: self.friction_source(v)?,
+            generator: v.generator.map(|generator| generator.0),
+            drive: v.drive,
+            upscaling: v.upscaling,
+        }))
+    }
+}
+
+/// Checks the harmonic force and returns it in the units of the machine.
+fn forcing(v: &VibrationSection) -> Result<Option<Forcing>, InvalidValue> {
+    match (v.forcing, v.forcing_frequency) {
+        (Some(force), Some(frequency)) => {
+            within(SECTION, "forcing", force, |q| q >= 0.0, "zero or a positive value")?;
+            within(SECTION, "forcing_frequency", frequency, positive, POSITIVE)?;
+            let (amplitude, frequency) = (force.0 / v.normal_force.0, frequency.0 / v.natural_frequency.0);
+            Ok(Some(Forcing { amplitude, frequency }))
+        }
+        (Some(_), None) => Err(invalid(SECTION, "forcing_frequency", "required because `forcing` is stated")),
+        (None, Some(_)) => Err(invalid(SECTION, "forcing", "required because `forcing_frequency` is stated")),
+        (None, None) => Ok(None),
+    }
 }
 
 impl MachineInputs {

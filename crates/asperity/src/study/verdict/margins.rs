@@ -1,7 +1,7 @@
 //! Margins of machines with constant friction at changed central values.
 
 use asperity_base::blocks::Task;
-use asperity_results::keys::DAMPING_RATIO;
+use asperity_results::keys::{DAMPING_RATIO, INERTIA};
 
 use super::machines::{Change, Machines};
 use super::sampled::Evaluated;
@@ -9,9 +9,6 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::study::file::Hold;
 use crate::study::result::MachineModel;
 use crate::study::uncertain::Place;
-
-/// Names of the values that change mω₀.
-const INERTIA: [&str; 2] = ["vibration.mass", "vibration.natural_frequency"];
 
 /// Machines with other central values, or the reason why there are none.
 pub(super) type Moved<'a> = Result<Machines<'a>, String>;
