@@ -52,15 +52,30 @@ class Autocorrelation(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class RadialSpectrum(Record):
-    """Radially averaged power spectral density, two-sided.
+    """Radially averaged power spectral density, two-sided, in rings of the width 2π/min(Lx, Ly).
 
-    Its integral over d²q/(2π)² is the variance less that in the corners, ``psd_corners_m2`` of the statistics.
+    The sum of ``coefficients * psd_m4`` over the area Lx·Ly, with `psd_corners_m2`, is the mean square of the heights
+    about their mean: of a periodogram under the window, Σw²z²/Σw², of a correlogram that of the map.
     """
 
     q_rad_per_m: NDArray[np.float64]
     """Mean wavenumber of each ring."""
     psd_m4: NDArray[np.float64]
-    """Mean power spectral density of each ring."""
+    """Mean power spectral density of each ring; of a correlogram it may be negative where noise exceeds it."""
+    psd_low_m4: NDArray[np.float64]
+    """Lower end of its 95 % interval; NaN where the density is not positive."""
+    psd_high_m4: NDArray[np.float64]
+    """Upper end of its 95 % interval."""
+    degrees_of_freedom: NDArray[np.float64]
+    """Degrees of freedom of each mean."""
+    coefficients: NDArray[np.float64]
+    """Number of wavevectors of each ring."""
+    psd_corners_m2: float
+    """Variance of the wavevectors on no ring: beyond the last, and below the first of an oblong map."""
+    method: str
+    """``periodogram`` under a Hann window, with a resolution of two rings, where small voids are filled; or
+    ``correlogram``, the transform of the autocovariance under a Parzen window, with a resolution of four, where larger
+    voids would be seen in the spectrum."""
     reliable_low_rad_per_m: float
     """Lower end of the wavenumbers at which the spectrum shows the surface."""
     reliable_high_rad_per_m: float

@@ -82,3 +82,27 @@ def test_a_map_is_an_array_of_xarray(rough):
     assert found.attrs["units"] == "m"
     assert float(found.y[1]) == 3e-6
     assert float(found.x[0]) == 0.5e-6
+
+
+def test_one_void_hardly_changes_the_spectrum() -> None:
+    whole = asperity.artificial_surface(
+        rms_height_m=1e-6, hurst=0.95, size_m=256e-6, points=256, correlation_length_m=5e-5, seed=1
+    )
+    heights = whole.heights.copy()
+    heights[90, 100] = np.nan
+    found, wanted = asperity.HeightMap.from_array(heights, dx_m=whole.dx_m).psd(), whole.psd()
+    assert found.method == wanted.method == "periodogram"
+    np.testing.assert_allclose(found.psd_m4, wanted.psd_m4, rtol=0.01)
+    assert np.all((found.psd_low_m4 < found.psd_m4) & (found.psd_m4 < found.psd_high_m4))
+    heights[60:120, 60:120] = np.nan
+    assert asperity.HeightMap.from_array(heights, dx_m=whole.dx_m).psd().method == "correlogram"
+
+
+@pytest.mark.parametrize("ratio", [1, 2, 3, 5])
+def test_spectra_integrate_to_the_windowed_mean_square(ratio: int) -> None:
+    heights = np.random.default_rng(1).standard_normal((48, 64))
+    found = asperity.HeightMap.from_array(heights, dx_m=1e-6, dy_m=ratio * 1e-6).psd()
+    window = np.outer(*(np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 4 for n in heights.shape))
+    wanted = (window * (heights - heights.mean()) ** 2).sum() / window.sum()
+    total = (found.coefficients * found.psd_m4).sum() / (64e-6 * 48e-6 * ratio) + found.psd_corners_m2
+    assert total == pytest.approx(wanted, rel=1e-12)

@@ -35,4 +35,5 @@ pub use spectrum::Block;
 pub use spectrum::{
     AngularSpectrum, AreaSpectrum, BinnedSpectrum, BlockSpectrum, ProfileSpectrum, RadialSpectrum, ReliableBand,
     SpectrumRoute, UpperLimit, binned_profile_spectrum, binned_radial_spectrum, profile_spectrum, radial_spectrum,
+    radial_spectrum_with_bands,
 };

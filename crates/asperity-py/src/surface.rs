@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity::correlation::{Autocorrelation, Axis, radial_spectrum};
+use asperity::correlation::{Autocorrelation, Axis, radial_spectrum_with_bands};
 use asperity::map::{HeightMap, checked_pitch_m};
 use asperity::study::file::DecimalSign;
 use asperity::study::surface_statistics;
@@ -143,10 +143,21 @@ pub(crate) fn acf<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f
 #[pyfunction]
 pub(crate) fn psd<'py>(heights_m: PyReadonlyArray2<'py, f64>, dx_m: f64, dy_m: f64) -> PyResult<Bound<'py, PyDict>> {
     let (py, map) = (heights_m.py(), map_of(&heights_m, dx_m, dy_m)?);
-    let found = long::run_on_map(py, map, |map| radial_spectrum(&map).raise())?;
+    let (found, rings) = long::run_on_map(py, map, |map| radial_spectrum_with_bands(&map).raise())?;
     let answer = PyDict::new(py);
-    answer.set_item("q_rad_per_m", PyArray1::from_vec(py, found.q_rad_per_m))?;
-    answer.set_item("psd_m4", PyArray1::from_vec(py, found.psd_m4))?;
+    let coefficients = rings.coefficients.iter().map(|count| *count as f64).collect();
+    for (name, values) in [
+        ("q_rad_per_m", rings.q_rad_per_m),
+        ("psd_m4", rings.psd),
+        ("psd_low_m4", rings.psd_low),
+        ("psd_high_m4", rings.psd_high),
+        ("degrees_of_freedom", rings.degrees_of_freedom),
+        ("coefficients", coefficients),
+    ] {
+        answer.set_item(name, PyArray1::from_vec(py, values))?;
+    }
+    answer.set_item("psd_corners_m2", found.corners_m2)?;
+    answer.set_item("method", found.route.name())?;
     answer.set_item("reliable_low_rad_per_m", found.reliable.low_rad_per_m)?;
     answer.set_item("reliable_high_rad_per_m", found.reliable.high_rad_per_m)?;
     answer.set_item("upper_limit", found.reliable.upper_limit.name())?;

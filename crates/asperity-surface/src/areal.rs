@@ -188,7 +188,8 @@ impl Textures {
             // The spectrum needs the autocorrelation up to half the field.
             let correlation = Autocorrelation::estimate(map).map_err(|_| flat.clone())?;
             let decay = spatial::followed(&correlation, 0.2).map_err(|_| flat)?;
-            let spectrum = AreaSpectrum::from_correlation(&correlation);
+            let spectrum = AreaSpectrum::of_small_voids(map, extent.mean);
+            let spectrum = spectrum.unwrap_or_else(|| AreaSpectrum::from_correlation(&correlation));
             (decay, correlation, spectrum)
         };
         Ok(Self { moments, mean_absolute_m, extent, decay, correlation, spectrum })

@@ -4,6 +4,7 @@ mod area;
 mod band;
 mod binned;
 mod blocks;
+mod filled;
 mod line_blocks;
 
 use std::f64::consts::{PI, TAU};
@@ -17,7 +18,7 @@ use super::profiles::{self, Axis};
 
 pub use area::{AngularSpectrum, AreaSpectrum, RadialSpectrum, radial_spectrum};
 pub use band::{ReliableBand, UpperLimit};
-pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum};
+pub use binned::{BinnedSpectrum, binned_profile_spectrum, binned_radial_spectrum, radial_spectrum_with_bands};
 pub(super) use binned::{bin_of, edges};
 pub use blocks::{Block, BlockSpectrum};
 pub(super) use line_blocks::LineBlocks;
@@ -25,17 +26,26 @@ pub(super) use line_blocks::LineBlocks;
 /// Estimator of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpectrumRoute {
-    /// Periodogram under a Hann window, with a resolution of ±2 wavenumbers 2π/L.
+    /// Periodogram under a Hann window, with a resolution of ±2 wavenumbers 2π/L. Voids so small that their heights hardly matter are
+    /// filled before.
     Periodogram,
     /// Transform of the pair-normalised autocovariance under a Parzen lag window that ends at half the map, for maps
-    /// with missing points. Its resolution is ±4 wavenumbers 2π/L, and noise can make single bins negative.
+    /// with other voids. Its resolution is ±4 wavenumbers 2π/L, and noise can make single bins negative.
     MaskedCorrelogram,
 }
 
 impl SpectrumRoute {
+    /// Returns its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Periodogram => "periodogram",
+            Self::MaskedCorrelogram => "correlogram",
+        }
+    }
+
     /// Returns the half width of a spectral line in wavenumbers 2π/L; at lower wavenumbers the subtracted mean and
     /// plane and the boundary of the field dominate.
-    fn resolution(self) -> f64 {
+    pub fn resolution(self) -> f64 {
         match self {
             Self::Periodogram => 2.0,
             Self::MaskedCorrelogram => 4.0,

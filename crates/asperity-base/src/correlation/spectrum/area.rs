@@ -9,10 +9,13 @@ use crate::map::{Grid, HeightMap};
 use crate::stats::Extent;
 
 use super::band::ReliableBand;
+use super::filled::{Filled, filled};
 use super::{hann, parzen};
 
 /// Wavenumbers along x whose rings are summed per task.
 const COLUMNS: usize = 16;
+/// Density that filled voids may add, relative to the least density of a ring at which the spectrum shows the surface.
+const SCATTER: f64 = 0.05;
 /// Number of rays over half a turn, and of neighbours on either side in the smoothing of the angular spectrum: ±1°.
 const RAYS: usize = 360;
 const SMOOTHED: isize = 2;
@@ -39,7 +42,7 @@ pub struct RadialSpectrum {
     /// longest waves of an oblong map.
     ///
     /// Together with the sum over the rings of `wavevectors`·`psd_m4`/(LxLy) it is the windowed mean square Σ w²z²/Σw² of a complete
-    /// map, z being relative to the mean, and the variance of the present heights of a map with missing points.
+    /// map, z being relative to the mean, also of filled voids, and of a correlogram the variance of the present heights.
     pub corners_m2: f64,
     /// Estimator of the spectrum.
     pub route: SpectrumRoute,
@@ -80,8 +83,7 @@ impl AngularSpectrum {
     }
 }
 
-/// Returns the radially averaged power spectral density of a map; the estimator depends on whether points are missing
-/// and is part of the result.
+/// Returns the radially averaged power spectral density of a map; the estimator depends on the voids and is part of the result.
 ///
 /// # Errors
 /// The heights do not vary.
@@ -90,8 +92,9 @@ pub fn radial_spectrum(map: &HeightMap) -> Result<RadialSpectrum, EstimateError>
 }
 
 impl AreaSpectrum {
-    /// Creates the spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y or,
-    /// if points are missing, the transform of its autocovariance under a Parzen window, see
+    /// Creates the spectrum of a map: a periodogram |Σ w z e^{−iq·x}|² ΔxΔy/Σw² under a Hann window along x and y, also if voids are small:
+    /// they are filled by solutions of Laplace's equation, if the errors of the filled heights add less than 5 % to the density of every
+    /// reliable ring. Otherwise it is the transform of the autocovariance under a Parzen window, see
     /// [`SpectrumRoute::MaskedCorrelogram`].
     ///
     /// # Errors
@@ -103,25 +106,47 @@ impl AreaSpectrum {
     /// Creates as [`AreaSpectrum::new`] with a known extent of the heights.
     #[doc(hidden)]
     pub fn with_extent(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
-        let grid = map.grid();
-        if extent.n < grid.points() {
-            return Ok(Self::from_correlation(&Autocorrelation::estimate(map)?));
-        }
+        let has_voids = extent.n < map.grid().points();
+        let filled = if has_voids { Self::of_small_voids(map, extent.mean) } else { None };
+        filled.map_or_else(|| Self::unfilled(map, extent), Ok)
+    }
+
+    /// Creates as [`AreaSpectrum::new`] from measured heights alone: a correlogram if there are voids of any size.
+    pub(super) fn unfilled(map: &HeightMap, extent: &Extent) -> Result<Self, EstimateError> {
         if extent.largest_deviation() <= 4.0 * f64::EPSILON * extent.mean.abs() {
             return Err(EstimateError::Constant { present: extent.n });
         }
+        if extent.n < map.grid().points() {
+            return Ok(Self::from_correlation(&Autocorrelation::estimate(map)?));
+        }
+        Ok(Self::periodogram(map.grid(), map.values_m(), extent.mean))
+    }
+
+    /// Creates the periodogram of a map whose voids are small enough to be filled; see [`AreaSpectrum::new`].
+    #[doc(hidden)]
+    pub fn of_small_voids(map: &HeightMap, mean_m: f64) -> Option<Self> {
+        let Filled { heights_m, scatter_m4 } = filled(map)?;
+        let found = Self::periodogram(map.grid(), &heights_m, mean_m);
+        let RadialSpectrum { q_rad_per_m, psd_m4, reliable, .. } = found.radial();
+        let band = reliable.low_rad_per_m..=reliable.high_rad_per_m;
+        let rings = q_rad_per_m.iter().zip(&psd_m4).filter(|(q, _)| band.contains(q));
+        let least_m4 = rings.map(|(_, density)| *density).fold(f64::INFINITY, f64::min);
+        (scatter_m4 <= SCATTER * least_m4).then_some(found)
+    }
+
+    fn periodogram(grid: Grid, heights_m: &[f64], mean_m: f64) -> Self {
         let (ny, nx) = grid.shape();
         let (window_x, window_y) = (hann(nx), hann(ny));
         let square = |window: &[f64]| window.iter().map(|w| w * w).sum::<f64>();
         let norm = (grid.cell_area_m2() / (square(&window_x) * square(&window_y))).sqrt();
         let psd_m4 = power(nx, ny, |row, out| {
-            let heights = &map.values_m()[row * nx..(row + 1) * nx];
+            let heights = &heights_m[row * nx..(row + 1) * nx];
             let weight = norm * window_y[row];
             for ((out, z), w) in out.iter_mut().zip(heights).zip(&window_x) {
-                *out = weight * w * (z - extent.mean);
+                *out = weight * w * (z - mean_m);
             }
         });
-        Ok(Self { grid, psd_m4, route: SpectrumRoute::Periodogram })
+        Self { grid, psd_m4, route: SpectrumRoute::Periodogram }
     }
 
     /// Creates the spectrum ΔxΔy Σ w(lag) C(lag) e^{−iq·lag} of an autocovariance, over its lags up to half the field
@@ -402,6 +427,45 @@ mod tests {
         }
     }
 
+    /// Returns a rough map: waves of random directions and phases whose density falls as q⁻⁴.
+    fn rough(n: usize) -> HeightMap {
+        let angles = random::standard_normal(&mut random::stream(16, "rough", 0), 1200);
+        let mut heights = Array2::zeros((n, n));
+        for (wave, angles) in (0..600).zip(angles.chunks_exact(2)) {
+            let [turn, phase] = [TAU * angles[0], TAU * angles[1]];
+            let periods = 2.0 * (n as f64 / 5.0).powf(f64::from(wave) / 600.0);
+            let (kx, ky) = (TAU * periods * turn.cos() / n as f64, TAU * periods * turn.sin() / n as f64);
+            for ((row, column), z) in heights.indexed_iter_mut() {
+                *z += (kx * column as f64 + ky * row as f64 + phase).cos() / periods;
+            }
+        }
+        HeightMap::new(Grid::new(n, n, 1e-6, 1e-6).unwrap(), heights).unwrap()
+    }
+
+    #[test]
+    fn small_voids_hardly_change_the_spectrum() {
+        let n = 128;
+        let whole = rough(n);
+        let wanted = radial_spectrum(&whole).unwrap();
+        let mut heights = Array2::from_shape_vec((n, n), whole.values_m().to_vec()).unwrap();
+        for (voids, tolerance) in [(1, 5e-3), (40, 0.05)] {
+            for void in 0..voids {
+                heights[[(90 + 31 * void) % n, (100 + 17 * void) % n]] = f64::NAN;
+            }
+            let found = radial_spectrum(&HeightMap::new(whole.grid(), heights.clone()).unwrap()).unwrap();
+            assert_eq!(found.route, SpectrumRoute::Periodogram);
+            let all = found.psd_m4.iter().zip(&wanted.psd_m4).zip(&wanted.q_rad_per_m);
+            for ((found, wanted), q) in all.filter(|(_, q)| **q <= wanted.reliable.high_rad_per_m) {
+                assert!((found / wanted - 1.0).abs() < tolerance, "{voids} at {q}: {found} {wanted}");
+            }
+        }
+        // A third of all points, alone: their errors would be seen at the shortest waves.
+        let mut heights = heights;
+        heights.iter_mut().step_by(3).for_each(|z| *z = f64::NAN);
+        let found = radial_spectrum(&HeightMap::new(whole.grid(), heights).unwrap()).unwrap();
+        assert_eq!(found.route, SpectrumRoute::MaskedCorrelogram);
+    }
+
     #[test]
     fn rings_and_corners_are_the_windowed_mean_square() {
         for (nx, ny, dx_m, dy_m) in [(31, 24, 0.7, 1.1), (64, 32, 1.0, 3.0), (96, 6, 1.0, 1.0)] {
@@ -421,7 +485,9 @@ mod tests {
                 weights += weight(row, column);
             }
             assert!((total(&heights) * weights / sum - 1.0).abs() < 1e-12);
-            heights[[2, 5]] = f64::NAN;
+            // A void that is too large to be filled.
+            let rows = if ny > 20 { 3..ny - 3 } else { 0..ny };
+            heights.slice_mut(ndarray::s![rows, 5..nx - 5]).fill(f64::NAN);
             let present: Vec<f64> = heights.iter().copied().filter(|z| !z.is_nan()).collect();
             let (n, mean) = (present.len() as f64, Extent::new(&present).mean);
             let variance = present.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / n;

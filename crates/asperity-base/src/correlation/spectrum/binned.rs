@@ -10,7 +10,7 @@ use crate::fourier::{good_length, power, signed_index};
 use crate::map::HeightMap;
 use crate::stats::Extent;
 
-use super::area::AreaSpectrum;
+use super::area::{AreaSpectrum, RadialSpectrum};
 use super::{hann, lag_window_end, missing_per_profile, parzen, profile_spectrum};
 
 /// Bins per octave, where they contain a wavenumber each.
@@ -301,11 +301,32 @@ impl BinnedSpectrum {
 /// # Errors
 /// The heights present do not vary.
 pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, EstimateError> {
-    let (spectrum, scatter) = if map.missing_points() > 0 {
-        let correlation = Autocorrelation::estimate(map)?;
-        (AreaSpectrum::from_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
-    } else {
-        (AreaSpectrum::new(map)?, None)
+    Ok(in_bins(map, edges)?.1)
+}
+
+/// Returns the radial spectrum with the bands of its rings.
+///
+/// # Errors
+/// The heights present do not vary.
+pub fn radial_spectrum_with_bands(map: &HeightMap) -> Result<(RadialSpectrum, BinnedSpectrum), EstimateError> {
+    let (spectrum, rings) = in_bins(map, |last| (0..=last).map(|ring| ring as f64 + 0.5).collect())?;
+    Ok((spectrum.radial(), rings))
+}
+
+/// Returns the spectrum of a map, and its means in bins with these edges up to a last ring.
+fn in_bins(
+    map: &HeightMap,
+    edges: impl Fn(usize) -> Vec<f64>,
+) -> Result<(AreaSpectrum, BinnedSpectrum), EstimateError> {
+    let extent = Extent::new(map.values_m());
+    let small_voids = if map.missing_points() > 0 { AreaSpectrum::of_small_voids(map, extent.mean) } else { None };
+    let (spectrum, scatter) = match small_voids {
+        Some(spectrum) => (spectrum, None),
+        None if map.missing_points() > 0 => {
+            let correlation = Autocorrelation::estimate(map)?;
+            (AreaSpectrum::from_correlation(&correlation), Some(AreaSpectrum::with_scatter(&correlation)))
+        }
+        None => (AreaSpectrum::with_extent(map, &extent)?, None),
     };
     let (nx, ny) = (map.grid().nx(), map.grid().ny());
     let (qx_min, qy_min, nyquist) = spectrum.wavenumbers();
@@ -333,7 +354,8 @@ pub fn binned_radial_spectrum(map: &HeightMap) -> Result<BinnedSpectrum, Estimat
         sums.iter().zip(degrees).zip(densities).map(|((sum, degrees), density)| {
             (width * sum.q / sum.count, density / sum.count, degrees, sum.count as usize)
         });
-    Ok(BinnedSpectrum::with_bands(bins.collect(), spectrum.route))
+    let bins = BinnedSpectrum::with_bands(bins.collect(), spectrum.route);
+    Ok((spectrum, bins))
 }
 
 /// Returns the spectrum of [`profile_spectrum`] in bins with bands.

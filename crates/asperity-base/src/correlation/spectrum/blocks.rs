@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::fourier::signed_index;
 use crate::map::HeightMap;
+use crate::stats::Extent;
 
 use super::SpectrumRoute;
 use super::area::AreaSpectrum;
@@ -63,7 +64,8 @@ pub struct Block {
 }
 
 impl BlockSpectrum {
-    /// Creates the spectrum of a map; see [`AreaSpectrum::new`].
+    /// Creates the spectrum of a map from measured heights alone, because filled ones are smoother than the surface whose waves follow
+    /// from it: a periodogram, or the correlogram of a map with voids.
     ///
     /// # Errors
     /// The heights present do not vary.
@@ -76,7 +78,7 @@ impl BlockSpectrum {
             /// Wavevectors and their densities.
             places: Vec<([f64; 2], f64)>,
         }
-        let spectrum = AreaSpectrum::new(map)?;
+        let spectrum = AreaSpectrum::unfilled(map, &Extent::new(map.values_m()))?;
         let radial = spectrum.radial();
         let band = radial.reliable;
         let grid = map.grid();
