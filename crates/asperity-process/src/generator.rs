@@ -46,13 +46,14 @@ impl Choice for Generator {
     const NOUN: &'static str = "generator";
     const ALL: &'static [Self] =
         &[Self::Autoregressive, Self::Spectral { harmonics: USUAL_HARMONICS }, Self::Jacobi, Self::Renewal];
+    const NAMES: &'static [&'static str] = &["autoregressive", "spectral", "jacobi", "renewal"];
 
     fn name(self) -> &'static str {
         match self {
-            Self::Autoregressive => "autoregressive",
-            Self::Spectral { .. } => "spectral",
-            Self::Jacobi => "jacobi",
-            Self::Renewal => "renewal",
+            Self::Autoregressive => Self::NAMES[0],
+            Self::Spectral { .. } => Self::NAMES[1],
+            Self::Jacobi => Self::NAMES[2],
+            Self::Renewal => Self::NAMES[3],
         }
     }
 

@@ -15,6 +15,8 @@ pub trait Choice: Copy + 'static {
     const NOUN: &'static str;
     /// All values, the usual one first.
     const ALL: &'static [Self];
+    /// Names of all values, in the same order.
+    const NAMES: &'static [&'static str];
 
     /// Returns the name in files and on the command line.
     fn name(self) -> &'static str;
@@ -32,9 +34,8 @@ pub trait Choice: Copy + 'static {
     /// # Errors
     /// No value has this name.
     fn from_name(name: &str) -> Result<Self, UnknownChoice> {
-        let known = || Self::ALL.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
         let found = Self::ALL.iter().copied().find(|value| value.name() == name.trim());
-        found.ok_or_else(|| UnknownChoice { noun: Self::NOUN, found: name.into(), known: known() })
+        found.ok_or_else(|| UnknownChoice { noun: Self::NOUN, found: name.into(), known: Self::NAMES.join(", ") })
     }
 }
 
@@ -68,10 +69,7 @@ impl<'de, T: Choice> Deserialize<'de> for ByName<T> {
             }
 
             fn visit_str<E: de::Error>(self, text: &str) -> Result<ByName<T>, E> {
-                T::from_name(text).map(ByName).map_err(|_| {
-                    let known: Vec<String> = T::ALL.iter().map(|value| format!("`{}`", value.name())).collect();
-                    E::custom(format!("unknown variant `{text}`, expected one of {}", known.join(", ")))
-                })
+                T::from_name(text).map(ByName).map_err(|_| E::unknown_variant(text, T::NAMES))
             }
         }
         deserializer.deserialize_str(Visitor(PhantomData))
@@ -160,6 +158,7 @@ macro_rules! choice {
         impl $crate::choice::Choice for $name {
             const NOUN: &'static str = $noun;
             const ALL: &'static [Self] = Self::ALL;
+            const NAMES: &'static [&'static str] = &[$($text),+];
 
             fn name(self) -> &'static str {
                 self.name()

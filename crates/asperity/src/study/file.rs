@@ -3,7 +3,6 @@
 //! The type of each key checks its form. An unknown key is an error that names its line and the nearest known key.
 
 mod counterface;
-mod fixed_list;
 mod friction;
 mod mode_coupling;
 mod pressure;
@@ -20,7 +19,6 @@ use crate::study::StoreError;
 use crate::study::uncertain::UncertainValue;
 
 pub use counterface::CounterfaceSection;
-pub(super) use fixed_list::fixed_list;
 pub(super) use friction::usual_window_m;
 pub use friction::{FrictionSection, UncertaintySection, WindowShape};
 pub use mode_coupling::{ContactSpring, MachineModel};

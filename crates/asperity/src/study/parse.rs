@@ -1,15 +1,18 @@
 //! Conversion of the text of a study file to a checked [`Study`], with errors that name a line.
 
+mod deserializer;
+
 use std::path::Path;
 
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 use toml::de::{DeTable, DeValue};
-use toml::{Table, Value};
+use toml::{Spanned, Table, Value};
 
 use crate::study::uncertain::{UncertainValue, has_samples, percentage, uncertain_value};
-use crate::study::{InvalidValue, Study, StudyFile, sentence};
+use crate::study::{InvalidValue, Study, StudyFile};
+use deserializer::ValueDeserializer;
+pub(super) use deserializer::{quoted_number, wrong_length};
 
 /// Sections whose numbers and quantities may be uncertain.
 const SECTIONS: [&str; 5] = ["surface", "counterface", "material", "friction", "vibration"];
@@ -46,7 +49,7 @@ impl StudyFile {
     pub fn parse(text: &str, file: &str) -> Result<Self, StudyFileError> {
         let mut study = read_with_uncertain_values(text, file)?;
         study.fill_in_sizes(Path::new(file).parent().unwrap_or(Path::new("")));
-        let written = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+        let written = StudyFileError::read(text, file)?;
         study.with_defaults_of(&written).map_err(|message| {
             let line = line_of_key(text, "", "unstated");
             StudyFileError { file: file.into(), line, message, in_data: false }
@@ -67,13 +70,23 @@ impl StudyFileError {
 
     /// Reads TOML into a section or a whole file; errors about unknown keys and wrong units name their line.
     pub(super) fn read<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Self> {
-        toml::from_str(text).map_err(|error| Self::toml(&error, text, file))
+        let root = DeTable::parse(text).map_err(|error| Self::toml(&error, text, file))?;
+        Self::read_table(root, text, file)
     }
 
-    /// Returns an error of TOML or of the type of a value, with its line.
-    pub(super) fn toml(error: &toml::de::Error, text: &str, file: &str) -> Self {
-        let line = error.span().map_or(1, |span| line_at(text, span.start));
-        Self { file: file.into(), line, message: explain(error.message()), in_data: false }
+    /// Reads the parsed `text` into a section or a whole file.
+    fn read_table<T: DeserializeOwned>(root: Spanned<DeTable<'_>>, text: &str, file: &str) -> Result<T, Self> {
+        T::deserialize(ValueDeserializer::from(root)).map_err(|error| Self::at(error.start, &error, text, file))
+    }
+
+    /// Returns an error of the syntax of TOML, with its line.
+    fn toml(error: &toml::de::Error, text: &str, file: &str) -> Self {
+        Self::at(error.span().map(|span| span.start), error.message(), text, file)
+    }
+
+    fn at(byte: Option<usize>, message: impl ToString, text: &str, file: &str) -> Self {
+        let line = byte.map_or(1, |byte| line_at(text, byte));
+        Self { file: file.into(), line, message: message.to_string(), in_data: false }
     }
 }
 
@@ -83,7 +96,7 @@ impl StudyFileError {
 /// # Errors
 /// A key, type, unit or distribution is wrong.
 pub(super) fn read_with_uncertain_values(text: &str, file: &str) -> Result<StudyFile, StudyFileError> {
-    let written: Table = toml::from_str(text).map_err(|error| StudyFileError::toml(&error, text, file))?;
+    let written: Table = StudyFileError::read(text, file)?;
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
     let (mut uncertain, mut replaced) = (Vec::new(), Vec::new());
     for section in SECTIONS {
@@ -124,9 +137,7 @@ pub(super) fn read_with_uncertain_values(text: &str, file: &str) -> Result<Study
             _ => {}
         }
     }
-    let deserializer = toml::de::Deserializer::from(root);
-    let study = StudyFile::deserialize(deserializer).map_err(|error| StudyFileError::toml(&error, text, file))?;
-    Ok(StudyFile { uncertain, ..study })
+    Ok(StudyFile { uncertain, ..StudyFileError::read_table(root, text, file)? })
 }
 
 /// Returns the line of a byte, counted from 1.
@@ -149,74 +160,6 @@ pub(super) fn line_of_key(text: &str, section: &str, key: &str) -> usize {
         }
     }
     line
-}
-
-/// Rewrites serde's "unknown field `x`, expected one of `a`, `b`" as a sentence with the nearest known name.
-fn explain(message: &str) -> String {
-    let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let kind = if message.starts_with("unknown field") {
-        "key"
-    } else if message.starts_with("unknown variant") {
-        "value"
-    } else {
-        return wrong_length(message).or_else(|| wrong_type(message)).unwrap_or_else(|| match message {
-            // TOML limits whole numbers to 64 bits with a sign.
-            "u64 value was too large" => format!("a whole number above {} is out of range", i64::MAX),
-            message => message.into(),
-        });
-    };
-    let [found, known @ ..] = names.as_slice() else {
-        return message.into();
-    };
-    let nearest = known
-        .iter()
-        .map(|name| (strsim::jaro_winkler(found, name), *name))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    let hint = nearest.map_or_else(String::new, |(_, name)| format!("; did you mean `{name}`?"));
-    format!("unknown {kind} `{found}`{hint} (known: {})", known.join(", "))
-}
-
-/// Rewrites serde's "invalid length 3, expected an array of length 2" as "found 3 values, expected 2".
-fn wrong_length(message: &str) -> Option<String> {
-    let (found, expected) = message.strip_prefix("invalid length ")?.split_once(", expected ")?;
-    let expected =
-        expected.strip_prefix("an array of length ").or_else(|| expected.strip_prefix("a tuple of size "))?;
-    Some(format!("found {}, expected {expected}", sentence::count(found.parse().ok()?, "value", "values")))
-}
-
-/// Rewrites serde's "invalid type: floating point `2.5`, expected usize" as "`2.5` is not a whole number".
-fn wrong_type(message: &str) -> Option<String> {
-    let (found, expected) = message
-        .strip_prefix("invalid type: ")
-        .or(message.strip_prefix("invalid value: "))?
-        .rsplit_once(", expected ")?;
-    let expected = match expected {
-        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0 on",
-        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
-        "f32" | "f64" => "a number",
-        "a boolean" => "true or false",
-        "a sequence" => "a list",
-        "a map" => "a table",
-        // Names of types mean nothing to the reader.
-        section if section.starts_with("struct ") => "a table",
-        expected => expected,
-    };
-    // "integer `7`", "string \"640 s\"", "integer `99999999999999999999` as i128".
-    let found = found
-        .split_once('`')
-        .and_then(|(_, rest)| Some(format!("`{}`", rest.rsplit_once('`')?.0)))
-        .unwrap_or_else(|| match found {
-            "sequence" => "a list".into(),
-            "map" => "a table".into(),
-            found => found.strip_prefix("string ").unwrap_or(found).into(),
-        });
-    let text = found.strip_prefix('"').and_then(|found| found.strip_suffix('"'));
-    if let Some(number) = text.filter(|text| expected.contains("number") && text.trim().parse::<f64>().is_ok()) {
-        return Some(format!("{found} is text; write {} without quotation marks", number.trim()));
-    }
-    let is_too_large = message.contains("` as i128");
-    Some(if is_too_large { format!("{found} is out of range") } else { format!("{found} is not {expected}") })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::map::{BoundaryKind, Grid, HeightMap};
 use crate::quantity::Length;
 use crate::random;
 use crate::study::check::SurfaceStudy;
-use crate::study::file::{SurfaceSection, fixed_list};
+use crate::study::file::SurfaceSection;
 use crate::study::parse::line_of_key;
 use crate::study::{StudyError, StudyFileError, surface_stage};
 use crate::surface::RandomSurface;
@@ -35,10 +35,8 @@ pub struct Specimen {
 struct SpecimenFile {
     seed: u64,
     /// Size (x, y) of a map.
-    #[serde(deserialize_with = "fixed_list")]
     size: [Length; 2],
     /// Points (x, y) of a map.
-    #[serde(deserialize_with = "fixed_list")]
     points: [usize; 2],
     /// Continuation of a map beyond its edge.
     #[serde(default = "free")]

@@ -4,7 +4,6 @@ use asperity_base::choice;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fixed_list::optional_fixed_list;
 use super::pressure::solve_tolerance;
 use crate::friction::law::WindowLawKind;
 use crate::map::BoundaryKind;
@@ -30,10 +29,10 @@ choice! {
 pub struct FrictionSection {
     /// Size (x, y) of a strip; it slides along x. When left out, ten windows along and some correlation lengths of the
     /// scan across, or 6 mm and 75 µm without a scan.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_fixed_list")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub strip: Option<[Length; 2]>,
     /// Points (x, y) of a strip. When left out, four to the shortest wave of the scan, or 2048 and 32 without a scan.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_fixed_list")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<[usize; 2]>,
     /// Length of the window along x. When left out, a tenth of the strip, or 600 µm without a scan.
     #[serde(skip_serializing_if = "Option::is_none")]

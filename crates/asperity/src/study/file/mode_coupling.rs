@@ -8,6 +8,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 pub use asperity_results::MachineModel;
 
+use crate::study::parse::quoted_number;
+
 /// Stiffness of the contact spring of two coupled modes: a number, or `"surface"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactSpring {
@@ -64,7 +66,7 @@ impl<'de> Deserialize<'de> for ContactSpring {
             fn visit_str<E: de::Error>(self, text: &str) -> Result<ContactSpring, E> {
                 match text {
                     SURFACE => Ok(ContactSpring::Surface),
-                    _ => Err(E::invalid_value(de::Unexpected::Str(text), &self)),
+                    _ => Err(quoted_number(text).unwrap_or_else(|| E::invalid_value(de::Unexpected::Str(text), &self))),
                 }
             }
         }

@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fixed_list::fixed_list;
-use super::fixed_list::optional_fixed_list;
 use crate::contact::Elastic;
 use crate::map::BoundaryKind;
 use crate::pressure::PressureMethod;
@@ -32,17 +30,15 @@ pub struct MaterialSection {
 #[serde(deny_unknown_fields)]
 pub struct PressureSection {
     /// Size (x, y) of a patch.
-    #[serde(deserialize_with = "fixed_list")]
     pub size: [Length; 2],
     /// Points (x, y) of a patch.
-    #[serde(deserialize_with = "fixed_list")]
     pub points: [usize; 2],
     /// Boundary of a patch.
     #[serde(default = "free")]
     pub boundary: BoundaryKind,
     /// Cell [row, column] of the studied pressure, counted from 0 at the top left; the centre [ny/2, nx/2] when left
     /// out.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_fixed_list")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<[usize; 2]>,
     /// Mean compliance of a periodic patch.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use asperity_base::choice;
 use asperity_formats::Decimal;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::fixed_list::all_values;
 use crate::friction::RoughBody;
 use crate::quantity::Length;
+use crate::study::parse::wrong_length;
 use crate::surface::level::Level;
 use crate::surface::{CovarianceSource, SurfaceGenerator};
 use crate::translation::TranslationKind;
@@ -195,7 +196,8 @@ pub(super) fn one_or_two<'de, D: Deserializer<'de>>(deserializer: D) -> Result<O
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, lengths: A) -> Result<[Length; 2], A::Error> {
-            all_values(lengths)
+            let lengths = Vec::deserialize(SeqAccessDeserializer::new(lengths))?;
+            lengths.try_into().map_err(|lengths: Vec<Length>| wrong_length(lengths.len(), 2))
         }
     }
     deserializer.deserialize_any(OneOrTwo).map(Some)

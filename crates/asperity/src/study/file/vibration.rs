@@ -10,7 +10,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use toml::Table;
 
-use super::fixed_list::{fixed_list, optional_fixed_list};
 use super::mode_coupling::{ContactSpring, MachineModel};
 use crate::friction::Upscaling;
 use crate::friction::process::Generator;
@@ -111,10 +110,8 @@ pub struct MapSection {
     /// Parameters of the map.
     pub over: MapOver,
     /// First axis: from, to, cells of the first grid.
-    #[serde(deserialize_with = "fixed_list")]
     pub x: (f64, f64, usize),
     /// Second axis: from, to, cells of the first grid.
-    #[serde(deserialize_with = "fixed_list")]
     pub y: (f64, f64, usize),
     /// Number of times that cells at the front are halved.
     #[serde(default = "map_depth")]
@@ -173,10 +170,10 @@ pub struct VibrationSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimensionless_belt_velocity: Option<f64>,
     /// Directions of the two inclined springs of `mode_coupling` in degrees, from the belt's velocity towards the belt.
-    #[serde(default, deserialize_with = "optional_fixed_list", skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub spring_angles: Option<[f64; 2]>,
     /// Stiffnesses of these springs in units of mω₀².
-    #[serde(default, deserialize_with = "optional_fixed_list", skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub springs: Option<[f64; 2]>,
     /// Stiffness of the contact spring of `mode_coupling` in units of mω₀², or `"surface"`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -215,7 +212,7 @@ pub struct VibrationSection {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub allow_clipping: bool,
     /// Damping ratios: from, to, count.
-    #[serde(default = "damping_sweep", deserialize_with = "fixed_list")]
+    #[serde(default = "damping_sweep")]
     pub damping_sweep: (f64, f64, usize),
     /// Number of trajectories per damping ratio.
     #[serde(default = "trajectories")]
