@@ -63,12 +63,12 @@ class RandomSurface:
 
     def sample(self, seed: int, count: int = 1) -> list[HeightMap]:
         """Draw maps. Map number i depends on the seed and i alone, and is that of ``asperity surface generate``."""
-        return [HeightMap(heights, self.dx_m, self.dy_m) for heights in self._own.sample(seed, count)]
+        return [HeightMap._of(heights, self.dx_m, self.dy_m) for heights in self._own.sample(seed, count)]
 
     def generate(self, xi: ArrayLike) -> HeightMap:
         """Return the map of `xi_len` standard normal variables."""
         heights = self._own.generate(numbers(xi))
-        return HeightMap(heights, self.dx_m, self.dy_m)
+        return HeightMap._of(heights, self.dx_m, self.dy_m)
 
 
 class Spectral(RandomSurface):

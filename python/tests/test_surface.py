@@ -1,3 +1,5 @@
+import pickle
+
 import numpy as np
 import pytest
 
@@ -49,6 +51,62 @@ def test_heights_are_copied_once_and_keep_their_values(rough):
         assert not found.heights.flags.writeable
         assert found.heights.flags.c_contiguous
     assert found.shape == (32, 63)
+
+
+def test_a_map_made_directly_is_checked_and_owns_its_heights(rough):
+    own = rough.copy()
+    found = HeightMap(own, 1e-6, 2e-6)
+    own[0, 0] = 1.0
+    assert found == HeightMap.from_array(rough, dx_m=1e-6, dy_m=2e-6)
+    for pitch_m in (-1.0, 0.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="pixel size"):
+            HeightMap(rough, pitch_m, 1e-6)
+        with pytest.raises(ValueError, match="pixel size"):
+            HeightMap(rough, 1e-6, pitch_m)
+    for shape in ((), (16,), (2, 2, 2)):
+        with pytest.raises(ValueError, match="expected"):
+            HeightMap.from_array(np.zeros(shape), dx_m=1e-6)
+
+
+def test_arrays_of_the_library_are_not_copied(rough, monkeypatch):
+    found = HeightMap.from_array(rough, dx_m=1e-6)
+    monkeypatch.delattr(asperity._core, "height_map")
+    assert found.level("mean").shape == rough.shape
+    assert HeightMap.read(SCAN).heights.size > 0
+
+
+def test_numpy_takes_a_map_as_its_heights(rough):
+    found = HeightMap.from_array(rough, dx_m=1e-6)
+    assert np.asarray(found) is found.heights
+    assert np.array(found).flags.writeable
+    assert np.asarray(found, dtype=np.float32).dtype == np.float32
+    assert np.std(found) == np.std(rough)
+
+
+def test_maps_are_equal_by_heights_and_pitch(rough):
+    rough[0, 0] = np.nan
+    found = HeightMap(rough, 1e-6, 1e-6)
+    assert found == HeightMap(rough, 1e-6, 1e-6)
+    assert found != HeightMap(rough, 1e-6, 2e-6)
+    assert found != HeightMap(rough[::-1], 1e-6, 1e-6)
+    assert found != "map"
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(found)
+
+
+def test_a_second_preparation_forgets_nothing(rough):
+    rough[3, 3:5] = 1e-3
+    once = HeightMap(rough, 1e-6, 1e-6).level("polynomial:6", outliers=5)
+    twice = once.level("none")
+    assert once.statistics() == twice.statistics() == pickle.loads(pickle.dumps(twice)).statistics()
+    assert once.statistics().outliers >= 2
+    more = twice.level("mean", outliers=2).statistics()
+    assert more.outliers == more.missing_points > once.statistics().outliers
+    y, x = np.mgrid[:64, :64]
+    ball = HeightMap(rough - 1e-12 * (x**2 + y**2) / 2e-2, 1e-6, 1e-6).level("sphere")
+    radius_m = ball.statistics().form_radius_m
+    assert radius_m is not None
+    assert ball.level("plane").statistics().form_radius_m == radius_m
 
 
 def test_missing_heights_stay_missing():
