@@ -105,7 +105,7 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
             properties.setdefault(key, value)
     has_companions = any("patternProperties" in part for part in [schema, *parts])
     base = "WithCompanions" if has_companions else METHODS.get(name, "Record")
-    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}({base}):\n"
+    source = f"\n\n@dataclass(frozen=True, kw_only=True, eq=False)\nclass {name}({base}):\n"
     source += text(schema["description"], "    ") + "\n"
     for key, value in properties.items():
         kind = annotation(value)

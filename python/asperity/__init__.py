@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from asperity import laws
 from asperity.chaos import Expansion, design
 from asperity.contact import ContactSolution, solve_contact
-from asperity.errors import FormatError, NotConvergedError, ResourceError
+from asperity.errors import AsperityWarning, FormatError, NotConvergedError, ResourceError
 from asperity.friction import FrictionProcess, fit_friction_record, friction_process
 from asperity.interop import uncertain
 from asperity.laws import *  # noqa: F403
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from asperity.study import pressure_distribution, run_campaign, run_study, verdict
 
 __all__ = [
+    "AsperityWarning",
     "ContactSolution",
     "Covariance",
     "Expansion",

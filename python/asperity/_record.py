@@ -4,18 +4,81 @@ from __future__ import annotations
 
 import dataclasses
 import html
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
+from asperity.errors import AsperityWarning
+
 if TYPE_CHECKING:
     import pandas
 
+M = TypeVar("M", bound="Made")
 R = TypeVar("R", bound="Record")
 
 
-class Record:
+def equal(first: Any, second: Any) -> bool:
+    """Return whether two values are equal; arrays by their values, and NaN with NaN."""
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        has_nan = first.dtype.kind == second.dtype.kind == "f"
+        return np.array_equal(first, second, equal_nan=has_nan)
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(equal(first[key], second[key]) for key in first)
+    if isinstance(first, (list, tuple)) and type(first) is type(second):
+        return len(first) == len(second) and all(map(equal, first, second))
+    if isinstance(first, float) and isinstance(second, float) and first != first:  # noqa: PLR0124
+        return second != second  # noqa: PLR0124
+    if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
+        return False
+    return bool(first == second)
+
+
+class ByValue:
+    """Dataclass whose objects are equal if their fields are, arrays included."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        names = [field.name for field in dataclasses.fields(self)]  # type: ignore[arg-type]
+        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Made:
+    """Object over a compiled one. Its state, from which it is made again, decides equality and is pickled.
+
+    It does not change, so that a copy is the object itself.
+    """
+
+    def _make(self, *state: Any) -> None:
+        raise NotImplementedError
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        raise NotImplementedError
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", AsperityWarning)
+            self._make(*state)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return equal(self.__getstate__(), other.__getstate__())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __copy__(self: M) -> M:
+        return self
+
+    def __deepcopy__(self: M, memo: object) -> M:
+        return self
+
+
+class Record(ByValue):
     """A result. Its attributes are the keys of the JSON object that the command line prints."""
 
     #: Classes of the values that are objects, or lists of objects.

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Record
+from asperity._record import Made, Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArr
     return xi
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SobolIndices(Record):
     """Fractions of the variance, by variable."""
 
@@ -48,11 +48,18 @@ class SobolIndices(Record):
         return _plots.sobol_indices(self, names, ax)
 
 
-class Expansion:
+class Expansion(Made):
     """Expansion in orthonormal Hermite polynomials of standard normal variables ξ; see `fit` and `of`."""
 
     def __init__(self, own: _core.Expansion) -> None:
         self._own = own
+
+    def _make(self, *state: Any) -> None:
+        powers, coefficients, relative_error = state
+        self._own = _core.Expansion(powers.tolist(), coefficients.tolist(), relative_error)
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self.powers, self.coefficients, self.relative_error
 
     @staticmethod
     def fit(xi: ArrayLike, values: ArrayLike, *, degree: int, sparse: bool = False) -> Expansion:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FIELDS = ("pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContactSolution(Record):
     """A solved contact. The names are those of ``asperity contact --json``; fields have the shape (ny, nx)."""
 

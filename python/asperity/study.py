@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity import _core, _plots
 from asperity._progress import Progress, callback
+from asperity._record import ByValue, equal
 from asperity.friction import FrictionProcess
 from asperity.interop import with_stated_distributions
 from asperity.results import CampaignResults, PressureResult, Results, VerdictResult
@@ -26,6 +27,14 @@ if TYPE_CHECKING:
 class Table(dict[str, NDArray[np.float64] | list[str]]):
     """Columns of equal length by name; rows may have names in the column ``name``."""
 
+    def __eq__(self, other: object) -> bool:
+        return equal(self, other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = None
+
     def to_pandas(self) -> pandas.DataFrame:
         """Return the table as a data frame."""
         import pandas
@@ -34,7 +43,7 @@ class Table(dict[str, NDArray[np.float64] | list[str]]):
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class Field(ByValue):
     """Values on a grid, shape (ny, nx), NaN where undefined."""
 
     name: str
@@ -53,7 +62,7 @@ class Field:
         return _plots.field(self.values, self.dx_m, self.dy_m, name=name, unit=self.unit, ax=ax)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class StudyResults(Results):
     """Results of a run: the content of ``results.json``, with the tables and fields of the run folder."""
 
