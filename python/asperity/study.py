@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from asperity import _core, _plots
 from asperity._progress import Progress, callback
 from asperity._record import ByValue, equal
+from asperity.errors import warn
 from asperity.friction import FrictionProcess
 from asperity.interop import with_stated_distributions
 from asperity.results import CampaignResults, PressureResult, Results, VerdictResult
@@ -127,6 +128,11 @@ def run_study(
     ResourceError
         The study needs more memory than is free.
 
+    Warns
+    -----
+    AsperityWarning
+        For each of the `warnings` of the results.
+
     Examples
     --------
     >>> import asperity
@@ -181,10 +187,17 @@ def request(source: str | os.PathLike[str] | Mapping[str, Any], only: str | None
 
 
 def collect(found: Mapping[str, Any]) -> StudyResults | CampaignResults:
-    """Return the results from the parts that the compiled module returns."""
+    """Return the results from the parts that the compiled module returns, and issue their warnings."""
     if "campaign" in found:
-        return CampaignResults.from_dict(found["campaign"])
+        campaign = CampaignResults.from_dict(found["campaign"])
+        for message in campaign.warnings:
+            warn(message)
+        for own in campaign.member_warnings:
+            warn(f"{own.warning} ({len(own.members)} of {len(campaign.members)} members)")
+        return campaign
     results = StudyResults.from_dict(found["results"])
+    for message in results.warnings:
+        warn(message)
     tables = {name: Table(columns) for name, columns in found["tables"].items()}
     fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}
     process = found["friction_process"] and FrictionProcess.from_dict(found["friction_process"])

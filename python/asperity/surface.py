@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from asperity import _core, _plots
 from asperity._arrays import numbers
 from asperity._record import Record
+from asperity.errors import warn
 
 if TYPE_CHECKING:
     import xarray
@@ -28,7 +28,7 @@ _AS_MEASURED = {"level": "none", "outliers": 0, "lost": 0, "radius_m": None}
 _DEGREES = {"none": -1, "mean": 0, "plane": 1, "quadratic": 2, "cylinder": 2, "sphere": 2}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Autocorrelation(Record):
     """Correlation of the heights at the lags along both axes."""
 
@@ -52,7 +52,7 @@ class Autocorrelation(Record):
         return _plots.autocorrelation(self, ax)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RadialSpectrum(Record):
     """Radially averaged power spectral density, two-sided.
 
@@ -161,7 +161,7 @@ class HeightMap:
         name = None if channel is None else str(channel)
         heights, pitch_m, notes = _core.read_map(os.fspath(path), name, dx_m, dy_m, height_unit, decimal)
         for note in notes:
-            warnings.warn(f"{path}: {note}", stacklevel=2)
+            warn(f"{path}: {note}")
         return HeightMap._of(heights, *pitch_m)
 
     @staticmethod
@@ -262,8 +262,7 @@ class HeightMap:
         }
         heights, history = _core.level(self.heights, self.dx_m, self.dy_m, steps)
         if history["lost"]:
-            lost = f"the robust filter found no surface around {history['lost']} heights; they count as missing"
-            warnings.warn(lost, stacklevel=2)
+            warn(f"the robust filter found no surface around {history['lost']} heights; they count as missing")
         return HeightMap._of(heights, self.dx_m, self.dy_m, _joined(self._history, history))
 
     def statistics(self) -> SurfaceStatistics:
