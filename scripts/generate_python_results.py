@@ -22,8 +22,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._methods import CampaignMethods, EnsembleMethods, StabilityMapMethods
 from asperity._record import Record, WithCompanions
-from asperity._vibration_methods import EnsembleMethods, StabilityMapMethods
 """
 STUDY = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
 
@@ -37,7 +37,7 @@ They are dimensionless: X = x·c/N, τ = ω₀t. An undefined number is None, an
 """
 '''
 # Classes with methods, by the base that has them.
-METHODS = {"Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
+METHODS = {"CampaignResults": "CampaignMethods", "Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
 # Objects that are dictionaries.
 DICTIONARIES = {"FailedTrajectory": "Any", "MapCell": "Any", "MapResolution": "float"}
 LAWS_HEAD = '''"""Oscillator and its velocity laws. Made by scripts/generate_python_results.py; do not edit."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import html
+import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from asperity.errors import AsperityWarning
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 M = TypeVar("M", bound="Made")
 R = TypeVar("R", bound="Record")
@@ -108,18 +110,47 @@ class Record(ByValue):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as dictionaries, lists, numbers and strings."""
+        return {key: _plain(value) for key, value in self._values().items()}
+
+    def _values(self) -> dict[str, Any]:
         fields = dataclasses.fields(self)  # type: ignore[arg-type]
         keys = self.__dict__.get("_keys") or [field.name for field in fields]
-        return {key: _plain(getattr(self, key)) for key in keys}
+        return {key: getattr(self, key) for key in keys}
 
-    def to_pandas(self) -> pandas.Series[Any]:
-        """Return the numbers as a series; the names of nested values are joined by dots."""
-        import pandas
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the result as a data frame of one row; the names of nested values are joined by dots.
 
-        return pandas.json_normalize(self.to_dict()).iloc[0]
+        Undefined numbers are NaN. Arrays are left out.
+        """
+        return frame([row(self)])
 
     def _repr_html_(self) -> str:
         return _html(self)
+
+
+class Curves(Record):
+    """A result with curves."""
+
+    #: Name of the abscissae of each curve.
+    _curves: ClassVar[Mapping[str, str]]
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the curves and their abscissae as columns. The shorter ones end with NaN."""
+        import pandas
+
+        names = dict.fromkeys(name for curve, along in self._curves.items() for name in (along, curve))
+        return pandas.DataFrame({name: pandas.Series(getattr(self, name)) for name in names})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the curves over their abscissae, with the unit of each; the other values are attributes."""
+        import xarray
+
+        def array(name: str, along: str) -> tuple[str, Any, dict[str, str]]:
+            return along, getattr(self, name), {"units": unit_of(name)}
+
+        curves = {name: array(name, along) for name, along in self._curves.items()}
+        coordinates = {along: array(along, along) for along in self._curves.values()}
+        return xarray.Dataset(curves, coordinates, row(self))
 
 
 class WithCompanions(Record):
@@ -135,6 +166,35 @@ class WithCompanions(Record):
     def __dir__(self) -> list[str]:
         """List the attributes with the companions."""
         return [*super().__dir__(), *self.__dict__.get("companions", {})]
+
+
+def row(record: Record) -> dict[str, Any]:
+    """Return the values of a result without arrays; undefined numbers are NaN."""
+    return {key: _cell(value) for key, value in record._values().items() if not isinstance(value, np.ndarray)}
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return math.nan
+    return row(value) if isinstance(value, Record) else _plain(value)
+
+
+def frame(rows: Iterable[Mapping[str, Any]]) -> pandas.DataFrame:
+    """Return rows as a data frame; the names of nested values are joined by dots."""
+    import pandas
+
+    return pandas.json_normalize(list(rows))
+
+
+_UNITS = {"m": "m", "m2": "m^2", "m4": "m^4", "n": "N", "pa": "Pa", "rad": "rad", "s": "s"}
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the name of a quantity ends with; 1 without one."""
+    quantity, _, divisor = name.rpartition("_per_")
+    if quantity:
+        return f"{unit_of(quantity)}/{_UNITS[divisor]}"
+    return _UNITS.get(name.rpartition("_")[2], "1")
 
 
 def _plain(value: Any) -> Any:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Made, Record
+from asperity._record import Curves, Made
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,13 +35,20 @@ def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArr
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SobolIndices(Record):
+class SobolIndices(Curves):
     """Fractions of the variance, by variable."""
 
     first_order: NDArray[np.float64]
     """Fraction of the variable alone."""
     total: NDArray[np.float64]
     """Fraction of the variable with all its interactions."""
+
+    _curves: ClassVar[Mapping[str, str]] = {"first_order": "variable", "total": "variable"}
+
+    @property
+    def variable(self) -> NDArray[np.int64]:
+        """Numbers of the variables, counted from 0."""
+        return np.arange(len(self.total))
 
     def plot(self, names: Sequence[str] | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the indices; `names` are those of the variables."""

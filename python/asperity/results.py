@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+from asperity._methods import CampaignMethods
 from asperity._record import Record, WithCompanions
 
 
@@ -2232,7 +2233,7 @@ class MemberWarning(Record):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CampaignResults(Record):
+class CampaignResults(CampaignMethods):
     """Rows of all members of a campaign."""
 
     schema_version: int

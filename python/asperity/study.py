@@ -36,7 +36,7 @@ class Table(dict[str, NDArray[np.float64] | list[str]]):
 
     __hash__ = None
 
-    def to_pandas(self) -> pandas.DataFrame:
+    def to_dataframe(self) -> pandas.DataFrame:
         """Return the table as a data frame."""
         import pandas
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Record
+from asperity._record import Curves
 from asperity.errors import warn
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _DEGREES = {"none": -1, "mean": 0, "plane": 1, "quadratic": 2, "cylinder": 2, "s
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Autocorrelation(Record):
+class Autocorrelation(Curves):
     """Correlation of the heights at the lags along both axes."""
 
     lag_x_m: NDArray[np.float64]
@@ -47,13 +47,15 @@ class Autocorrelation(Record):
     variance_m2: float
     """Variance of the heights."""
 
+    _curves: ClassVar[Mapping[str, str]] = {"acf_x": "lag_x_m", "acf_y": "lag_y_m"}
+
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw the correlation along both axes."""
         return _plots.autocorrelation(self, ax)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RadialSpectrum(Record):
+class RadialSpectrum(Curves):
     """Radially averaged power spectral density, two-sided.
 
     Its integral over d²q/(2π)² is the variance less that in the corners, ``psd_corners_m2`` of the statistics.
@@ -69,6 +71,8 @@ class RadialSpectrum(Record):
     """Upper end of these wavenumbers."""
     upper_limit: str
     """Limit that sets the upper end: ``pixel``, ``roll_off`` or ``noise_floor``."""
+
+    _curves: ClassVar[Mapping[str, str]] = {"psd_m4": "q_rad_per_m"}
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw the spectrum, with the wavenumbers at which it shows the surface."""

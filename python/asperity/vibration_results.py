@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._methods import EnsembleMethods, StabilityMapMethods
 from asperity._record import Record
-from asperity._vibration_methods import EnsembleMethods, StabilityMapMethods
 
 MotionKind = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "divergence", "none"]
 """Kind of motion."""

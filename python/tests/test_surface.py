@@ -140,3 +140,32 @@ def test_a_map_is_an_array_of_xarray(rough):
     assert found.attrs["units"] == "m"
     assert float(found.y[1]) == 3e-6
     assert float(found.x[0]) == 0.5e-6
+
+
+def test_curves_are_frames_and_data_sets_with_units(rough):
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    heights = HeightMap.from_array(rough[:32], dx_m=1e-6)
+    found = heights.acf()
+    frame = found.to_dataframe()
+    assert list(frame) == ["lag_x_m", "acf_x", "lag_y_m", "acf_y"]
+    assert frame["acf_x"].tolist() == found.acf_x.tolist()
+    assert frame["acf_y"].dropna().tolist() == found.acf_y.tolist()
+    curves = found.to_xarray()
+    assert float(curves.acf_y.sel(lag_y_m=2e-6)) == found.acf_y[2]
+    assert (curves.acf_x.attrs["units"], curves.lag_x_m.attrs["units"]) == ("1", "m")
+    assert curves.attrs["variance_m2"] == found.variance_m2
+    spectrum = heights.psd()
+    curves = spectrum.to_xarray()
+    assert (curves.psd_m4.attrs["units"], curves.q_rad_per_m.attrs["units"]) == ("m^4", "rad/m")
+    assert spectrum.to_dataframe()["psd_m4"].tolist() == curves.psd_m4.to_numpy().tolist() == spectrum.psd_m4.tolist()
+
+
+def test_undefined_statistics_are_nan_in_a_frame():
+    pytest.importorskip("pandas")
+    found = HeightMap.from_array(1e-6 * np.arange(16.0).reshape(4, 4), dx_m=1e-6).statistics()
+    assert found.hurst is None
+    frame = found.to_dataframe()
+    assert frame.shape[0] == 1
+    assert np.isnan(frame["hurst"].item())
+    assert frame["Sq_m"].item() == found.Sq_m
