@@ -92,7 +92,7 @@ class HeightMap:
     """Distance between points along x."""
     dy_m: float
     """Distance between points along y."""
-    _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, init=False, repr=False)
+    _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         heights = numbers(self.heights)

@@ -25,6 +25,6 @@ def friction(path: str) -> list[float | None]:
 
 def misspelt() -> list[object]:
     return [
-        asperity.solve_contcat,  # type: ignore[attr-defined]
+        asperity.contact_solution,  # type: ignore[attr-defined]
         asperity.figures.figure_6,  # type: ignore[attr-defined]
     ]

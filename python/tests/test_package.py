@@ -19,8 +19,8 @@ def test_the_names_of_the_package_are_those_of_its_users():
     assert {name for name in shown if not name.startswith("__")} == {*asperity.__all__, "figures", "dask"}
     for name in shown:
         assert getattr(asperity, name) is not None
-    with pytest.raises(AttributeError, match="solve_contcat"):
-        _ = asperity.solve_contcat
+    with pytest.raises(AttributeError, match="contact_solution"):
+        _ = asperity.contact_solution
 
 
 def test_studies_load_late():

@@ -1,3 +1,4 @@
+import dataclasses
 import pickle
 
 import numpy as np
@@ -100,6 +101,7 @@ def test_a_second_preparation_forgets_nothing(rough):
     twice = once.level("none")
     assert once.statistics() == twice.statistics() == pickle.loads(pickle.dumps(twice)).statistics()
     assert once.statistics().outliers >= 2
+    assert dataclasses.replace(once, dx_m=2e-6).statistics().outliers == once.statistics().outliers
     more = twice.level("mean", outliers=2).statistics()
     assert more.outliers == more.missing_points > once.statistics().outliers
     y, x = np.mgrid[:64, :64]

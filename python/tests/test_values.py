@@ -76,6 +76,7 @@ MAKERS = {
     # Results that no name of the package is the class of.
     "Autocorrelation": [lambda: scan().acf(), lambda: scan(2).acf()],
     "RadialSpectrum": [lambda: scan().psd(), lambda: scan(2).psd()],
+    "SurfaceStatistics": [lambda: scan().statistics(), lambda: scan(2).statistics()],
     "SobolIndices": [
         lambda row=row: asperity.Expansion.fit(XI, XI[:, row], degree=2).sobol_indices() for row in (0, 1)
     ],
