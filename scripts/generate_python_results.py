@@ -22,8 +22,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._methods import CampaignMethods, EnsembleMethods, StabilityMapMethods
 from asperity._record import Record, WithCompanions
-from asperity._vibration_methods import EnsembleMethods, StabilityMapMethods
 """
 STUDY = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
 
@@ -37,7 +37,7 @@ They are dimensionless: X = x·c/N, τ = ω₀t. An undefined number is None, an
 """
 '''
 # Classes with methods, by the base that has them.
-METHODS = {"Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
+METHODS = {"CampaignResults": "CampaignMethods", "Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
 # Objects that are dictionaries.
 DICTIONARIES = {"FailedTrajectory": "Any", "MapCell": "Any", "MapResolution": "float"}
 LAWS_HEAD = '''"""Oscillator and its velocity laws. Made by scripts/generate_python_results.py; do not edit."""
@@ -105,7 +105,7 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
             properties.setdefault(key, value)
     has_companions = any("patternProperties" in part for part in [schema, *parts])
     base = "WithCompanions" if has_companions else METHODS.get(name, "Record")
-    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}({base}):\n"
+    source = f"\n\n@dataclass(frozen=True, kw_only=True, eq=False)\nclass {name}({base}):\n"
     source += text(schema["description"], "    ") + "\n"
     for key, value in properties.items():
         kind = annotation(value)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from importlib import import_module
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from asperity import laws
 from asperity.chaos import Expansion, design
 from asperity.contact import ContactSolution, solve_contact
-from asperity.errors import FormatError, NotConvergedError, ResourceError
+from asperity.errors import AsperityWarning, FormatError, NotConvergedError, ResourceError
 from asperity.friction import FrictionProcess, fit_friction_record, friction_process
 from asperity.interop import uncertain
 from asperity.laws import *  # noqa: F403
@@ -30,9 +30,12 @@ from asperity.surface import HeightMap
 from asperity.vibration import Oscillator, critical_damping, ensemble, limit_cycle, stability_map
 
 if TYPE_CHECKING:
+    from asperity import dask as dask
+    from asperity import figures as figures
     from asperity.study import pressure_distribution, run_campaign, run_study, verdict
 
 __all__ = [
+    "AsperityWarning",
     "ContactSolution",
     "Covariance",
     "Expansion",
@@ -66,13 +69,20 @@ __all__ += laws.__all__
 
 __version__ = version("asperity")
 
-# Modules that take long to load, by the names that they define.
-_LAZY = {name: "study" for name in ("pressure_distribution", "run_campaign", "run_study", "verdict")}
+# Names that take long to load: modules, and functions of the module `study`.
+_MODULES = ("dask", "figures")
+_OF_STUDY = ("pressure_distribution", "run_campaign", "run_study", "verdict")
+
+# A type checker takes a module with this function to have every name.
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        if name in _MODULES:
+            return import_module(f"asperity.{name}")
+        if name in _OF_STUDY:
+            return getattr(import_module("asperity.study"), name)
+        raise AttributeError(f"module asperity has no attribute {name}")
 
 
-def __getattr__(name: str) -> Any:
-    if name == "figures":
-        return import_module("asperity.figures")
-    if name in _LAZY:
-        return getattr(import_module(f"asperity.{_LAZY[name]}"), name)
-    raise AttributeError(f"module asperity has no attribute {name}")
+def __dir__() -> list[str]:
+    return sorted([*__all__, *_MODULES, "__all__", "__doc__", "__file__", "__name__", "__path__", "__version__"])

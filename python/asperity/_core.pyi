@@ -13,6 +13,10 @@ class Expansion:
     """
     Expansion in Hermite polynomials of standard normal variables.
     """
+    def __new__(cls, /, powers: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]], coefficients: SupportsGetItem[int, SupportsFloat | SupportsIndex], relative_error: SupportsFloat | SupportsIndex | None) -> Expansion:
+        """
+        Creates an expansion from the powers of its terms, their coefficients and its leave-one-out error.
+        """
     def coefficients(self, /) -> Incomplete: ...
     def evaluate(self, /, xi: Incomplete) -> Incomplete:
         """
@@ -49,6 +53,10 @@ class Oscillator:
     Checked oscillator.
     """
     def __new__(cls, /, parameters: dict) -> Oscillator: ...
+    def warnings(self, /) -> list[str]:
+        """
+        Returns warnings of implausible parameters.
+        """
 
 @final
 class RandomSurface:

@@ -4,18 +4,83 @@ from __future__ import annotations
 
 import dataclasses
 import html
-from collections.abc import Mapping
+import math
+import warnings
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
+from asperity.errors import AsperityWarning
+
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
+M = TypeVar("M", bound="Made")
 R = TypeVar("R", bound="Record")
 
 
-class Record:
+def equal(first: Any, second: Any) -> bool:
+    """Return whether two values are equal; arrays by their values, and NaN with NaN."""
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        has_nan = first.dtype.kind == second.dtype.kind == "f"
+        return np.array_equal(first, second, equal_nan=has_nan)
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(equal(first[key], second[key]) for key in first)
+    if isinstance(first, (list, tuple)) and type(first) is type(second):
+        return len(first) == len(second) and all(map(equal, first, second))
+    if isinstance(first, float) and isinstance(second, float) and first != first:  # noqa: PLR0124
+        return second != second  # noqa: PLR0124
+    if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
+        return False
+    return bool(first == second)
+
+
+class ByValue:
+    """Dataclass whose objects are equal if their fields are, arrays included."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        names = [field.name for field in dataclasses.fields(self)]  # type: ignore[arg-type]
+        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Made:
+    """Object over a compiled one. Its state, from which it is made again, decides equality and is pickled.
+
+    It does not change, so that a copy is the object itself.
+    """
+
+    def _make(self, *state: Any) -> None:
+        raise NotImplementedError
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        raise NotImplementedError
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", AsperityWarning)
+            self._make(*state)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return equal(self.__getstate__(), other.__getstate__())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __copy__(self: M) -> M:
+        return self
+
+    def __deepcopy__(self: M, memo: object) -> M:
+        return self
+
+
+class Record(ByValue):
     """A result. Its attributes are the keys of the JSON object that the command line prints."""
 
     #: Classes of the values that are objects, or lists of objects.
@@ -45,18 +110,47 @@ class Record:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as dictionaries, lists, numbers and strings."""
+        return {key: _plain(value) for key, value in self._values().items()}
+
+    def _values(self) -> dict[str, Any]:
         fields = dataclasses.fields(self)  # type: ignore[arg-type]
         keys = self.__dict__.get("_keys") or [field.name for field in fields]
-        return {key: _plain(getattr(self, key)) for key in keys}
+        return {key: getattr(self, key) for key in keys}
 
-    def to_pandas(self) -> pandas.Series[Any]:
-        """Return the numbers as a series; the names of nested values are joined by dots."""
-        import pandas
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the result as a data frame of one row; the names of nested values are joined by dots.
 
-        return pandas.json_normalize(self.to_dict()).iloc[0]
+        Undefined numbers are NaN. Arrays are left out.
+        """
+        return frame([row(self)])
 
     def _repr_html_(self) -> str:
         return _html(self)
+
+
+class Curves(Record):
+    """A result with curves."""
+
+    #: Name of the abscissae of each curve.
+    _curves: ClassVar[Mapping[str, str]]
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the curves and their abscissae as columns. The shorter ones end with NaN."""
+        import pandas
+
+        names = dict.fromkeys(name for curve, along in self._curves.items() for name in (along, curve))
+        return pandas.DataFrame({name: pandas.Series(getattr(self, name)) for name in names})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the curves over their abscissae, with the unit of each; the other values are attributes."""
+        import xarray
+
+        def array(name: str, along: str) -> tuple[str, Any, dict[str, str]]:
+            return along, getattr(self, name), {"units": unit_of(name)}
+
+        curves = {name: array(name, along) for name, along in self._curves.items()}
+        coordinates = {along: array(along, along) for along in self._curves.values()}
+        return xarray.Dataset(curves, coordinates, row(self))
 
 
 class WithCompanions(Record):
@@ -72,6 +166,35 @@ class WithCompanions(Record):
     def __dir__(self) -> list[str]:
         """List the attributes with the companions."""
         return [*super().__dir__(), *self.__dict__.get("companions", {})]
+
+
+def row(record: Record) -> dict[str, Any]:
+    """Return the values of a result without arrays; undefined numbers are NaN."""
+    return {key: _cell(value) for key, value in record._values().items() if not isinstance(value, np.ndarray)}
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return math.nan
+    return row(value) if isinstance(value, Record) else _plain(value)
+
+
+def frame(rows: Iterable[Mapping[str, Any]]) -> pandas.DataFrame:
+    """Return rows as a data frame; the names of nested values are joined by dots."""
+    import pandas
+
+    return pandas.json_normalize(list(rows))
+
+
+_UNITS = {"m": "m", "m2": "m^2", "m4": "m^4", "n": "N", "pa": "Pa", "rad": "rad", "s": "s"}
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the name of a quantity ends with; 1 without one."""
+    quantity, _, divisor = name.rpartition("_per_")
+    if quantity:
+        return f"{unit_of(quantity)}/{_UNITS[divisor]}"
+    return _UNITS.get(name.rpartition("_")[2], "1")
 
 
 def _plain(value: Any) -> Any:

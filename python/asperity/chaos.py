@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Record
+from asperity._record import Curves, Made
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,8 +34,8 @@ def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArr
     return xi
 
 
-@dataclass(frozen=True, kw_only=True)
-class SobolIndices(Record):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SobolIndices(Curves):
     """Fractions of the variance, by variable."""
 
     first_order: NDArray[np.float64]
@@ -43,16 +43,30 @@ class SobolIndices(Record):
     total: NDArray[np.float64]
     """Fraction of the variable with all its interactions."""
 
+    _curves: ClassVar[Mapping[str, str]] = {"first_order": "variable", "total": "variable"}
+
+    @property
+    def variable(self) -> NDArray[np.int64]:
+        """Numbers of the variables, counted from 0."""
+        return np.arange(len(self.total))
+
     def plot(self, names: Sequence[str] | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the indices; `names` are those of the variables."""
         return _plots.sobol_indices(self, names, ax)
 
 
-class Expansion:
+class Expansion(Made):
     """Expansion in orthonormal Hermite polynomials of standard normal variables ξ; see `fit` and `of`."""
 
     def __init__(self, own: _core.Expansion) -> None:
         self._own = own
+
+    def _make(self, *state: Any) -> None:
+        powers, coefficients, relative_error = state
+        self._own = _core.Expansion(powers.tolist(), coefficients.tolist(), relative_error)
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self.powers, self.coefficients, self.relative_error
 
     @staticmethod
     def fit(xi: ArrayLike, values: ArrayLike, *, degree: int, sparse: bool = False) -> Expansion:

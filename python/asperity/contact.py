@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Record
+from asperity._record import Record, unit_of
 from asperity.surface import HeightMap, field_to_xarray
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FIELDS = ("pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContactSolution(Record):
     """A solved contact. The names are those of ``asperity contact --json``; fields have the shape (ny, nx)."""
 
@@ -65,20 +65,17 @@ class ContactSolution(Record):
         """Return the fields with the coordinates of the cell centres."""
         import xarray
 
-        units = {name: "Pa" if name.endswith("_pa") else "m" for name in FIELDS}
-        arrays = {
-            name: field_to_xarray(getattr(self, name), self.dx_m, self.dy_m, name=name, unit=unit)
-            for name, unit in units.items()
-        }
-        return xarray.Dataset(arrays)
+        arrays = (
+            field_to_xarray(getattr(self, name), self.dx_m, self.dy_m, name=name, unit=unit_of(name)) for name in FIELDS
+        )
+        return xarray.Dataset({str(array.name): array for array in arrays})
 
     def plot(self, field: str = "pressure_pa", *, ax: Axes | None = None) -> Axes:
         """Draw a field: ``pressure_pa``, ``displacement_m``, ``gap_m`` or ``plastic_displacement_m``."""
         if field not in FIELDS:
             raise ValueError(f"found {field}, expected one of {', '.join(FIELDS)}")
-        name, _, unit = field.rpartition("_")
-        unit = "Pa" if unit == "pa" else unit
-        return _plots.field(getattr(self, field), self.dx_m, self.dy_m, name=name.replace("_", " "), unit=unit, ax=ax)
+        name = field.rpartition("_")[0].replace("_", " ")
+        return _plots.field(getattr(self, field), self.dx_m, self.dy_m, name=name, unit=unit_of(field), ax=ax)
 
 
 def solve_contact(

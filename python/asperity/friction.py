@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrictionCorrelation(Record):
     """Correlation of the friction coefficient along the sliding distance."""
 
@@ -38,7 +38,7 @@ class FrictionCorrelation(Record):
     """Length without the effect of that window."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrictionProcess(Record):
     """Friction coefficient μ(s); the content of the file that ``[vibration] friction_process`` names."""
 

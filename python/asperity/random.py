@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from numpy.typing import ArrayLike
 
 from asperity import _core
 from asperity._arrays import numbers
+from asperity._record import Made
 from asperity.surface import HeightMap
 
 if TYPE_CHECKING:
@@ -48,13 +49,20 @@ class Covariance:
         return {"model": {self.model: {name: value}}, "lengths_m": _pair(self.correlation_length_m)}
 
 
-class RandomSurface:
+class RandomSurface(Made):
     """Random surface on a grid, a function of standard normal variables ξ."""
 
-    def __init__(self, model: _core.SurfaceModel, size_m: Size, points: Points, boundary: Boundary) -> None:
-        (nx, ny), (size_x_m, size_y_m) = _pair(points), _pair(size_m)
-        self._own = model.on_grid(nx, ny, size_x_m, size_y_m, boundary)
+    def __init__(self, model: SurfaceModel, size_m: Size, points: Points, boundary: Boundary) -> None:
+        self._make(model, _pair(size_m), _pair(points), boundary)
+
+    def _make(self, *state: Any) -> None:
+        self._state = state
+        model, size_m, points, boundary = state
+        self._own: _core.RandomSurface = model._own.on_grid(*points, *size_m, boundary)
         self.dx_m, self.dy_m = self._own.pitch_m()
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self._state
 
     @property
     def xi_len(self) -> int:
@@ -63,12 +71,12 @@ class RandomSurface:
 
     def sample(self, seed: int, count: int = 1) -> list[HeightMap]:
         """Draw maps. Map number i depends on the seed and i alone, and is that of ``asperity surface generate``."""
-        return [HeightMap(heights, self.dx_m, self.dy_m) for heights in self._own.sample(seed, count)]
+        return [HeightMap._of(heights, self.dx_m, self.dy_m) for heights in self._own.sample(seed, count)]
 
     def generate(self, xi: ArrayLike) -> HeightMap:
         """Return the map of `xi_len` standard normal variables."""
         heights = self._own.generate(numbers(xi))
-        return HeightMap(heights, self.dx_m, self.dy_m)
+        return HeightMap._of(heights, self.dx_m, self.dy_m)
 
 
 class Spectral(RandomSurface):
@@ -88,7 +96,7 @@ class Spectral(RandomSurface):
         self, *, covariance: Covariance, rms_height_m: float, size_m: Size, points: Points, boundary: Boundary = "free"
     ) -> None:
         settings = _translated("spectral", covariance, rms_height_m, "normal")
-        super().__init__(_core.SurfaceModel(settings, []), size_m, points, boundary)
+        super().__init__(SurfaceModel(settings), size_m, points, boundary)
 
 
 class KarhunenLoeve(RandomSurface):
@@ -105,7 +113,7 @@ class KarhunenLoeve(RandomSurface):
         boundary: Boundary = "free",
     ) -> None:
         settings = _translated("karhunen_loeve", covariance, rms_height_m, "normal")
-        super().__init__(_core.SurfaceModel({**settings, "modes": modes}, []), size_m, points, boundary)
+        super().__init__(SurfaceModel({**settings, "modes": modes}), size_m, points, boundary)
 
 
 class Translation(RandomSurface):
@@ -131,7 +139,7 @@ class Translation(RandomSurface):
         boundary: Boundary = "free",
     ) -> None:
         settings = _translated("spectral", covariance, rms_height_m, marginal)
-        model = _core.SurfaceModel({**settings, "translation": translation}, [])
+        model = SurfaceModel({**settings, "translation": translation})
         super().__init__(model, size_m, points, boundary)
 
 
@@ -144,14 +152,23 @@ class WeierstrassMandelbrot(RandomSurface):
             "rms_height_m": rms_height_m,
             "fractal_dimension": fractal_dimension,
         }
-        super().__init__(_core.SurfaceModel(settings, []), size_m, points, "free")
+        super().__init__(SurfaceModel(settings), size_m, points, "free")
 
 
-class SurfaceModel:
+class SurfaceModel(Made):
     """Random surface with the statistics of measured ones; see `fit`."""
 
-    def __init__(self, own: _core.SurfaceModel) -> None:
-        self._own = own
+    def __init__(self, settings: dict[str, object], scans: Sequence[HeightMap] = ()) -> None:
+        self._make(settings, list(scans))
+
+    def _make(self, *state: Any) -> None:
+        self._state = state
+        settings, scans = state
+        measured = [(scan.heights, scan.dx_m, scan.dy_m, dict(scan._history)) for scan in scans]
+        self._own = _core.SurfaceModel(settings, measured)
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self._state
 
     @staticmethod
     def fit(
@@ -178,11 +195,14 @@ class SurfaceModel:
             Number of terms of a Karhunen-Loève expansion.
         """
         maps = [scans] if isinstance(scans, HeightMap) else scans
-        settings = {"generator": generator, "marginal": None if marginal == "measured" else marginal, "modes": modes}
+        settings: dict[str, object] = {
+            "generator": generator,
+            "marginal": None if marginal == "measured" else marginal,
+            "modes": modes,
+        }
         if generator != "weierstrass_mandelbrot":
             settings["translation"] = translation
-        measured = [(scan.heights, scan.dx_m, scan.dy_m, dict(scan._history)) for scan in maps]
-        return SurfaceModel(_core.SurfaceModel(settings, measured))
+        return SurfaceModel(settings, maps)
 
     @property
     def rms_height_m(self) -> float:
@@ -199,7 +219,7 @@ class SurfaceModel:
 
     def on_grid(self, *, size_m: Size, points: Points, boundary: Boundary = "free") -> RandomSurface:
         """Return the generator of maps of a size."""
-        return RandomSurface(self._own, size_m, points, boundary)
+        return RandomSurface(self, size_m, points, boundary)
 
 
 def artificial_surface(

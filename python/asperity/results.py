@@ -10,10 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+from asperity._methods import CampaignMethods
 from asperity._record import Record, WithCompanions
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ScanOfPart(WithCompanions):
     """One scan of a part."""
 
@@ -125,7 +126,7 @@ class ScanOfPart(WithCompanions):
     """Further keys: intervals ``x_interval``, standard errors ``x_se`` and the like."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PartStatistics(WithCompanions):
     """Pooled statistics of several scans of a part, and those of the scans. Each pooled statistic `x` is the
     weighted mean over the scans, with `x_interval` and `x_se` of the part, `x_within_std` (the standard error of
@@ -165,7 +166,7 @@ class PartStatistics(WithCompanions):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"scans": ScanOfPart}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceStatistics(WithCompanions):
     """Statistics of a map after levelling; keys as in `asperity surface stats`."""
 
@@ -275,7 +276,7 @@ class SurfaceStatistics(WithCompanions):
     """Further keys: intervals ``x_interval``, standard errors ``x_se`` and the like."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CovarianceCandidateResult(Record):
     """A covariance that was tried."""
 
@@ -287,7 +288,7 @@ class CovarianceCandidateResult(Record):
     """Sdq of random maps over Sdq of the scan; as expected, without sampling."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EmpiricalCovariance(Record):
     """Changes that made the scan's own autocorrelation a covariance. All correlations are relative to the variance."""
 
@@ -311,7 +312,7 @@ class EmpiricalCovariance(Record):
     """Largest change of a lag by the balancing of the spectrum and the end of its factor."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CovarianceResult(Record):
     """Covariance of the random surfaces."""
 
@@ -354,7 +355,7 @@ class CovarianceResult(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DistributionResult(Record):
     """A fitted or stated distribution."""
 
@@ -364,7 +365,7 @@ class DistributionResult(Record):
     """Parameters by name; empty for an empirical distribution."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class KarhunenLoeveResult(Record):
     """A Karhunen–Loève expansion."""
 
@@ -376,7 +377,7 @@ class KarhunenLoeveResult(Record):
     """Fraction of the mean squared slope on the patch's grid in the terms."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceResult(WithCompanions):
     """The surface stage. The statistics stand beside the other keys."""
 
@@ -501,7 +502,7 @@ class SurfaceResult(WithCompanions):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PressureQuantile(Record):
     """A quantile of the pressure."""
 
@@ -525,7 +526,7 @@ PressureMethod = Literal[
 """Method for the pressure."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CoarseEntry(Record):
     """Contact solves on one coarser grid."""
 
@@ -539,7 +540,7 @@ class CoarseEntry(Record):
     """Work of these solves in fine solves, by cells and iterations."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MethodEntry(Record):
     """One method of the pressure stage."""
 
@@ -593,7 +594,7 @@ class MethodEntry(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"coarse_solves": CoarseEntry, "quantiles": PressureQuantile}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ScalarQuantile(Record):
     """A quantile of a scalar."""
 
@@ -605,7 +606,7 @@ class ScalarQuantile(Record):
     """95 % interval of `value`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ScalarEntry(Record):
     """A quantity of the whole contact, estimated by the default method."""
 
@@ -625,7 +626,7 @@ class ScalarEntry(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"quantiles": ScalarQuantile}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MapsEntry(Record):
     """Samples and accuracy of the maps of all cells. The maps are fields: `contact_probability`, `pressure_mean`,
     `pressure_quantile_10`, `_50` and `_90`, and `expansion_error`.
@@ -641,7 +642,7 @@ class MapsEntry(Record):
     """Largest standard error of the mean pressures."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class HomogeneityEntry(Record):
     """Whether cells differ in contact probability or mean pressure."""
 
@@ -661,7 +662,7 @@ class HomogeneityEntry(Record):
     """Reason why there is no result."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GlobalExpansionEntry(Record):
     """An expansion of the pressures of all cells in the leading standard normal variables."""
 
@@ -677,7 +678,7 @@ class GlobalExpansionEntry(Record):
     """Reason why there is no expansion."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class IndexEntry(Record):
     """Sobol' indices of one variable."""
 
@@ -697,7 +698,7 @@ class IndexEntry(Record):
     """95 % interval of `total`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SensitivityEntry(Record):
     """Sobol' indices of one quantity with respect to one set of variables: fractions of the variance that an
     expansion explains.
@@ -719,7 +720,7 @@ class SensitivityEntry(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"indices": IndexEntry}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PressureResult(Record):
     """The pressure stage."""
 
@@ -783,7 +784,7 @@ RoughBody = Literal["track", "slider", "both"]
 """Rough body."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class OperatingPoint(Record):
     """The friction coefficient at the operating point: the level at the nominal pressure, the percentile that the
     study names or, without a vibration stage, the level with the highest pressure. Windows are weighted by the
@@ -844,7 +845,7 @@ Prescribed = Literal["percentile", "mean_pressure", "penetration"]
 """Quantity that a level of the friction stage prescribes."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GoodnessResult(Record):
     """Distances between the windows and the marginal distribution. The p-values allow for the fit and for the
     correlation of the windows.
@@ -860,7 +861,7 @@ class GoodnessResult(Record):
     """p-value of the Anderson–Darling statistic."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ReturnLevelResult(Record):
     """A value that μ exceeds once in a distance on average."""
 
@@ -872,7 +873,7 @@ class ReturnLevelResult(Record):
     """95 % interval of `mu`; `null` if the likelihood does not bound it."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TailResult(Record):
     """Upper tail of μ: a generalised Pareto distribution of the peaks over a threshold."""
 
@@ -888,7 +889,7 @@ class TailResult(Record):
     """95 % interval of `shape`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CorrelationCurveResult(Record):
     """A curve fitted to the estimated correlation by least squares."""
 
@@ -900,7 +901,7 @@ class CorrelationCurveResult(Record):
     """Root mean square difference from the estimated correlation."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CorrelationModelResult(Record):
     """A correlation family fitted by likelihood, without the window."""
 
@@ -918,7 +919,7 @@ class CorrelationModelResult(Record):
     """Whether the strips reject this family: the likelihood of the other is at least 20 times as large."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RankedDistributionResult(Record):
     """A fitted distribution in the ranking."""
 
@@ -932,7 +933,7 @@ class RankedDistributionResult(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"gof": GoodnessResult}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class AtMeanLoad(Record):
     """Friction at constant load, μ̄ + (F − μ̄N)/N̄ with the force F and load N of a window; it drives the vibration
     stage.
@@ -982,7 +983,7 @@ class AtMeanLoad(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class StationarityResult(Record):
     """Tests for drifts of friction along the strips, at the mean load, as p-values of no drift."""
 
@@ -1000,7 +1001,7 @@ class StationarityResult(Record):
     """p-value of the wander of the mean; `null` for ten strips or more."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CrossResult(Record):
     """A correlation coefficient of two quantities of the same windows."""
 
@@ -1010,7 +1011,7 @@ class CrossResult(Record):
     """95 % interval of `correlation`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PaperUpscalingResult(Record):
     """Friction of one window."""
 
@@ -1018,7 +1019,7 @@ class PaperUpscalingResult(Record):
     """Standard deviation of μ."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class AreaUpscalingResult(Record):
     """Friction of the nominal area."""
 
@@ -1032,7 +1033,7 @@ class AreaUpscalingResult(Record):
     """Standard deviation of μ."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class UpscalingResult(Record):
     """Standard deviation of friction at the mean load under both upscalings."""
 
@@ -1044,7 +1045,7 @@ class UpscalingResult(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"paper": PaperUpscalingResult, "area": AreaUpscalingResult}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LevelResult(Record):
     """One level of the friction stage: the quotient F/N of each window, and the process at the mean load."""
 
@@ -1168,7 +1169,7 @@ class LevelResult(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CutoffPoint(Record):
     """Mean friction without the waves that are shorter than a cut-off."""
 
@@ -1184,7 +1185,7 @@ class CutoffPoint(Record):
     """Fraction of the contact cells at the hardness."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FinerPitch(Record):
     """Mean friction of the same surface on smaller cells, not extrapolated."""
 
@@ -1200,7 +1201,7 @@ class FinerPitch(Record):
     """Interval of the difference, which the common random numbers make narrow."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CutoffResult(Record):
     """Dependence of the mean friction coefficient on the shortest waves of the random surface."""
 
@@ -1230,7 +1231,7 @@ class CutoffResult(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"points": CutoffPoint, "finer_pitches": FinerPitch}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ScanCutoff(Record):
     """Friction of the scan without the waves that are shorter than a cut-off."""
 
@@ -1254,7 +1255,7 @@ class ScanCutoff(Record):
     """Fraction of the contact cells at the hardness."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ScanFriction(Record):
     """Friction of the scan itself, pressed at the operating point."""
 
@@ -1274,7 +1275,7 @@ class ScanFriction(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"cut_offs": ScanCutoff}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class UncertainParameter(Record):
     """An uncertain parameter of the surface."""
 
@@ -1290,7 +1291,7 @@ class UncertainParameter(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"law": DistributionResult}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ParameterIndexResult(Record):
     """Sobol' indices of one parameter."""
 
@@ -1306,7 +1307,7 @@ class ParameterIndexResult(Record):
     """95 % interval of `total`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class UncertainResponse(Record):
     """One moment of friction over the parameters; `null` where it is undefined, for the `reason`."""
 
@@ -1336,7 +1337,7 @@ class UncertainResponse(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"sobol": ParameterIndexResult}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FailedPoint(Record):
     """A point without a result."""
 
@@ -1346,7 +1347,7 @@ class FailedPoint(Record):
     """Reason."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class UncertainLevel(Record):
     """Friction of one level over the parameters."""
 
@@ -1372,7 +1373,7 @@ class UncertainLevel(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class UncertaintyResult(Record):
     """`friction.uncertainty` of `results.json`."""
 
@@ -1388,7 +1389,7 @@ class UncertaintyResult(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"parameters": UncertainParameter, "levels": UncertainLevel}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrictionResult(Record):
     """The friction stage."""
 
@@ -1431,7 +1432,7 @@ MotionKind = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "diver
 """Kind of motion."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CycleResult(Record):
     """A deterministic limit cycle of any kind; keys as in `asperity vibration cycle`."""
 
@@ -1453,7 +1454,7 @@ class CycleResult(Record):
     """Least velocity dX/dτ."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MapResolutionResult(Record):
     """Resolution of the transition of the probability in a map."""
 
@@ -1467,7 +1468,7 @@ class MapResolutionResult(Record):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MapResult(Record):
     """Parameters and resolution of a stability map."""
 
@@ -1481,7 +1482,7 @@ class MapResult(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"resolution": MapResolutionResult}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DampingResult(Record):
     """Cycle counts at one damping ratio."""
 
@@ -1513,7 +1514,7 @@ class DampingResult(Record):
     """Trajectories that failed."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CrossingResult(Record):
     """Damping ratio at which the mean fraction of the second half of the duration spent in vibration, started in
     stick, falls below a level.
@@ -1529,7 +1530,7 @@ class CrossingResult(Record):
     """Reason why there is no damping ratio."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PointsResult(Record):
     """Distribution of points along the trajectories."""
 
@@ -1547,7 +1548,7 @@ class PointsResult(Record):
     """p-value of normality."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MotionResult(Record):
     """Regularity and persistence of vibration."""
 
@@ -1577,7 +1578,7 @@ class MotionResult(Record):
     """95 % interval of `left_share`."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EnsembleResult(Record):
     """Ensembles over the damping sweep for one upscaling."""
 
@@ -1605,7 +1606,7 @@ class EnsembleResult(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VibrationResult(Record):
     """The vibration stage."""
 
@@ -1667,7 +1668,7 @@ CoupledMotion = Literal["cycle", "steady", "locked", "irregular"]
 """Long-term motion."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CoupledCycleResult(Record):
     """Limit cycle of two coupled modes."""
 
@@ -1685,7 +1686,7 @@ class CoupledCycleResult(Record):
     """Fraction of the period off the belt."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ModeCouplingResult(Record):
     """The machine with the mean friction coefficient, without fluctuation. Stiffnesses are in units of mω₀²."""
 
@@ -1734,7 +1735,7 @@ ErrorCause = Literal["machines", "strips", "expansion", "scan", "grid", "model"]
 """Cause of an error."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Quantiles(Record):
     """Quantiles of a distribution."""
 
@@ -1746,7 +1747,7 @@ class Quantiles(Record):
     """95 % quantile."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorSource(Record):
     """Part of the interval of the probability."""
 
@@ -1756,7 +1757,7 @@ class ErrorSource(Record):
     """Distance from the probability to the farther end of the interval if this were its only cause."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LearntFriction(Record):
     """Friction of the contact as a function of the uncertain values, learnt from solved strips."""
 
@@ -1774,7 +1775,7 @@ class LearntFriction(Record):
     """Relative standard error of the mean friction coefficient."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class NominalMachine(Record):
     """The machine with all values at their centres."""
 
@@ -1800,7 +1801,7 @@ class NominalMachine(Record):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VibratingMachines(Record):
     """Vibration of the machines that vibrate."""
 
@@ -1820,7 +1821,7 @@ class VibratingMachines(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MarginQuantile(Record):
     """Quantile of the margin."""
 
@@ -1830,7 +1831,7 @@ class MarginQuantile(Record):
     """Margin ζ − ζ_v; with mode coupling the margin of the friction coefficient, μ_c − μ."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Driver(Record):
     """Sensitivity to one uncertain value."""
 
@@ -1854,7 +1855,7 @@ class Driver(Record):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Guess(Record):
     """Effect of one unknown value."""
 
@@ -1866,7 +1867,7 @@ class Guess(Record):
     """Probability of vibration with the value at its 95 % quantile."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Reach(Record):
     """Central value that reaches one probability."""
 
@@ -1880,7 +1881,7 @@ class Reach(Record):
     """Friction coefficient that is left there."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Risk(Record):
     """Probability at one central value."""
 
@@ -1890,7 +1891,7 @@ class Risk(Record):
     """Probability of vibration."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Remedy(Record):
     """Change of the central value of one input."""
 
@@ -1918,7 +1919,7 @@ class Remedy(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"reach": Reach, "risk": Risk}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TurningPoint(Record):
     """Value at which the machine begins or ceases to vibrate while all its other values stay."""
 
@@ -1932,7 +1933,7 @@ class TurningPoint(Record):
     """The nearest such value between a tenth and ten times the present one; `null` if there is none."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ProbabilityMapAxis(Record):
     """One input of a map."""
 
@@ -1944,7 +1945,7 @@ class ProbabilityMapAxis(Record):
     """Central values."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ProbabilityMap(Record):
     """Probability of vibration over the central values of two inputs."""
 
@@ -1962,7 +1963,7 @@ class ProbabilityMap(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"x": ProbabilityMapAxis, "y": ProbabilityMapAxis}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class AreaAsOne(Record):
     """Probability of vibration if a number of independent windows share the load."""
 
@@ -1985,7 +1986,7 @@ InputKind = Literal["measured", "stated", "uncertain", "unknown", "default", "ex
 """Origin of the value of an input."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RestsOn(Record):
     """Input of the verdict."""
 
@@ -1999,7 +2000,7 @@ class RestsOn(Record):
     """Origin of the value."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Assumed(Record):
     """Effect of a number that the study does not state: asperity assumes a default, which counts as exact."""
 
@@ -2019,7 +2020,7 @@ class Assumed(Record):
     """`expected_vibration_share` with the value at the low and the high end of its range."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VerdictResult(Record):
     """Probability of vibration over the uncertain values of a study, what decides it and what changes it."""
 
@@ -2135,7 +2136,7 @@ class VerdictResult(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Results(Record):
     """The content of `results.json`."""
 
@@ -2173,7 +2174,7 @@ class Results(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VariedKey(Record):
     """Key of a study that differs between the members."""
 
@@ -2187,7 +2188,7 @@ class VariedKey(Record):
     """Whether the values are draws of a distribution."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MemberResult(Record):
     """One member of a campaign: its values, and its answers or the reason why it has none."""
 
@@ -2221,7 +2222,7 @@ class MemberResult(Record):
     """Number of warnings."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MemberWarning(Record):
     """Warning of some members."""
 
@@ -2231,8 +2232,8 @@ class MemberWarning(Record):
     """Numbers of the members, counted from 1."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CampaignResults(Record):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CampaignResults(CampaignMethods):
     """Rows of all members of a campaign."""
 
     schema_version: int

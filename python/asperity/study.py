@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from asperity import _core, _plots
 from asperity._progress import Progress, callback
+from asperity._record import ByValue, equal
+from asperity.errors import warn
 from asperity.friction import FrictionProcess
 from asperity.interop import with_stated_distributions
 from asperity.results import CampaignResults, PressureResult, Results, VerdictResult
@@ -26,7 +28,15 @@ if TYPE_CHECKING:
 class Table(dict[str, NDArray[np.float64] | list[str]]):
     """Columns of equal length by name; rows may have names in the column ``name``."""
 
-    def to_pandas(self) -> pandas.DataFrame:
+    def __eq__(self, other: object) -> bool:
+        return equal(self, other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = None
+
+    def to_dataframe(self) -> pandas.DataFrame:
         """Return the table as a data frame."""
         import pandas
 
@@ -34,7 +44,7 @@ class Table(dict[str, NDArray[np.float64] | list[str]]):
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class Field(ByValue):
     """Values on a grid, shape (ny, nx), NaN where undefined."""
 
     name: str
@@ -53,7 +63,7 @@ class Field:
         return _plots.field(self.values, self.dx_m, self.dy_m, name=name, unit=self.unit, ax=ax)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class StudyResults(Results):
     """Results of a run: the content of ``results.json``, with the tables and fields of the run folder."""
 
@@ -118,6 +128,11 @@ def run_study(
     ResourceError
         The study needs more memory than is free.
 
+    Warns
+    -----
+    AsperityWarning
+        For each of the `warnings` of the results.
+
     Examples
     --------
     >>> import asperity
@@ -172,10 +187,17 @@ def request(source: str | os.PathLike[str] | Mapping[str, Any], only: str | None
 
 
 def collect(found: Mapping[str, Any]) -> StudyResults | CampaignResults:
-    """Return the results from the parts that the compiled module returns."""
+    """Return the results from the parts that the compiled module returns, and issue their warnings."""
     if "campaign" in found:
-        return CampaignResults.from_dict(found["campaign"])
+        campaign = CampaignResults.from_dict(found["campaign"])
+        for message in campaign.warnings:
+            warn(message)
+        for own in campaign.member_warnings:
+            warn(f"{own.warning} ({len(own.members)} of {len(campaign.members)} members)")
+        return campaign
     results = StudyResults.from_dict(found["results"])
+    for message in results.warnings:
+        warn(message)
     tables = {name: Table(columns) for name, columns in found["tables"].items()}
     fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}
     process = found["friction_process"] and FrictionProcess.from_dict(found["friction_process"])

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Record
+from asperity._record import Curves
+from asperity.errors import warn
 
 if TYPE_CHECKING:
     import xarray
@@ -23,11 +23,13 @@ if TYPE_CHECKING:
 
     from asperity.results import SurfaceStatistics
 
-_AS_MEASURED = {"level": "none", "outliers": 0, "lost": 0}
+_AS_MEASURED = {"level": "none", "outliers": 0, "lost": 0, "radius_m": None}
+# Degrees of the polynomials with about as many parameters as the forms.
+_DEGREES = {"none": -1, "mean": 0, "plane": 1, "quadratic": 2, "cylinder": 2, "sphere": 2}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Autocorrelation(Record):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Autocorrelation(Curves):
     """Correlation of the heights at the lags along both axes."""
 
     lag_x_m: NDArray[np.float64]
@@ -45,13 +47,15 @@ class Autocorrelation(Record):
     variance_m2: float
     """Variance of the heights."""
 
+    _curves: ClassVar[Mapping[str, str]] = {"acf_x": "lag_x_m", "acf_y": "lag_y_m"}
+
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw the correlation along both axes."""
         return _plots.autocorrelation(self, ax)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RadialSpectrum(Record):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RadialSpectrum(Curves):
     """Radially averaged power spectral density, two-sided, in rings of the width 2π/min(Lx, Ly).
 
     The sum of ``coefficients * psd_m4`` over the area Lx·Ly, with `psd_corners_m2`, is the mean square of the heights
@@ -83,6 +87,14 @@ class RadialSpectrum(Record):
     upper_limit: str
     """Limit that sets the upper end: ``pixel``, ``roll_off`` or ``noise_floor``."""
 
+    _curves: ClassVar[Mapping[str, str]] = {
+        "psd_m4": "q_rad_per_m",
+        "psd_low_m4": "q_rad_per_m",
+        "psd_high_m4": "q_rad_per_m",
+        "degrees_of_freedom": "q_rad_per_m",
+        "coefficients": "q_rad_per_m",
+    }
+
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw the spectrum, with the wavenumbers at which it shows the surface."""
         return _plots.radial_spectrum(self, ax)
@@ -92,7 +104,7 @@ class RadialSpectrum(Record):
 class HeightMap:
     """Heights on a regular grid; missing heights are NaN.
 
-    `read` and `from_array` create maps.
+    `read` and `from_array` create maps. ``numpy.asarray`` of a map returns its heights.
     """
 
     heights: NDArray[np.float64]
@@ -101,12 +113,39 @@ class HeightMap:
     """Distance between points along x."""
     dy_m: float
     """Distance between points along y."""
-    _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, repr=False)
+    _history: Mapping[str, Any] = field(default_factory=lambda: _AS_MEASURED, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
-        own = numbers(self.heights).view()
-        own.flags.writeable = False
-        object.__setattr__(self, "heights", own)
+        heights = numbers(self.heights)
+        if heights.ndim != 2:  # noqa: PLR2004
+            raise ValueError(f"the heights have the shape {heights.shape}, expected (ny, nx)")
+        heights = _core.height_map(heights, self.dx_m, self.dy_m)
+        heights.flags.writeable = False
+        object.__setattr__(self, "heights", heights)
+
+    @classmethod
+    def _of(
+        cls, heights: NDArray[np.float64], dx_m: float, dy_m: float, history: Mapping[str, Any] = _AS_MEASURED
+    ) -> HeightMap:
+        """Return the map of checked heights that nothing else changes, without a copy."""
+        heights.flags.writeable = False
+        own = object.__new__(cls)
+        own.__dict__.update(heights=heights, dx_m=dx_m, dy_m=dy_m, _history=history)
+        return own
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return HeightMap._of, (self.heights, self.dx_m, self.dy_m, self._history)
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.heights, dtype, copy=copy)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, HeightMap):
+            return NotImplemented
+        pitches = (self.dx_m, self.dy_m) == (other.dx_m, other.dy_m)
+        return pitches and np.array_equal(self.heights, other.heights, equal_nan=True)
+
+    __hash__ = None  # type: ignore[assignment]
 
     @staticmethod
     def read(
@@ -147,8 +186,8 @@ class HeightMap:
         name = None if channel is None else str(channel)
         heights, pitch_m, notes = _core.read_map(os.fspath(path), name, dx_m, dy_m, height_unit, decimal)
         for note in notes:
-            warnings.warn(f"{path}: {note}", stacklevel=2)
-        return HeightMap(heights, *pitch_m)
+            warn(f"{path}: {note}")
+        return HeightMap._of(heights, *pitch_m)
 
     @staticmethod
     def from_array(z: ArrayLike, *, dx_m: float, dy_m: float | None = None) -> HeightMap:
@@ -161,7 +200,7 @@ class HeightMap:
         HeightMap(2 × 2 points, 1e-06 × 1e-06 m, 1 missing)
         """
         dy_m = dx_m if dy_m is None else dy_m
-        return HeightMap(_core.height_map(numbers(z), dx_m, dy_m), dx_m, dy_m)
+        return HeightMap(numbers(z), dx_m, dy_m)
 
     @staticmethod
     def from_xarray(array: xarray.DataArray) -> HeightMap:
@@ -248,9 +287,8 @@ class HeightMap:
         }
         heights, history = _core.level(self.heights, self.dx_m, self.dy_m, steps)
         if history["lost"]:
-            lost = f"the robust filter found no surface around {history['lost']} heights; they count as missing"
-            warnings.warn(lost, stacklevel=2)
-        return HeightMap(heights, self.dx_m, self.dy_m, history)
+            warn(f"the robust filter found no surface around {history['lost']} heights; they count as missing")
+        return HeightMap._of(heights, self.dx_m, self.dy_m, _joined(self._history, history))
 
     def statistics(self) -> SurfaceStatistics:
         """Return ISO 25178-2 parameters, correlation lengths and the fractal dimension, with 95 % intervals.
@@ -308,6 +346,21 @@ class HeightMap:
     def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw the heights; the colours span all but the extreme 0.2 % of them."""
         return _plots.heights(self.heights, self.dx_m, self.dy_m, ax)
+
+
+def _joined(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what two preparations did: the highest form, and the sums of the points that they removed."""
+
+    def degree(history: Mapping[str, Any]) -> int:
+        form = history["level"]
+        return _DEGREES[form] if form in _DEGREES else int(form.removeprefix("polynomial:"))
+
+    return {
+        "level": max(first, second, key=degree)["level"],
+        "outliers": first["outliers"] + second["outliers"],
+        "lost": first["lost"] + second["lost"],
+        "radius_m": second["radius_m"] if first["radius_m"] is None else first["radius_m"],
+    }
 
 
 def field_to_xarray(values: NDArray[np.float64], dx_m: float, dy_m: float, *, name: str, unit: str) -> xarray.DataArray:

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from asperity import _core
 from asperity._progress import Progress, callback
+from asperity.errors import warn
 from asperity.laws import Parameters
 from asperity.vibration_results import CriticalDamping, Ensemble, LimitCycle, StabilityMap
 
@@ -30,6 +31,11 @@ class Oscillator(Parameters):
     _checked: _core.Oscillator = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        self._check()
+        for message in self._checked.warnings():
+            warn(message)
+
+    def _check(self) -> None:
         values = {own.name: getattr(self, own.name) for own in dataclasses.fields(Parameters)}
         law = {type(self.law).__name__.lower(): dataclasses.asdict(self.law)}
         parameters = values | {"law": law, "forcing": self.forcing and dataclasses.asdict(self.forcing)}
@@ -40,7 +46,7 @@ class Oscillator(Parameters):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self.__post_init__()
+        self._check()
 
 
 def limit_cycle(oscillator: Oscillator) -> LimitCycle:

@@ -12,14 +12,14 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._methods import EnsembleMethods, StabilityMapMethods
 from asperity._record import Record
-from asperity._vibration_methods import EnsembleMethods, StabilityMapMethods
 
 MotionKind = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "divergence", "none"]
 """Kind of motion."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LimitCycle(Record):
     """Motion that develops from a start in stick. Numbers of the cycle are absent if there is none."""
 
@@ -49,7 +49,7 @@ class LimitCycle(Record):
     """Number of detachments per period: 1 without forcing, 0 for a cycle without stick."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CriticalDamping(Record):
     """Damping ratios at which vibration ends."""
 
@@ -65,7 +65,7 @@ class CriticalDamping(Record):
     """ζ_v, above which no vibration persists; `null` if the search failed."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Count(Record):
     """Mean, standard deviation and standard error of a number over trajectories."""
 
@@ -77,7 +77,7 @@ class Count(Record):
     """Standard error of the mean."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SampleDistribution(Record):
     """Distribution of a quantity that occurs many times along many trajectories, such as the displacement at re-
     attachment. Values of one trajectory are correlated when a slip is not much longer than the correlation
@@ -102,7 +102,7 @@ class SampleDistribution(Record):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate(Record):
     """Value with its 95 % interval."""
 
@@ -112,7 +112,7 @@ class Estimate(Record):
     """95 % interval: of a rate exact for a Poisson count (Garwood 1936), of a fraction Wilson's."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Passages(Record):
     """Passages between vibration and steady sliding over all trajectories, which start in stick, vibrating. All
     kinds of vibration count: slips that reach ẋ < 0 and end in stick (cycles of stick-slip) or pass the velocity
@@ -154,7 +154,7 @@ class Passages(Record):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Ensemble(EnsembleMethods):
     """Statistics of many trajectories over a random friction fluctuation."""
 
@@ -199,7 +199,7 @@ class Ensemble(EnsembleMethods):
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MapPoint(Record):
     """Point of the map."""
 
@@ -219,7 +219,7 @@ class MapPoint(Record):
     _nested: ClassVar[Mapping[str, type[Record]]] = {"sustained": Estimate}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MapContour(Record):
     """Contour of the map."""
 
@@ -229,7 +229,7 @@ class MapContour(Record):
     """Lines (x, y)."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class StabilityMap(StabilityMapMethods):
     """Probability of sustained vibration over two parameters."""
 

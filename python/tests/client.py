@@ -1,4 +1,4 @@
-"""A program of a user, which mypy --strict accepts."""
+"""A program of a user, which mypy --strict accepts. It fails if an ignored error is none."""
 
 import numpy as np
 
@@ -21,3 +21,10 @@ def period(damping_ratio: float) -> float | None:
 def friction(path: str) -> list[float | None]:
     results = asperity.run_study(path, progress=False)
     return [level.mean for level in results.friction.levels] if results.friction else []
+
+
+def misspelt() -> list[object]:
+    return [
+        asperity.contact_solution,  # type: ignore[attr-defined]
+        asperity.figures.figure_6,  # type: ignore[attr-defined]
+    ]

@@ -26,7 +26,7 @@ def program() -> Callable[..., dict[str, Any]]:
     return run
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def rough() -> "np.ndarray[Any, np.dtype[np.float64]]":
     """Return a periodic rough map of 64 × 64 points."""
     generator = np.random.default_rng(1)

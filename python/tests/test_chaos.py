@@ -32,6 +32,7 @@ def test_a_polynomial_is_reproduced():
     # Variances: 4 of ξ₀, 1 of ξ₁ξ₂, 2 of ξ₂².
     assert expansion.variance == pytest.approx(7)
     assert expansion.sobol_indices().total == pytest.approx([4 / 7, 1 / 7, 3 / 7])
+    assert expansion.sobol_indices().to_dataframe().shape == (3, 3)
     assert expansion.relative_error == pytest.approx(0, abs=1e-20)
     assert expansion.powers.shape == (10, 3)
     assert expansion.coefficients[expansion.powers.tolist().index([0, 1, 1])] == pytest.approx(-1)

@@ -69,4 +69,6 @@ def test_a_solution_is_a_data_set_of_xarray(rough):
     fields = found.to_xarray()
     assert fields.pressure_pa.attrs["units"] == "Pa"
     assert set(fields) == {"pressure_pa", "displacement_m", "gap_m", "plastic_displacement_m"}
+    assert fields.gap_m.attrs["units"] == "m"
+    assert found.to_dataframe()["load_n"].item() == found.load_n
     assert "pressure_pa" in found._repr_html_()

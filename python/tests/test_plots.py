@@ -8,6 +8,9 @@ import tomllib
 import asperity
 from support import ROOT
 
+# Small studies are coarse.
+pytestmark = pytest.mark.filterwarnings("ignore::asperity.AsperityWarning")
+
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
 

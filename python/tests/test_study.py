@@ -6,6 +6,9 @@ import pytest
 import asperity
 from support import ROOT
 
+# Small studies are coarse.
+pytestmark = pytest.mark.filterwarnings("ignore::asperity.AsperityWarning")
+
 MACHINE = {
     "seed": 4,
     "vibration": {
@@ -113,6 +116,9 @@ def test_a_campaign_equals_that_of_the_command_line(program, tmp_path):
     expected = program("campaign", file, "--out", tmp_path / "campaign", "--quiet")
     found = asperity.run_campaign(file, progress=False, out=tmp_path / "own")
     assert found.to_dict() == expected
+    frame = found.to_dataframe()
+    assert frame["material.hardness"].tolist() == [2e9, 3e9]
+    assert np.isnan(frame["friction_mean"]).all()
     assert (tmp_path / "own" / "members.csv").read_text() == (tmp_path / "campaign" / "members.csv").read_text()
     with pytest.raises(ValueError, match=r"found a campaign; asperity\.run_campaign"):
         asperity.run_study(file)
@@ -124,8 +130,8 @@ def test_results_are_tables_of_pandas_and_html():
     pytest.importorskip("pandas")
     found = asperity.run_study(MACHINE)
     assert found.vibration is not None
-    assert found.to_pandas()["vibration.critical_damping_ratio"] == found.vibration.critical_damping_ratio
-    table = next(iter(found.tables.values())).to_pandas()
+    assert found.to_dataframe()["vibration.critical_damping_ratio"].item() == found.vibration.critical_damping_ratio
+    table = next(iter(found.tables.values())).to_dataframe()
     assert len(table.columns) > 1
     assert "critical_damping_ratio" in found._repr_html_()
 

@@ -1,3 +1,6 @@
+import dataclasses
+import pickle
+
 import numpy as np
 import pytest
 
@@ -51,6 +54,63 @@ def test_heights_are_copied_once_and_keep_their_values(rough):
     assert found.shape == (32, 63)
 
 
+def test_a_map_made_directly_is_checked_and_owns_its_heights(rough):
+    own = rough.copy()
+    found = HeightMap(own, 1e-6, 2e-6)
+    own[0, 0] = 1.0
+    assert found == HeightMap.from_array(rough, dx_m=1e-6, dy_m=2e-6)
+    for pitch_m in (-1.0, 0.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="pixel size"):
+            HeightMap(rough, pitch_m, 1e-6)
+        with pytest.raises(ValueError, match="pixel size"):
+            HeightMap(rough, 1e-6, pitch_m)
+    for shape in ((), (16,), (2, 2, 2)):
+        with pytest.raises(ValueError, match="expected"):
+            HeightMap.from_array(np.zeros(shape), dx_m=1e-6)
+
+
+def test_arrays_of_the_library_are_not_copied(rough, monkeypatch):
+    found = HeightMap.from_array(rough, dx_m=1e-6)
+    monkeypatch.delattr(asperity._core, "height_map")
+    assert found.level("mean").shape == rough.shape
+    assert HeightMap.read(SCAN).heights.size > 0
+
+
+def test_numpy_takes_a_map_as_its_heights(rough):
+    found = HeightMap.from_array(rough, dx_m=1e-6)
+    assert np.asarray(found) is found.heights
+    assert np.array(found).flags.writeable
+    assert np.asarray(found, dtype=np.float32).dtype == np.float32
+    assert np.std(found) == np.std(rough)
+
+
+def test_maps_are_equal_by_heights_and_pitch(rough):
+    rough[0, 0] = np.nan
+    found = HeightMap(rough, 1e-6, 1e-6)
+    assert found == HeightMap(rough, 1e-6, 1e-6)
+    assert found != HeightMap(rough, 1e-6, 2e-6)
+    assert found != HeightMap(rough[::-1], 1e-6, 1e-6)
+    assert found != "map"
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(found)
+
+
+def test_a_second_preparation_forgets_nothing(rough):
+    rough[3, 3:5] = 1e-3
+    once = HeightMap(rough, 1e-6, 1e-6).level("polynomial:6", outliers=5)
+    twice = once.level("none")
+    assert once.statistics() == twice.statistics() == pickle.loads(pickle.dumps(twice)).statistics()
+    assert once.statistics().outliers >= 2
+    assert dataclasses.replace(once, dx_m=2e-6).statistics().outliers == once.statistics().outliers
+    more = twice.level("mean", outliers=2).statistics()
+    assert more.outliers == more.missing_points > once.statistics().outliers
+    y, x = np.mgrid[:64, :64]
+    ball = HeightMap(rough - 1e-12 * (x**2 + y**2) / 2e-2, 1e-6, 1e-6).level("sphere")
+    radius_m = ball.statistics().form_radius_m
+    assert radius_m is not None
+    assert ball.level("plane").statistics().form_radius_m == radius_m
+
+
 def test_missing_heights_stay_missing():
     found = HeightMap.from_array([[0.0, np.nan, 1.0], [np.inf, 2.0, 5.0]], dx_m=1e-6)
     assert np.isnan(found.heights).sum() == 2
@@ -82,6 +142,35 @@ def test_a_map_is_an_array_of_xarray(rough):
     assert found.attrs["units"] == "m"
     assert float(found.y[1]) == 3e-6
     assert float(found.x[0]) == 0.5e-6
+
+
+def test_curves_are_frames_and_data_sets_with_units(rough):
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    heights = HeightMap.from_array(rough[:32], dx_m=1e-6)
+    found = heights.acf()
+    frame = found.to_dataframe()
+    assert list(frame) == ["lag_x_m", "acf_x", "lag_y_m", "acf_y"]
+    assert frame["acf_x"].tolist() == found.acf_x.tolist()
+    assert frame["acf_y"].dropna().tolist() == found.acf_y.tolist()
+    curves = found.to_xarray()
+    assert float(curves.acf_y.sel(lag_y_m=2e-6)) == found.acf_y[2]
+    assert (curves.acf_x.attrs["units"], curves.lag_x_m.attrs["units"]) == ("1", "m")
+    assert curves.attrs["variance_m2"] == found.variance_m2
+    spectrum = heights.psd()
+    curves = spectrum.to_xarray()
+    assert (curves.psd_m4.attrs["units"], curves.q_rad_per_m.attrs["units"]) == ("m^4", "rad/m")
+    assert spectrum.to_dataframe()["psd_m4"].tolist() == curves.psd_m4.to_numpy().tolist() == spectrum.psd_m4.tolist()
+
+
+def test_undefined_statistics_are_nan_in_a_frame():
+    pytest.importorskip("pandas")
+    found = HeightMap.from_array(1e-6 * np.arange(16.0).reshape(4, 4), dx_m=1e-6).statistics()
+    assert found.hurst is None
+    frame = found.to_dataframe()
+    assert frame.shape[0] == 1
+    assert np.isnan(frame["hurst"].item())
+    assert frame["Sq_m"].item() == found.Sq_m
 
 
 def test_one_void_hardly_changes_the_spectrum() -> None:

@@ -56,6 +56,10 @@ def test_an_ensemble_equals_that_of_the_command_line(program):
     assert found.passages.kinds == expected["kind_shares"]
     assert isinstance(found.reattachments.sample, np.ndarray)
     assert found.reattachments.sample.mean() == pytest.approx(found.reattachments.mean, rel=1e-12)
+    assert np.array_equal(found.to_xarray().periods, found.periods.sample)
+    frame = found.to_dataframe()
+    assert frame["reattachments.mean"].item() == found.reattachments.mean
+    assert "reattachments.sample" not in frame
 
 
 def test_a_map_falls_from_vibration_to_sliding_over_damping():
@@ -66,6 +70,8 @@ def test_a_map_falls_from_vibration_to_sliding_over_damping():
     assert found.axes == ["damping_ratio", "belt_velocity"]
     shares = {point.x: point.sustained.value for point in found.points if point.y == 0.003}
     assert shares == {0.125: 1.0, 0.25: 0.0, 0.375: 0.0}
+    frame = found.to_dataframe()
+    assert frame["sustained.value"].tolist() == [point.sustained.value for point in found.points]
     limits = [point.limit_damping_ratio for point in found.points if point.y == 0.003]
     assert limits == pytest.approx([asperity.critical_damping(paper()).limit_damping_ratio] * 3)
     with pytest.raises(ValueError, match="damping_ratios with"):

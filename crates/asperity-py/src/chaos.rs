@@ -1,6 +1,8 @@
 //! Designs of experiments and polynomial chaos expansions.
 
-use asperity::chaos::{self, Basis, Candidates, Design, SamplingMethod, SparseRegression};
+use asperity::chaos::{
+    self, Basis, Candidates, Design, Factor, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseRegression,
+};
 use asperity::choice::Choice;
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -65,6 +67,22 @@ fn rows(xi: &Array2<f64>) -> Vec<&[f64]> {
 
 #[pymethods]
 impl Expansion {
+    /// Creates an expansion from the powers of its terms, their coefficients and its leave-one-out error.
+    #[new]
+    fn new(powers: Vec<Vec<u16>>, coefficients: Vec<f64>, relative_error: Option<f64>) -> PyResult<Self> {
+        let variables = powers.first().map_or(0, Vec::len);
+        let factors = |row: Vec<u16>| -> Vec<Factor> {
+            let factor = |(variable, degree)| (degree > 0).then_some(Factor { variable, degree });
+            (0..).zip(row).filter_map(factor).collect()
+        };
+        let set = MultiIndexSet::from_factors(variables, powers.into_iter().map(factors)).raise()?;
+        if set.len() != coefficients.len() {
+            return Err(value_error(format_args!("{} terms have {} coefficients", set.len(), coefficients.len())));
+        }
+        let basis = Basis::new(set, vec![PolynomialFamily::Hermite; variables]).raise()?;
+        Ok(Self { expansion: chaos::Expansion::new(basis, coefficients), relative_error })
+    }
+
     /// Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation.
     #[staticmethod]
     fn fit(

@@ -1,15 +1,12 @@
 //! Errors of the library as Python exceptions, by kind.
 
 use std::error::Error;
-use std::ffi::CString;
 use std::fmt::Display;
 use std::io;
 
 use asperity::study::{FailureKind, StoreError, StudyError, StudyFileError};
 use asperity_formats::{FormatError, chain, refusal};
-use pyo3::exceptions::{
-    PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyUserWarning, PyValueError,
-};
+use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 /// Exceptions that the Python package defines.
@@ -87,8 +84,7 @@ pub(crate) fn refused(path: impl Display, error: &io::Error) -> PyErr {
     PyOSError::new_err((error.raw_os_error(), format!("{path}: {}", refusal(error))))
 }
 
-/// Issues a warning of Python.
+/// Issues a warning at the line of the user.
 pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
-    let message = CString::new(message.replace('\0', " ")).unwrap_or_default();
-    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 2)
+    py.import("asperity.errors")?.call_method1("warn", (message,)).map(drop)
 }

@@ -4,7 +4,7 @@ use std::mem;
 
 use asperity::choice::{ByName, Choice, SchemaGenerator};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
-use asperity::study::clipping_warning;
+use asperity::study::{clipping_warning, implausible_damping, implausible_friction};
 use asperity::vibration::{
     self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VibrationError,
     clipped_to_positive, limit_damping, smallest_kick,
@@ -32,6 +32,12 @@ impl Oscillator {
     #[new]
     fn new(parameters: &Bound<'_, PyDict>) -> PyResult<Self> {
         vibration::Oscillator::new(from_python::<Parameters>(parameters)?).raise().map(Self)
+    }
+
+    /// Returns warnings of implausible parameters.
+    fn warnings(&self) -> Vec<String> {
+        let found = [implausible_friction(self.0.static_friction()), implausible_damping(self.0.damping_ratio())];
+        found.into_iter().flatten().collect()
     }
 }
 

@@ -1,0 +1,55 @@
+"""Methods of results whose attributes are generated."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from asperity import _plots
+from asperity._record import Record, frame, row
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
+
+    from asperity.results import CampaignResults
+    from asperity.vibration_results import Ensemble, StabilityMap
+
+
+class CampaignMethods(Record):
+    """Methods of a campaign."""
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the members as a data frame, a row each; the columns of their values have the names of the keys."""
+        own = cast("CampaignResults", self)
+        keys = [key.key for key in own.keys]
+        return frame(dict(zip(keys, member.values, strict=True)) | row(member) for member in own.members).drop(
+            columns="values"
+        )
+
+
+class EnsembleMethods(Record):
+    """Methods of an ensemble."""
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the samples of displacements and periods, each with its own dimension."""
+        import xarray
+
+        samples = {name: getattr(self, name).sample for name in ("reattachments", "releases", "periods")}
+        return xarray.Dataset({name: (f"{name}_sample", own, {"units": "1"}) for name, own in samples.items()})
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the distribution of the displacements at which the mass sticks again."""
+        return _plots.ensemble(cast("Ensemble", self), ax)
+
+
+class StabilityMapMethods(Record):
+    """Methods of a stability map."""
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the points as a data frame, a row each."""
+        return frame(map(row, cast("StabilityMap", self).points))
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the probability with its contours and the limit without fluctuation."""
+        return _plots.stability_map(cast("StabilityMap", self), ax)
