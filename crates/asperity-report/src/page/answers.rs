@@ -50,7 +50,7 @@ fn contact(run: &Run) -> Option<Answer> {
             answer: format!("P(contact) = {probability}"),
             detail: format!(
                 "At the operating point ({}): contact area over nominal area of the strips; brackets are the 95 % interval.{also}",
-                place(point)
+                place(friction)
             ),
         });
     }
@@ -107,7 +107,7 @@ fn friction(friction: &FrictionResult) -> Answer {
         },
         detail: format!(
             "At the operating point ({}){brackets}.{of_scan} Standard deviation{parts}: {} for a window of {}, {} over the nominal area.",
-            place(point),
+            place(friction),
             significant(point.std, 2),
             Dimension::Length.show_short(friction.window_m),
             significant(point.std_nominal_area, 2)
@@ -136,7 +136,7 @@ pub(super) fn of_pressure(run: &Run, pressure: &PressureResult) -> String {
     let area = run.results.friction.as_ref().map_or_else(String::new, |friction| {
         let point = &friction.operating_point;
         let fraction = shown_percent(point.contact_fraction, point.contact_fraction_interval);
-        format!("At the operating point ({}), {fraction} of the nominal area is in contact. ", place(point))
+        format!("At the operating point ({}), {fraction} of the nominal area is in contact. ", place(friction))
     });
     let point = format!(
         "Point of a random patch, {}: estimated probability of contact {}.",

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use asperity_results::{
-    Answer, AtMeanLoad, DistributionResult, FrictionResult, LevelProcess, LevelResult, OperatingPoint, Pair,
-    Prescribed, RoughBody, UncertaintyResult,
+    Answer, AtMeanLoad, DistributionResult, FrictionResult, LevelProcess, LevelResult, Pair, Prescribed, RoughBody,
+    UncertaintyResult,
 };
 
 use crate::cells::{DASH, percent, shown};
@@ -24,18 +24,19 @@ fn level_name(level: &LevelResult) -> String {
 }
 
 /// Describes the operating point: its level and its mean pressure.
-pub(super) fn place(point: &OperatingPoint) -> String {
-    // The name of such a level contains the pressure.
-    if point.level.starts_with("the mean pressure") {
-        return point.level.clone();
+pub(super) fn place(friction: &FrictionResult) -> String {
+    let point = &friction.operating_point;
+    match friction.operating_level().map(|level| level.control) {
+        // The name of such a level contains the pressure.
+        Some(Prescribed::MeanPressure) => point.level.clone(),
+        _ => format!("{}, {}", point.level, Dimension::Pressure.show(point.mean_pressure_pa)),
     }
-    format!("{}, {}", point.level, Dimension::Pressure.show(point.mean_pressure_pa))
 }
 
 /// Returns the introduction of the friction section.
 pub(super) fn lead(friction: Option<&FrictionResult>) -> String {
     let stated = friction.map_or_else(String::new, |friction| {
-        format!(" At the operating point: {}. {}", place(&friction.operating_point), conditions(friction))
+        format!(" At the operating point: {}. {}", place(friction), conditions(friction))
     });
     let described = match friction.map(|friction| friction.body).unwrap_or_default() {
         RoughBody::Track => {
