@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{CampaignResults, InputValue, MemberResult, Pair};
+use asperity_results::{CampaignResults, InputKind, InputValue, MemberResult, Pair};
 
 use crate::campaign::words::{
     capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown, values_in_words,
@@ -11,7 +11,7 @@ use crate::campaign::words::{
 use crate::format::{count, significant};
 use crate::page::answer::Answer;
 use crate::page::verdict::rests_on::by_origin;
-use crate::words::unbroken;
+use crate::words::{named, unbroken};
 
 /// Difference of probabilities below which a value hardly matters.
 const SMALL: f64 = 0.05;
@@ -331,8 +331,11 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
         // The wider range comes first.
         Some((member, ends)) => {
             let [low, high] = ends.map(probability);
+            let unknown = results.rests_on.iter().filter(|input| input.kind == InputKind::Unknown);
+            let unknown: Vec<String> = unknown.map(|input| named(&input.input)).collect();
             let detail = format!(
-                "So far the values that are not known move {member}. The computation itself is sure to {points}."
+                "The range of {member} over the values that are not known{}. The computation itself is sure to {points}.",
+                if unknown.is_empty() { String::new() } else { format!(" ({})", unknown.join(", ")) }
             );
             (format!("{low} to {high} in one member"), detail)
         }
@@ -341,27 +344,30 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
     Some(Answer { question: "How sure is that?", answer, detail })
 }
 
-/// Answers what would stop vibration: the damping ratios at which it ends.
+/// Answers what would stop vibration: the damping ratios at which it ends. Beside probabilities these are no safe values.
 fn limits(results: &CampaignResults) -> Option<Answer> {
     let [(least, low), (largest, high)] = extremes(results, |member| member.answers.limit_damping_ratio)?;
     if high <= 0.0 {
         return None;
     }
-    let detail = if low < high {
-        format!(
-            "With values at their centres, vibration ends at {} in {least} and at {} in {largest}.",
-            significant(low, 3),
-            significant(high, 3)
-        )
-    } else {
-        "With values at their centres, vibration ends there.".into()
+    let [low_text, high_text] = [low, high].map(|limit| significant(limit, 3));
+    let detail = match low < high {
+        true => format!("Vibration ends at {low_text} in {least} and at {high_text} in {largest}."),
+        false => "Vibration ends there.".into(),
     };
-    let further = " The report of a single run has the changes that reach 5 % and 1 %.";
+    if results.members.iter().all(|member| member.answers.probability.is_none()) {
+        let answer = format!("A damping ratio above {high_text}");
+        return Some(Answer { question: "What would stop it?", answer, detail });
+    }
     Some(Answer {
-        question: "What would stop it?",
-        answer: format!("A damping ratio above {}", significant(high, 3)),
+        question: "Where does it end with all values at their centres?",
+        answer: if low < high {
+            format!("At a damping ratio of {low_text} to {high_text}")
+        } else {
+            format!("At a damping ratio of {high_text}")
+        },
         detail: detail
-            + if results.members.iter().any(|member| member.answers.probability.is_some()) { further } else { "" },
+            + " Values that vary need more damping: the report of a single run has the changes after which 5 % and 1 % vibrate.",
     })
 }
 

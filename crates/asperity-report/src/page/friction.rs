@@ -27,8 +27,9 @@ fn level_name(level: &LevelResult) -> String {
 pub(super) fn place(friction: &FrictionResult) -> String {
     let point = &friction.operating_point;
     match friction.operating_level().map(|level| level.control) {
-        // The name of such a level contains the pressure.
-        Some(Prescribed::MeanPressure) => point.level.clone(),
+        Some(Prescribed::MeanPressure) => {
+            format!("the mean pressure {}", Dimension::Pressure.show(point.mean_pressure_pa))
+        }
         _ => format!("{}, {}", point.level, Dimension::Pressure.show(point.mean_pressure_pa)),
     }
 }

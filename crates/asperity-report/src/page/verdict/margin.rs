@@ -257,7 +257,9 @@ impl Limits {
         let (upper, lower) = if value < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
         let marks =
             [ranges, mark(x(value), "", "yours", upper), mark(x(limit), " limit", "limit", lower), scale(&axis)];
-        picture(&label, &marks.into_iter().collect(), caption)
+        let brackets =
+            verdict.nominal.damping_margin_interval.map_or("", |_| " Brackets: 95 % interval of the computation.");
+        picture(&label, &marks.into_iter().collect(), &format!("{caption}{brackets}"))
     }
 
     fn caption(&self, verdict: &VerdictResult) -> String {
