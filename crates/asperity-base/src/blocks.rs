@@ -114,10 +114,10 @@ impl<'a> Task<'a> {
         E: From<Cancelled> + Send,
     {
         let Loop { count, block_bytes, steps, failure } = *blocks;
-        // Cancellation may end a computation in any failure.
+        // Cancellation may end a computation in any failure, also in one that a block takes for an answer.
         let computed = |own: &mut W, index: usize| -> Result<B, E> {
             let found = block(own, index)?;
-            if failure(&found).is_some() && self.monitor.cancelled() { Err(Cancelled.into()) } else { Ok(found) }
+            if self.monitor.cancelled() { Err(Cancelled.into()) } else { Ok(found) }
         };
         let Some(store) = self.store() else { return reduce(count, block_bytes, workspace, computed, add) };
         let round = store.begin(self.name, count);
@@ -343,7 +343,7 @@ pub fn reduce<W, B: Send, E: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Silent;
+    use crate::monitor::{BlockStore, RoundId, Silent};
 
     /// Returns the indices in the order of the reduction, and the largest number of blocks that were computed but not yet added.
     fn reduced(count: usize, block_bytes: usize, threads: usize) -> (Vec<usize>, usize) {
@@ -460,5 +460,43 @@ mod tests {
         };
         let error = pool.install(|| reduce(30, WAITING_BYTES / 10, || (), block, |_, _| added += 1)).unwrap_err();
         assert!((25..30).contains(&error) && added == 20, "{error} {added}");
+    }
+    #[test]
+    fn a_block_that_ends_after_cancellation_is_not_stored() {
+        /// Cancels in the fourth block that is computed, and counts the stored blocks.
+        #[derive(Default)]
+        struct Store(AtomicUsize, AtomicUsize);
+        impl Monitor for Store {
+            fn progress(&self, _what: &str, _done: usize, _total: usize) {}
+            fn cancelled(&self) -> bool {
+                self.0.load(Ordering::Relaxed) > 3
+            }
+            fn store(&self) -> Option<&dyn BlockStore> {
+                Some(self)
+            }
+        }
+        impl BlockStore for Store {
+            fn begin(&self, _name: &str, _count: usize) -> RoundId {
+                RoundId(0)
+            }
+            fn load(&self, _round: RoundId, _index: usize) -> Option<Vec<u8>> {
+                None
+            }
+            fn save(&self, _round: RoundId, _index: usize, _failure: Option<String>, bytes: Vec<u8>) {
+                assert_eq!(postcard::from_bytes::<Option<()>>(&bytes), Ok(Some(())));
+                self.1.fetch_add(1, Ordering::Relaxed);
+            }
+            fn computes(&self, _index: usize) -> bool {
+                true
+            }
+        }
+        let store = Store::default();
+        let block = |_| {
+            store.0.fetch_add(1, Ordering::Relaxed);
+            // A cancelled computation inside of the block finds nothing.
+            Ok::<Option<()>, Cancelled>((!store.cancelled()).then_some(()))
+        };
+        assert_eq!(Task::new(&store, "blocks", 50).map(50, block), Err(Cancelled));
+        assert!(store.1.into_inner() <= 3);
     }
 }
