@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _core, _plots
 from asperity._arrays import numbers
 from asperity._record import Curves, Made
+from asperity.errors import warn
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +33,42 @@ def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArr
     """
     xi: NDArray[np.float64] = _core.design(method, seed, samples, variables)
     return xi
+
+
+# Leave-one-out error over the variance above which there is a warning.
+_LARGE_ERROR = 0.1
+# Largest fraction of undefined values.
+_UNDEFINED = 0.05
+# Standard errors by which samples of independent standard normal variables do not differ from them.
+_FAR = 6.0
+
+
+def _defined(xi: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the samples with defined values, with a warning of the others if they are few."""
+    undefined = np.flatnonzero(~np.isfinite(values))
+    if values.ndim != 1 or len(xi) != len(values) or not 0 < len(undefined) <= _UNDEFINED * len(values):
+        return xi, values
+    numbered = ", ".join(map(str, undefined[:3])) + (", …" if len(undefined) > 3 else "")  # noqa: PLR2004
+    warn(f"{len(undefined)} of {len(values)} values are undefined and left out: samples {numbered}")
+    return np.delete(xi, undefined, axis=0), np.delete(values, undefined)
+
+
+def _require_standard_normal(xi: NDArray[np.float64]) -> None:
+    """Refuse samples that are not those of independent standard normal variables."""
+    far = _FAR / np.sqrt(len(xi))
+    for place, own in enumerate(xi.T):
+        # Standard errors of mean and variance; light tails are those of a bounded distribution.
+        kurtosis = np.mean((own - own.mean()) ** 4) / max(own.var() ** 2, np.finfo(float).tiny)
+        if abs(own.mean()) > far or abs(own.var() - 1) > 2**0.5 * far or kurtosis < 3 - 24**0.5 * far:
+            raise ValueError(
+                f"variable {place} is not standard normal: mean {own.mean():.2g}, variance {own.var():.2g}, kurtosis "
+                f"{kurtosis:.2g}; transform it to a standard normal variable"
+            )
+    correlation = np.corrcoef(xi.T).reshape(xi.shape[1], -1) - np.eye(xi.shape[1])
+    if xi.shape[1] > 1 and np.abs(correlation).max() > far:
+        raise ValueError(
+            f"the variables are correlated, by up to {np.abs(correlation).max():.2g}; make them independent"
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,9 +112,9 @@ class Expansion(Made):
         Parameters
         ----------
         xi
-            Standard normal variables, shape (samples, variables).
+            Independent standard normal variables, shape (samples, variables). Others are refused.
         values
-            Value of the function at each sample.
+            Value of the function at each sample. Up to 5 % may be undefined; they are left out with a warning.
         degree
             Total degree of the polynomials.
         sparse
@@ -91,7 +128,14 @@ class Expansion(Made):
         >>> round(expansion.mean, 9), round(expansion.variance, 9)
         (2.0, 10.0)
         """
-        return Expansion(_core.Expansion.fit(numbers(xi), numbers(values), degree, sparse))
+        points, found = _defined(numbers(xi), numbers(values))
+        expansion = Expansion(_core.Expansion.fit(points, found, degree, sparse))
+        _require_standard_normal(points)
+        error = expansion.relative_error
+        if expansion.variance > 0 and (error is None or error > _LARGE_ERROR):
+            known = "undefined" if error is None else f"{error:.2g} of the variance"
+            warn(f"the leave-one-out error of the expansion is {known}; more samples or another degree may help")
+        return expansion
 
     @staticmethod
     def of(
@@ -161,6 +205,8 @@ class Expansion(Made):
         return np.array(self._own.powers(), dtype=np.int64)
 
     def sobol_indices(self) -> SobolIndices:
-        """Return the first-order and total Sobol' indices of all variables."""
+        """Return the first-order and total Sobol' indices of all variables; NaN without a variance, with a warning."""
+        if self.variance == 0:
+            warn("the function does not vary: it has no variance, and no indices")
         first_order, total = self._own.sobol_indices()
         return SobolIndices(first_order=first_order, total=total)

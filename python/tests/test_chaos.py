@@ -68,3 +68,44 @@ def test_a_sparse_expansion_has_its_constant_at_any_number_of_samples():
     assert expansion.variance == pytest.approx(1)
     with pytest.raises(ValueError, match="5 variables"):
         expansion.evaluate(np.ones((1, 5)))
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("values", [np.full(200, 0.1), 5 + 1e-15 * np.sin(np.arange(200))])
+def test_a_function_that_does_not_vary_has_no_variance(sparse, values):
+    xi = asperity.design("sobol", seed=1, samples=200, variables=3)
+    expansion = asperity.Expansion.fit(xi, values, degree=3, sparse=sparse)
+    assert expansion.variance == 0
+    assert expansion.mean == pytest.approx(values[0], rel=1e-12)
+    with pytest.warns(asperity.AsperityWarning, match="no variance"):
+        assert np.isnan(expansion.sobol_indices().total).all()
+
+
+def test_an_expansion_that_does_not_predict_says_so():
+    xi = asperity.design("monte_carlo", seed=1, samples=300, variables=2)
+    with pytest.warns(asperity.AsperityWarning, match="of the variance"):
+        asperity.Expansion.fit(xi, np.sign(np.sin(20 * xi[:, 0])), degree=12)
+
+
+def test_samples_that_are_not_standard_normal_are_refused():
+    stream = np.random.default_rng(1)
+    uniform, normal = stream.uniform(-(3**0.5), 3**0.5, (1000, 2)), stream.standard_normal((1000, 2))
+    for xi, reason in [
+        (uniform, "variable 0 is not standard normal"),
+        (normal + np.array([0, 1]), "variable 1 is not standard normal"),
+        (2 * normal, "variance"),
+        (normal @ [[1, 0.6], [0, 0.8]], "correlated"),
+    ]:
+        with pytest.raises(ValueError, match=reason):
+            asperity.Expansion.fit(xi, xi[:, 0], degree=2)
+
+
+def test_few_undefined_values_are_left_out():
+    xi = asperity.design("latin_hypercube", seed=1, samples=100, variables=2)
+    values = xi[:, 0].copy()
+    values[[3, 70]] = np.nan
+    with pytest.warns(asperity.AsperityWarning, match="2 of 100 values are undefined and left out: samples 3, 70"):
+        assert asperity.Expansion.fit(xi, values, degree=1).variance == pytest.approx(1)
+    values[:50] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        asperity.Expansion.fit(xi, values, degree=1)

@@ -1,6 +1,7 @@
 //! Polynomial chaos expansions of functions of standard variables ξ.
 
 use super::horner::{Evaluate, Horner, Scratch};
+use super::sparse::constant_value;
 use super::{Basis, LeastSquares, LeastSquaresFit, RegressionError};
 use asperity_base::blocks;
 use asperity_base::wide::wide;
@@ -40,11 +41,10 @@ impl Expansion {
             return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
         // The first function is 1. A constant response is its coefficient; the other coefficients would be rounding errors.
-        let constant = response.first().filter(|first| response.iter().all(|value| value == *first));
-        let constant = constant.copied().unwrap_or_default();
-        let varying: Vec<f64> = response.iter().map(|value| value - constant).collect();
+        let constant = constant_value(response);
+        let varying: Vec<f64> = response.iter().map(|value| if constant.is_some() { 0.0 } else { *value }).collect();
         let mut fit = LeastSquares::new(basis.design_matrix(xi_samples))?.fit(&varying)?;
-        fit.coefficients[0] += constant;
+        fit.coefficients[0] += constant.unwrap_or_default();
         Ok((Self::new(basis, fit.coefficients.clone()), fit))
     }
 

@@ -55,6 +55,17 @@ impl Default for SparseRegression {
     }
 }
 
+/// Returns the value of a response that is constant up to rounding.
+pub(super) fn constant_value(response: &[f64]) -> Option<f64> {
+    let first = *response.first()?;
+    if response.iter().all(|y| *y == first) {
+        return Some(first);
+    }
+    let (mean, spread) = mean_and_spread(response);
+    let length = response.iter().map(|y| y * y).sum::<f64>().sqrt();
+    (spread <= candidates::ROUNDING * length).then_some(mean)
+}
+
 impl SparseRegression {
     /// Selects the best model of one response.
     ///
@@ -72,10 +83,8 @@ impl SparseRegression {
         if let Some(sample) = response.iter().position(|y| !y.is_finite()) {
             return Err(SparseError::NotFinite { sample });
         }
-        let (mean, spread) = mean_and_spread(response);
-        let length = response.iter().map(|y| y * y).sum::<f64>().sqrt();
-        if spread <= candidates::ROUNDING * length {
-            return Err(SparseError::ConstantResponse { value: mean });
+        if let Some(value) = constant_value(response) {
+            return Err(SparseError::ConstantResponse { value });
         }
         if candidates.selectable() == 0 {
             return Err(SparseError::NoCandidates { columns: candidates.columns() });

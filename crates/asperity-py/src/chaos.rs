@@ -1,7 +1,8 @@
 //! Designs of experiments and polynomial chaos expansions.
 
 use asperity::chaos::{
-    self, Basis, Candidates, Design, Factor, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseRegression,
+    self, Basis, Candidates, Design, Factor, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseError,
+    SparseRegression,
 };
 use asperity::choice::Choice;
 use ndarray::Array2;
@@ -107,8 +108,11 @@ impl Expansion {
             if sparse {
                 let matrix = basis.design_matrix(&rows(&xi));
                 let candidates = Candidates::new(matrix.view()).raise()?;
-                let chosen = SparseRegression::default().select(&candidates, &values).raise()?;
-                basis = basis.select(&chosen.terms).raise()?;
+                let terms = match SparseRegression::default().select(&candidates, &values) {
+                    Err(SparseError::ConstantResponse { .. }) => vec![0],
+                    chosen => chosen.raise()?.terms,
+                };
+                basis = basis.select(&terms).raise()?;
             }
             chaos::Expansion::fit(basis, &rows(&xi), &values).raise()
         })?;
