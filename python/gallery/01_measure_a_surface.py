@@ -78,9 +78,9 @@ assert x_m > 1.3 * y_m
 # %% [markdown]
 # ## Spectrum: what does the reliable band mean?
 #
-# Waves longer than a quarter of the map occur too few times to be averaged, and levelling removes part of them. Waves
-# shorter than four points are not resolved. Between these limits the spectrum shows the surface. Here the band is 8
-# µm to 256 µm.
+# Waves longer than half the map occur too few times to be averaged, and levelling removes part of them. Waves
+# shorter than four points are not resolved. Between these limits the spectrum shows the surface. Here the band is 8 µm
+# to 512 µm.
 
 # %%
 psd = surface.psd()
@@ -90,7 +90,7 @@ psd.plot(ax=axes)
 plt.show()
 longest_m, shortest_m = 2 * np.pi / low, 2 * np.pi / high
 assert np.isclose(shortest_m, 4 * surface.dx_m)
-assert np.isclose(longest_m, surface.shape[1] * surface.dx_m / 4)
+assert np.isclose(longest_m, surface.shape[1] * surface.dx_m / 2)
 
 # %% [markdown]
 # The integral of the spectrum over d²q/(2π)² is the variance of the heights; with the weight q² it is that of the
