@@ -55,6 +55,8 @@ def _defined(xi: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDAr
 
 def _require_standard_normal(xi: NDArray[np.float64]) -> None:
     """Refuse samples that are not those of independent standard normal variables."""
+    if xi.ndim != 2 or not xi.size:  # noqa: PLR2004
+        return
     far = _FAR / np.sqrt(len(xi))
     for place, own in enumerate(xi.T):
         # Standard errors of mean and variance; light tails are those of a bounded distribution.
@@ -64,10 +66,11 @@ def _require_standard_normal(xi: NDArray[np.float64]) -> None:
                 f"variable {place} is not standard normal: mean {own.mean():.2g}, variance {own.var():.2g}, kurtosis "
                 f"{kurtosis:.2g}; transform it to a standard normal variable"
             )
-    correlation = np.corrcoef(xi.T).reshape(xi.shape[1], -1) - np.eye(xi.shape[1])
-    if xi.shape[1] > 1 and np.abs(correlation).max() > far:
+    deviations = xi - xi.mean(axis=0)
+    largest = np.abs(np.triu(deviations.T @ deviations / len(xi), 1)).max()
+    if largest > far:
         raise ValueError(
-            f"the variables are correlated, by up to {np.abs(correlation).max():.2g}; make them independent"
+            f"the variables are correlated, with a covariance of up to {largest:.2g}; make them independent"
         )
 
 
@@ -129,8 +132,8 @@ class Expansion(Made):
         (2.0, 10.0)
         """
         points, found = _defined(numbers(xi), numbers(values))
-        expansion = Expansion(_core.Expansion.fit(points, found, degree, sparse))
         _require_standard_normal(points)
+        expansion = Expansion(_core.Expansion.fit(points, found, degree, sparse))
         error = expansion.relative_error
         if expansion.variance > 0 and (error is None or error > _LARGE_ERROR):
             known = "undefined" if error is None else f"{error:.2g} of the variance"

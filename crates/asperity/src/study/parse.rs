@@ -185,6 +185,12 @@ mod tests {
     }
 
     #[test]
+    fn a_date_is_no_value() {
+        let found = error("rms_height = \"1 um\"", "rms_height = 2026-01-01");
+        assert_eq!((found.line, found.message.as_str()), (6, "2026-01-01 is a date; no key has one"));
+    }
+
+    #[test]
     fn a_typo_in_the_file_is_an_error_not_a_default() {
         let error = error("percentile = 50.0", "percentil = 50.0");
         assert_eq!(error.line, 13);

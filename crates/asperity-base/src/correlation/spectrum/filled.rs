@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn harmonic_heights_are_continued_exactly() {
+    fn harmonic_heights_are_continued() {
         for side in [1, 2, 5, 12] {
             let (map, whole) = (saddle(32, side), saddle(32, 0));
             let found = filled(&map).unwrap();

@@ -1,17 +1,13 @@
 //! Deserializer of parsed TOML whose errors are sentences for the reader of the file, with the place of the value or key.
 
 use std::fmt::Display;
-use std::iter::once;
 
-use serde::de::value::{MapDeserializer, SeqDeserializer};
+use serde::de::value::SeqDeserializer;
 use serde::de::{self, DeserializeSeed, Error, Expected, IntoDeserializer, MapAccess, Unexpected, Visitor};
 use toml::de::{DeInteger, DeString, DeTable, DeValue};
 use toml::{Spanned, map};
 
 use crate::study::sentence;
-
-/// Key under which toml passes the text of a date to its own `Value`.
-const DATE: &str = "$__toml_private_datetime";
 
 /// Error of a value or key.
 #[derive(Debug, thiserror::Error)]
@@ -113,7 +109,7 @@ impl ValueDeserializer<'_> {
                 Err(error) => Err(ValueError::custom(error)),
             },
             DeValue::Boolean(value) => visitor.visit_bool(value),
-            DeValue::Datetime(date) => visitor.visit_map(MapDeserializer::new(once((DATE, date.to_string())))),
+            DeValue::Datetime(date) => Err(ValueError::custom(format!("{date} is a date; no key has one"))),
             DeValue::Array(list) => visitor.visit_seq(SeqDeserializer::new(list.into_iter().map(ValueDeserializer))),
             DeValue::Table(table) => visitor.visit_map(Entries::new(table)),
         };
