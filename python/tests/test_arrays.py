@@ -32,7 +32,9 @@ def spectral(points: int) -> asperity.Spectral:
     [
         lambda: asperity.design("monte_carlo", seed=1, samples=10**6, variables=10**7),
         lambda: asperity.design("maximin_latin_hypercube", seed=1, samples=10, variables=2**61),
-        lambda: asperity.Expansion.fit(np.zeros((500, 100)), np.zeros(500), degree=12),
+        lambda: asperity.Expansion.fit(
+            asperity.design("monte_carlo", seed=1, samples=500, variables=100), np.zeros(500), degree=12
+        ),
         lambda: HeightMap.from_array(np.broadcast_to(np.float64(1.0), (10**6, 10**6)), dx_m=1e-6),
         lambda: spectral(10**6),
         lambda: spectral(64).sample(1, 2**62),
