@@ -213,7 +213,7 @@ mod tests {
         let (first, others) = answer(&results, "What does it rest on, beside the values that differ?");
         assert_eq!(first, "Surface: 2 scans");
         let unknown = "Unknown: kinetic over static friction 0.9.";
-        let default = "Not stated: Stribeck coefficient 4.2 (the paper’s value, not measured).";
+        let default = "Not stated: Stribeck coefficient 4.2 (default, not measured).";
         assert_eq!(others, format!("{unknown} {default}"));
     }
 

@@ -318,15 +318,14 @@ pub(crate) fn steady_sliding(verdict: &VerdictResult) -> Option<String> {
 }
 
 /// Returns each number that the study does not state, with the verdict at both ends of its range:
-/// `kinetic_share 1 (0.9: 87 %, 1: 57 %)`. Empty without a verdict.
+/// `kinetic over static friction (kinetic_share), assumed 1: 87 % at 0.9, 57 % at 1`. Empty without a verdict.
 pub fn not_stated(verdict: &VerdictResult) -> Vec<String> {
     let of_one = |assumed: &Assumed| {
         let key = assumed.input.rsplit('.').next().unwrap_or_default();
         let number = |value: f64| Dimension::None.show(value);
         let [low, high] =
-            [0, 1].map(|end| format!("{}: {}", number(assumed.range[end]), answer_at(verdict, assumed, end)));
-        let unit = if verdict.friction_fluctuates { " of the time" } else { "" };
-        format!("{key} {} ({low}, {high}{unit})", number(assumed.value))
+            [0, 1].map(|end| format!("{} at {}", answer_at(verdict, assumed, end), number(assumed.range[end])));
+        format!("{} ({key}), assumed {}: {low}, {high}", named(&assumed.input), number(assumed.value))
     };
     verdict.assumed.iter().filter(|_| !verdict.friction_unresolved).map(of_one).collect()
 }
@@ -335,7 +334,9 @@ pub fn not_stated(verdict: &VerdictResult) -> Vec<String> {
 fn answer_at(verdict: &VerdictResult, assumed: &Assumed, end: usize) -> String {
     let (probability, interval) = (assumed.probability_at[end], assumed.probability_interval_at[end]);
     match interval {
-        _ if verdict.friction_fluctuates => sampled_percent(assumed.expected_vibration_share_at[end], interval),
+        _ if verdict.friction_fluctuates => {
+            sampled_percent(assumed.expected_vibration_share_at[end], interval) + " of the time"
+        }
         _ if !is_exact(verdict) => sampled_percent(probability, interval),
         [low, high] if low < high => "may vibrate".into(),
         _ if probability < 0.5 => "does not vibrate".into(),

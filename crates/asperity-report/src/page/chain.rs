@@ -58,17 +58,17 @@ fn surface(run: &Run) -> Option<Link> {
         let places: Vec<f64> = (0..row.len()).map(|place| place as f64).collect();
         curve(&places, &row)
     });
-    Some(Link { section: "surface", number: format!("Sq {}", Dimension::Length.show_short(metre)), words, picture })
+    Some(Link { section: "surface", number: format!("rms {}", Dimension::Length.show_short(metre)), words, picture })
 }
 
 /// Returns the rms height with its origin.
 fn rms_height(surface: &SurfaceResult) -> Option<(f64, String)> {
     if let Some(scan) = surface.scan() {
-        return Some((scan.Sq_m, "of the scan".into()));
+        return Some((scan.Sq_m, "heights of the scan".into()));
     }
     match (surface.part().and_then(|part| Some((part.scan_count, part.pooled.get("Sq_m")?))), &surface.covariance) {
-        (Some((count, pooled)), _) => Some((pooled.value, format!("mean of {count} scans"))),
-        (None, covariance) => Some((covariance.as_ref()?.std_m, "of the stated surface".into())),
+        (Some((count, pooled)), _) => Some((pooled.value, format!("heights, mean of {count} scans"))),
+        (None, covariance) => Some((covariance.as_ref()?.std_m, "heights of the stated surface".into())),
     }
 }
 

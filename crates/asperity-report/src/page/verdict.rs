@@ -68,7 +68,7 @@ fn numbers(run: &Run, verdict: &VerdictResult) -> Html {
     let text = |text: String| Html::from(unbroken(&text));
     if is_exact(verdict) {
         sentences.extend(steady_sliding(verdict).map(|sliding| text(format!("{}.", capitalised(sliding)))));
-        sentences.push(text(exact_values(run)));
+        sentences.push(text(exact_values(run, verdict)));
     } else {
         if verdict.probability > 0.0 && verdict.probability < 1.0 {
             sentences.push(text(computed_to(verdict)));
@@ -87,8 +87,7 @@ fn numbers(run: &Run, verdict: &VerdictResult) -> Html {
     }
     lines.push(("sub", sentences));
     lines.push(("sub", vibration(verdict).into_iter().collect()));
-    let assumed = not_stated(verdict).into_iter().zip(&verdict.assumed);
-    let assumed = assumed.map(|(value, of)| text(format!("Not stated: {}, {value}.", named(&of.input))));
+    let assumed = not_stated(verdict).into_iter().map(|value| text(format!("Not stated: {value}.")));
     let examples = verdict.rests_on.iter().filter(|input| input.kind == InputKind::Example).count();
     let examples = (examples > 0).then(|| format!("Not yours: {examples} of the values are those of the example."));
     lines.push(("sub assumed", examples.map(text).into_iter().chain(assumed).collect()));
@@ -102,14 +101,25 @@ fn numbers(run: &Run, verdict: &VerdictResult) -> Html {
     lines.into_iter().map(line).collect()
 }
 
-/// Returns how sure the answer of a machine of exact values is in a sentence.
-fn exact_values(run: &Run) -> String {
+/// Returns how sure the answer of a machine of exact values is in sentences.
+fn exact_values(run: &Run, verdict: &VerdictResult) -> String {
     let point = run.results.friction.as_ref().map(|friction| &friction.operating_point);
     let computed = point.filter(|point| point.mean_interval.is_some()).map_or_else(String::new, |point| {
         let mean = shown(Dimension::None, point.mean, point.mean_interval);
         format!(" The friction coefficient is computed: {mean}, with its 95 % interval.")
     });
-    format!("Your values count as exact.{computed}")
+    let sure = verdict.nominal.damping_margin_interval.map_or_else(String::new, |[low, high]| {
+        let decided = low.signum() == high.signum();
+        let follows = if decided { "do not change the answer" } else { "may change the answer" };
+        let limit = verdict.nominal.limit_damping_ratio.filter(|_| verdict.model == MachineModel::StickSlip);
+        let moved = limit.map_or_else(String::new, |limit| {
+            let damping_ratio = limit + verdict.nominal.damping_margin;
+            let [least, most] = [damping_ratio - high, damping_ratio - low].map(|limit| significant(limit, 3));
+            format!(" put the limit between {least} and {most} and")
+        });
+        format!(" All errors of the computation{moved} {follows} (95 %).")
+    });
+    format!("Your values count as exact.{computed}{sure}")
 }
 
 /// Returns how many machines vibrate for at least half of the time in a sentence; `None` if friction does not fluctuate.

@@ -186,30 +186,50 @@ fn under_fluctuating_friction_the_fraction_of_the_time_leads() {
 fn a_number_that_is_not_stated_stands_with_both_ends_of_its_range_below_the_verdict() {
     let mut verdict = known();
     // All 256 machines vibrate at the high end.
-    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)"]);
+    assert_eq!(
+        not_stated(&verdict),
+        ["Stribeck coefficient (stribeck), assumed 4.2: 21 % at 2.1, more than 99.4 % at 8.4"]
+    );
     let lines = verdict_text(&verdict);
     let mut lines = lines.lines();
     assert_eq!(lines.next(), Some(verdict_sentence(&verdict).as_str()));
-    assert_eq!(lines.next(), Some("Not stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."));
+    assert_eq!(
+        lines.next(),
+        Some("Not stated: Stribeck coefficient (stribeck), assumed 4.2: 21 % at 2.1, more than 99.4 % at 8.4.")
+    );
     let words = plain(&page(verdict.clone()));
     assert!(
-        words.contains("Not stated: Stribeck coefficient, stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %)."),
+        words.contains(
+            "Not stated: Stribeck coefficient (stribeck), assumed 4.2: 21 % at 2.1, more than 99.4 % at 8.4."
+        ),
         "{words}"
     );
     let table = "Stribeck coefficient4.22.1: 21 % (20 % to 22 %)8.4: more than 99.4 % (99.4 % to 100 %)";
     assert!(words.replace('\n', "").contains(table), "{words}");
     let entry = &mut verdict.assumed[0];
     (entry.probability_at, entry.probability_interval_at) = ([0.0, 0.0], [[0.0, 0.013], [0.0, 1e-6]]);
-    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: less than 1.3 %, 8.4: less than 0.1 %)"]);
+    assert_eq!(
+        not_stated(&verdict),
+        ["Stribeck coefficient (stribeck), assumed 4.2: less than 1.3 % at 2.1, less than 0.1 % at 8.4"]
+    );
     // The fraction of the time leads under fluctuating friction.
     verdict.friction_fluctuates = true;
-    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: 8 %, 8.4: 97 % of the time)"]);
+    assert_eq!(
+        not_stated(&verdict),
+        ["Stribeck coefficient (stribeck), assumed 4.2: 8 % of the time at 2.1, 97 % of the time at 8.4"]
+    );
     (verdict.friction_fluctuates, verdict.evaluations) = (false, 1);
     let entry = &mut verdict.assumed[0];
     (entry.probability_at, entry.probability_interval_at) = ([0.0, 1.0], [[0.0; 2], [1.0; 2]]);
-    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: vibrates)"]);
+    assert_eq!(
+        not_stated(&verdict),
+        ["Stribeck coefficient (stribeck), assumed 4.2: does not vibrate at 2.1, vibrates at 8.4"]
+    );
     verdict.assumed[0].probability_interval_at[1] = [0.0, 1.0];
-    assert_eq!(not_stated(&verdict), ["stribeck 4.2 (2.1: does not vibrate, 8.4: may vibrate)"]);
+    assert_eq!(
+        not_stated(&verdict),
+        ["Stribeck coefficient (stribeck), assumed 4.2: does not vibrate at 2.1, may vibrate at 8.4"]
+    );
     verdict.friction_unresolved = true;
     assert!(not_stated(&verdict).is_empty());
 }
@@ -252,7 +272,7 @@ fn the_text_has_the_sentence_and_aligned_tables_of_everything_else() {
     let text = verdict_text(&verdict);
     assert!(text.starts_with(&verdict_sentence(&verdict)), "{text}");
     for wanted in [
-        "12 % from steady sliding.\nNot stated: stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).\nIf it vibrates: 312 Hz (298–325), with amplitudes",
+        "12 % from steady sliding.\nNot stated: Stribeck coefficient (stribeck), assumed 4.2: 21 % at 2.1, more than 99.4 % at 8.4.\nIf it vibrates: 312 Hz (298–325), with amplitudes",
         "\nRaise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.\n",
         "\nMeasure the Stribeck coefficient next",
         "\nQuantiles of the margin ζ − ζ_v\n  Quantile  Margin\n",
@@ -307,7 +327,7 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
         "Computed to ±3 percentage points. Largest of 2 errors of the probability: the number of machines, up to 2.6 percentage points; to \
          reduce it, lower half_width and, if needed, raise evaluations in [verdict]. Started from steady sliding: 12 %.",
         "If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
-        "Not stated: Stribeck coefficient, stribeck 4.2 (2.1: 21 %, 8.4: more than 99.4 %).",
+        "Not stated: Stribeck coefficient (stribeck), assumed 4.2: 21 % at 2.1, more than 99.4 % at 8.4.",
         "Measure the Stribeck coefficient next: the margin’s range would shrink by 30 %.",
         "Raise the damping ratio from 0.0155 to 0.026: vibration is then 5 % probable.",
         "none from 0.001 to 0.1",
@@ -315,7 +335,7 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
         "stated: normal force",
         "unknown: shear strength 40 MPa",
         "uncertain: damping ratio 0.0155",
-        "not stated: Stribeck coefficient 4.2 (the paper’s value, not measured)",
+        "not stated: Stribeck coefficient 4.2 (default, not measured)",
         "For squeal choose the model of two coupled modes.",
     ] {
         assert!(words.contains(wanted), "{wanted}");

@@ -21,6 +21,17 @@ asperity_base::choice! {
 }
 
 impl CurveParameter {
+    /// Returns the SI unit of the parameter before it is made dimensionless; `None` of a pure number.
+    pub fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::DampingRatio | Self::StaticFriction => None,
+            Self::BeltVelocity => Some("m/s"),
+            Self::Weakening => Some("s/m"),
+            Self::ForcingAmplitude => Some("N"),
+            Self::ForcingFrequency => Some("rad/s"),
+        }
+    }
+
     /// Returns the value of the parameter; none if the oscillator does not have it.
     pub fn value(self, oscillator: &Oscillator) -> Option<f64> {
         match self {

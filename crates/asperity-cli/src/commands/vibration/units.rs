@@ -2,10 +2,11 @@
 
 use std::ffi::OsString;
 
+use asperity::choice::Choice;
 use asperity::keys::{KEYS, Key, SCALES};
 use asperity::quantity::{AngularFrequency, Dimension, Force, Mass};
 use asperity::sentence;
-use asperity::vibration::Scales;
+use asperity::vibration::{CurveParameter, Scales};
 use clap::Args;
 
 use crate::args;
@@ -13,7 +14,7 @@ use crate::failure::Failure;
 use crate::monitor::Terminal;
 
 /// Flags that are no inputs of a study, and the SI units that their values may have.
-pub(crate) const FLAGS_WITH_UNITS: [(&str, &str); 10] = [
+pub(crate) const FLAGS_WITH_UNITS: [(&str, &str); 11] = [
     ("belt_velocities", "m/s"),
     ("correlation_length", "m"),
     ("displacements", "m"),
@@ -21,6 +22,8 @@ pub(crate) const FLAGS_WITH_UNITS: [(&str, &str); 10] = [
     ("forcing", "N"),
     ("forcing_frequency", "rad/s"),
     ("friction_step", "m"),
+    // Of a sound; without a parameter that the range is over.
+    ("from", "s"),
     ("settling", "s"),
     ("start", "m"),
     ("velocities", "m/s"),
@@ -86,6 +89,12 @@ pub(crate) fn dimensionless(arguments: Vec<OsString>) -> Result<Vec<OsString>, F
     {
         return Ok(arguments);
     }
+    // A range of values of a parameter has the unit of the parameter.
+    let over = value_of(&arguments, "--over");
+    let unit_of = |flag: &str| match &over {
+        Some(parameter) if ["from", "to"].contains(&flag) => CurveParameter::from_name(parameter).ok()?.unit(),
+        _ => unit_of(flag),
+    };
     let mut converted = Vec::with_capacity(arguments.len());
     let mut unit = None;
     for argument in arguments {
@@ -123,17 +132,18 @@ fn flag_of(input: &'static str) -> String {
     format!("--{}", args::name(input).replace('_', "-"))
 }
 
+/// Returns the value of a flag.
+fn value_of(arguments: &[OsString], flag: &str) -> Option<String> {
+    let place = arguments.iter().position(|argument| argument.to_string_lossy().starts_with(flag))?;
+    match arguments[place].to_string_lossy().strip_prefix(flag)?.strip_prefix('=') {
+        Some(value) => Some(value.to_owned()),
+        None => Some(arguments.get(place + 1)?.to_string_lossy().into_owned()),
+    }
+}
+
 /// Returns the machine that the flags state.
 fn stated_scales(arguments: &[OsString]) -> Option<Scales> {
-    let si = |flag: &str, unit| {
-        let place = arguments.iter().position(|argument| argument.to_string_lossy().starts_with(flag))?;
-        let text = arguments[place].to_string_lossy();
-        let value = match text.strip_prefix(flag)?.strip_prefix('=') {
-            Some(value) => value.to_owned(),
-            None => arguments.get(place + 1)?.to_string_lossy().into_owned(),
-        };
-        Dimension::of_unit(unit)?.parse(&value).ok()
-    };
+    let si = |flag: &str, unit| Dimension::of_unit(unit)?.parse(&value_of(arguments, flag)?).ok();
     let [mass, frequency, force] = SCALES.map(|input| si(&flag_of(input), Key::find(input)?.unit));
     Scales::new(mass?, frequency?, force?).ok()
 }
@@ -195,6 +205,10 @@ mod tests {
             ("--correlation-length 0.5m", "--correlation-length 64.0"),
             ("--forcing 0.5N", "--forcing 0.25"),
             ("--forcing-frequency 4rad/s", "--forcing-frequency 0.5"),
+            ("--from=2s", "--from=16.0"),
+            ("--over belt_velocity --from 0.0625m/s --to 0.25m/s", "--over belt_velocity --from 1.0 --to 4.0"),
+            ("--from 0.5N --over=forcing_amplitude --to=1N", "--from 0.25 --over=forcing_amplitude --to=0.5"),
+            ("--over damping_ratio --from 0.1 --to 0.2", "--over damping_ratio --from 0.1 --to 0.2"),
             // Numbers, units of another kind and other flags stay.
             ("--belt-velocity 0.003", "--belt-velocity 0.003"),
             ("--belt-velocity 5mm", "--belt-velocity 5mm"),

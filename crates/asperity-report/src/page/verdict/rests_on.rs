@@ -1,6 +1,5 @@
 //! The card of the inputs of the verdict, by origin.
 
-use asperity_results::keys::{DefaultValue, Key, KeyDefault};
 use asperity_results::{InputKind, InputValue, MachineModel, RestsOn};
 
 use crate::format::Dimension;
@@ -75,17 +74,13 @@ fn value(input: &RestsOn) -> String {
     }
 }
 
-/// Returns a default value with its origin: the paper, or asperity.
+/// Returns a default value. Those of numbers are no measurements.
 fn default(input: &RestsOn) -> String {
     if input.input == "material.hardness" {
         return "hardness (contact is elastic)".into();
     }
-    let origin = match Key::find(&input.input).and_then(|key| key.default) {
-        Some(KeyDefault { of_paper: true, value: DefaultValue::Word(_), .. }) => "the paper’s",
-        Some(KeyDefault { of_paper: true, .. }) => "the paper’s value, not measured",
-        _ => "asperity’s default",
-    };
-    format!("{} {} ({origin})", named(&input.input), value(input))
+    let is_word = matches!(input.value, InputValue::Name(_));
+    format!("{} {}{}", named(&input.input), value(input), if is_word { "" } else { " (default, not measured)" })
 }
 
 /// Returns all inputs with their values.
