@@ -17,15 +17,15 @@ pub enum IndexError<E> {
     /// The samples themselves have no expansion.
     #[error("the samples have no expansion: {0}")]
     Fit(E),
-    /// Too many resamples have no expansion. About a third of the samples are missing from a resample.
+    /// Too many resamples have no expansion or a constant one. About a third of the samples are missing from a resample.
     #[error("{failed} of {resamples} resamples have no expansion, the first because {first}; more samples are needed")]
     TooManyFailures {
-        /// Number of resamples without an expansion.
+        /// Number of resamples without indices.
         failed: usize,
         /// Total number of resamples.
         resamples: usize,
-        /// Error of the first resample without an expansion.
-        first: E,
+        /// Reason of the first one.
+        first: Box<IndexError<E>>,
     },
     /// The expansion of the samples is constant.
     #[error("the expansion of the samples is constant: it has no indices")]
@@ -45,7 +45,7 @@ pub struct IndexEstimates {
     pub total: Vec<SampleEstimate>,
     /// Closed index of each requested subset.
     pub closed: Vec<SampleEstimate>,
-    /// Number of resamples without an expansion, which are left out.
+    /// Number of resamples without an expansion or with a constant one, which are left out.
     pub failed: usize,
 }
 
@@ -86,7 +86,10 @@ impl Resamples {
         if !values.iter().all(|value| value.is_finite()) {
             return Err(IndexError::Constant);
         }
-        let replicate = |index: usize| fit(&self.positions(index, &[samples])[0]).map(|expansion| all(&expansion));
+        let replicate = |index: usize| {
+            let found = all(&fit(&self.positions(index, &[samples])[0]).map_err(IndexError::Fit)?);
+            if found.iter().all(|value| value.is_finite()) { Ok(found) } else { Err(IndexError::Constant) }
+        };
         let (mut replicates, mut failed, mut first) = (vec![Vec::with_capacity(self.count); values.len()], 0, None);
         for outcome in blocks::map::<_, Vec<_>>(0..self.count, replicate) {
             match outcome {
@@ -100,7 +103,7 @@ impl Resamples {
         if let Some(first) = first
             && (self.count - failed) as f64 <= FITTED_FRACTION * self.count as f64
         {
-            return Err(IndexError::TooManyFailures { failed, resamples: self.count, first });
+            return Err(IndexError::TooManyFailures { failed, resamples: self.count, first: Box::new(first) });
         }
         let range = Interval { low: 0.0, high: 1.0 };
         let mut estimates = values.iter().zip(replicates).map(|(&value, list)| self.estimate(value, list, range));

@@ -130,6 +130,15 @@ fn missing_intervals_have_a_reason() {
     let resamples = Resamples { count: 40, ..Resamples::new(1) };
     let indices = |values: &[f64]| resamples.sobol_indices(11, &[], &|rows| fitted(&basis, &xi_samples, values, rows));
     assert!(matches!(indices(&values), Err(IndexError::TooManyFailures { resamples: 40, .. })));
+    // Few samples differ from the others, and some resamples have none of them.
+    let rare: Vec<f64> = (0..40).map(|place| f64::from(u8::from(place < 2))).collect();
+    let (basis, (xi_samples, _)) =
+        (Basis::hermite(1, 1).unwrap(), sampled(&[PolynomialFamily::Hermite], 40, 3, |x| x[0]));
+    let found = Resamples::new(1).sobol_indices(40, &[], &|rows| fitted(&basis, &xi_samples, &rare, rows));
+    let Err(IndexError::TooManyFailures { failed, first, .. }) = found else { panic!("{found:?}") };
+    // A resample leaves both out with the probability (38/40)⁴⁰ = 0.129.
+    assert!((90..170).contains(&failed), "{failed}");
+    assert_eq!(*first, IndexError::Constant);
     let error = resamples.sobol_indices(1, &[], &|_| Err(())).unwrap_err();
     assert_eq!(error, IndexError::Resamples(ResamplesError::Samples { samples: 1 }));
     let refused = |resamples: Resamples| resamples.sobol_indices(9, &[], &|_| Err(())).unwrap_err();
