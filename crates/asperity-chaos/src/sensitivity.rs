@@ -18,14 +18,17 @@ pub enum IndexError<E> {
     #[error("the samples have no expansion: {0}")]
     Fit(E),
     /// Too many resamples have no expansion or a constant one. About a third of the samples are missing from a resample.
-    #[error("{failed} of {resamples} resamples have no expansion, the first because {first}; more samples are needed")]
+    #[error(
+        "{failed} of {resamples} resamples have no expansion that varies{}; more samples are needed",
+        .first.as_ref().map_or_else(String::new, |first| format!(", the first without any because {first}"))
+    )]
     TooManyFailures {
         /// Number of resamples without indices.
         failed: usize,
         /// Total number of resamples.
         resamples: usize,
-        /// Reason of the first one.
-        first: Box<IndexError<E>>,
+        /// Error of the first resample without an expansion.
+        first: Option<E>,
     },
     /// The expansion of the samples is constant.
     #[error("the expansion of the samples is constant: it has no indices")]
@@ -86,24 +89,21 @@ impl Resamples {
         if !values.iter().all(|value| value.is_finite()) {
             return Err(IndexError::Constant);
         }
-        let replicate = |index: usize| {
-            let found = all(&fit(&self.positions(index, &[samples])[0]).map_err(IndexError::Fit)?);
-            if found.iter().all(|value| value.is_finite()) { Ok(found) } else { Err(IndexError::Constant) }
-        };
+        let replicate = |index: usize| fit(&self.positions(index, &[samples])[0]).map(|expansion| all(&expansion));
         let (mut replicates, mut failed, mut first) = (vec![Vec::with_capacity(self.count); values.len()], 0, None);
         for outcome in blocks::map::<_, Vec<_>>(0..self.count, replicate) {
             match outcome {
-                Ok(indices) => replicates.iter_mut().zip(indices).for_each(|(list, index)| list.push(index)),
-                Err(error) => {
+                Ok(indices) if indices.iter().all(|value| value.is_finite()) => {
+                    replicates.iter_mut().zip(indices).for_each(|(list, index)| list.push(index));
+                }
+                constant_or_error => {
                     failed += 1;
-                    first.get_or_insert(error);
+                    first = first.or(constant_or_error.err());
                 }
             }
         }
-        if let Some(first) = first
-            && (self.count - failed) as f64 <= FITTED_FRACTION * self.count as f64
-        {
-            return Err(IndexError::TooManyFailures { failed, resamples: self.count, first: Box::new(first) });
+        if (self.count - failed) as f64 <= FITTED_FRACTION * self.count as f64 {
+            return Err(IndexError::TooManyFailures { failed, resamples: self.count, first });
         }
         let range = Interval { low: 0.0, high: 1.0 };
         let mut estimates = values.iter().zip(replicates).map(|(&value, list)| self.estimate(value, list, range));
