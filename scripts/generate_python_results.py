@@ -47,6 +47,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 '''
+INPUTS_HEAD = '''"""Sections of a study. Made by scripts/generate_python_results.py; do not edit.
+
+A quantity is a number in the SI unit that its description states, or a text with any unit, such as ``"210 GPa"``. A
+value that may be uncertain is also a frozen distribution of SciPy, a distribution of OpenTURNS, or one of the forms of
+a study file: ``"10 ± 0.5 GPa"``, ``"8 GPa .. 12 GPa"``, ``{"lognormal": ["10 GPa", 0.05], "unknown": True}``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from asperity._section import Scan, Section, Uncertain
+'''
+# Types of values that are no plain texts.
+FILES = {"file": "Scan | Sequence[Scan]", "friction_process": "str | os.PathLike[str]"}
 SCALARS = {"number": "float", "integer": "int", "string": "str", "boolean": "bool", "null": "None"}
 Schema = dict[str, Any]
 
@@ -130,7 +148,11 @@ def argument(schema: Schema) -> str:
     """Return the type of an argument."""
     if schema.get("type") != "array":
         return annotation(schema)
-    inner = argument(schema["items"])
+    return argument_of(argument(schema["items"]), schema)
+
+
+def argument_of(inner: str, schema: Schema) -> str:
+    """Return the type of a list of values of one type."""
     is_pair = schema.get("minItems") == schema.get("maxItems") == 2  # noqa: PLR2004
     return f"tuple[{inner}, {inner}]" if is_pair else f"Sequence[{inner}]"
 
@@ -157,6 +179,71 @@ def laws() -> str:
     source += f"\n\nVelocityLaw = {' | '.join(names)}\n" + arguments("Forcing", definitions["Forcing"])
     exported = json.dumps(sorted([*names, "Forcing"]))
     return source + arguments("Parameters", parameters) + f"\n\n__all__ = {exported}\n"
+
+
+def forms(schema: Schema) -> list[Schema]:
+    """Return the forms of a value."""
+    return schema.get("anyOf", [schema])
+
+
+def unit_of(schema: Schema) -> str | None:
+    """Return the SI unit of the numbers of a quantity or a list of quantities; None if a number has no unit."""
+    if any(form.get("type") == "number" for form in forms(schema)):
+        return None
+    for form in forms(schema):
+        items = form.get("items")
+        unit = form.get("x-unit") or (unit_of(items) if isinstance(items, dict) else None)
+        if unit:
+            return str(unit)
+    return None
+
+
+def stated(schema: Schema) -> str:
+    """Return the type of a value of a study."""
+    kinds: list[str] = []
+    for form in forms(schema):
+        items = form.get("items")
+        if "$ref" in form:
+            kinds.append("Uncertain")
+        elif "oneOf" in form:
+            kinds.append(annotation(form))
+        elif "const" in form:
+            kinds.append(f"Literal[{json.dumps(form['const'])}]")
+        elif form.get("type") == "object":
+            kinds.append("Mapping[str, object]")
+        elif isinstance(items, list):
+            kinds.append(f"tuple[{', '.join(map(stated, items))}]")
+        elif items:
+            kinds.append(argument_of(stated(items), form))
+        else:
+            kinds += ["float"] * (unit_of(schema) is not None) + [SCALARS[form["type"]]]
+    return " | ".join(dict.fromkeys(kinds))
+
+
+def section(name: str, schema: Schema) -> str:
+    """Return the source of a section of a study."""
+    source = f"\n\n@dataclass(frozen=True, kw_only=True, eq=False)\nclass {name}(Section):\n"
+    source += text(schema["description"], "    ") + "\n"
+    properties = schema["properties"]
+    for key, value in properties.items():
+        kind = FILES.get(key) or (key.capitalize() if "properties" in value and name == "Sections" else stated(value))
+        field = "verdict_plan" if name == "Sections" and key == "verdict" else key
+        source += f"    {field}: {kind}{'' if key in schema.get('required', []) else ' | None = None'}\n"
+        unit, expected = unit_of(value), value.get("x-expected")
+        notes = [f"A number is in {unit}." if unit else "", f"It is {expected}." if expected else ""]
+        notes.append(f"By default {value['default']}." if "default" in value else "")
+        source += text(" ".join([value["description"], *filter(None, notes)]), "    ")
+    units = {key: unit_of(value) for key, value in properties.items() if unit_of(value)}
+    return source + (f"\n    _units: ClassVar[Mapping[str, str]] = {units}\n" if units else "")
+
+
+def inputs() -> str:
+    """Return the source of the sections of a study."""
+    study: Schema = json.loads(_core.study_schema())
+    sections = {key: value for key, value in study["properties"].items() if "properties" in value}
+    source = INPUTS_HEAD + "".join(section(key.capitalize(), value) for key, value in sections.items())
+    source += section("Sections", study)
+    return source + f"\n\n__all__ = {json.dumps(sorted(key.capitalize() for key in sections))}\n"
 
 
 def module(head: str, schema: Schema, tail: str = "") -> str:
@@ -195,6 +282,7 @@ if __name__ == "__main__":
         "results.py": module(STUDY, json.loads(_core.results_schema())),
         "vibration_results.py": module(VIBRATION, json.loads(_core.vibration_schema()), "\nKind = MotionKind\n"),
         "laws.py": laws(),
+        "inputs.py": inputs(),
     }
     for name, source in modules.items():
         made = formatted(source)

@@ -32,7 +32,8 @@ from asperity.vibration import Oscillator, critical_damping, ensemble, limit_cyc
 if TYPE_CHECKING:
     from asperity import dask as dask
     from asperity import figures as figures
-    from asperity.study import pressure_distribution, run_campaign, run_study, verdict
+    from asperity import inputs as inputs
+    from asperity.study import Study, friction_distribution, pressure_distribution, run_campaign, run_study, verdict
 
 __all__ = [
     "AsperityWarning",
@@ -47,6 +48,7 @@ __all__ = [
     "Oscillator",
     "ResourceError",
     "Spectral",
+    "Study",
     "SurfaceModel",
     "Translation",
     "WeierstrassMandelbrot",
@@ -55,6 +57,7 @@ __all__ = [
     "design",
     "ensemble",
     "fit_friction_record",
+    "friction_distribution",
     "friction_process",
     "limit_cycle",
     "pressure_distribution",
@@ -70,8 +73,8 @@ __all__ += laws.__all__
 __version__ = version("asperity")
 
 # Names that take long to load: modules, and functions of the module `study`.
-_MODULES = ("dask", "figures")
-_OF_STUDY = ("pressure_distribution", "run_campaign", "run_study", "verdict")
+_MODULES = ("dask", "figures", "inputs")
+_OF_STUDY = ("Study", "friction_distribution", "pressure_distribution", "run_campaign", "run_study", "verdict")
 
 # A type checker takes a module with this function to have every name.
 if not TYPE_CHECKING:

@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "vibration_schema"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -104,6 +104,16 @@ def acf(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: Suppor
     Computes the autocorrelation along both axes.
     """
 
+def check_inputs(study: dict) -> None:
+    """
+    Checks the values of a study; its scans are not read.
+    """
+
+def check_study(request: Incomplete) -> dict:
+    """
+    Returns the stages of a study with their cost, warnings, and reasons why it cannot run.
+    """
+
 def compute(request: Incomplete, campaign: bool, progress: Any | None, out: str | PathLike[str] | None) -> dict:
     """
     Computes a study or, with `campaign`, a campaign. Returns results, tables and fields; with `out` also writes the folder, and goes on from the blocks that
@@ -181,6 +191,11 @@ def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat
     Reads a height map from a file.
     """
 
+def read_study(path: str | PathLike[str]) -> Any:
+    """
+    Returns the content of a study file, which is checked.
+    """
+
 def results_schema() -> str:
     """
     Returns the JSON Schema of results, from which the dataclasses are generated.
@@ -212,7 +227,22 @@ def study_part(request: Incomplete, part: tuple[SupportsIndex, SupportsIndex], f
     it are used. Returns whether all are known.
     """
 
+def study_schema() -> str:
+    """
+    Returns the JSON Schema of studies, from which the classes of their sections are generated.
+    """
+
+def toml_of(study: dict) -> str:
+    """
+    Returns the text of a study file.
+    """
+
 def vibration_schema() -> str:
     """
     Returns the JSON Schema of the answers of this module, from which the dataclasses are generated.
+    """
+
+def write_map(path: str | PathLike[str], heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> None:
+    """
+    Writes a height map to a file, in the format of its extension.
     """

@@ -1,9 +1,8 @@
-"""Exchange with other packages: maps of SurfaceTopography, surfalize and xarray, and distributions of OpenTURNS."""
+"""Exchange with other packages: maps of SurfaceTopography, surfalize, xarray; distributions of SciPy, OpenTURNS."""
 
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,6 @@ from asperity.surface import HeightMap
 
 if TYPE_CHECKING:
     import xarray
-    from openturns import Distribution
     from SurfaceTopography import Topography
     from surfalize import Surface
 
@@ -90,16 +88,27 @@ def _pitch_m(array: xarray.DataArray, axis: str) -> float:
     return float(pitch_m)
 
 
-def uncertain(distribution: Distribution, *, unit: str = "", unknown: bool = False) -> dict[str, Any]:
-    """State a distribution of OpenTURNS as an uncertain value of a study.
+def is_distribution(value: Any) -> bool:
+    """Return whether a value is a frozen distribution of SciPy or a distribution of OpenTURNS."""
+    return _is_frozen(value) or hasattr(value, "computeQuantile")
 
-    A study takes a distribution of a number, such as a damping ratio, as it is. A quantity needs its unit.
+
+def _is_frozen(value: Any) -> bool:
+    return hasattr(value, "dist") and hasattr(value, "ppf")
+
+
+def uncertain(distribution: Any, *, unit: str = "", unknown: bool = False) -> dict[str, Any]:
+    """State a distribution of SciPy or OpenTURNS as an uncertain value of a study.
+
+    A study takes a distribution of a number, such as a damping ratio, as it is. A quantity of a dictionary needs its
+    unit; in a section of `asperity.inputs` it is the SI unit.
 
     Parameters
     ----------
     distribution
+        Of SciPy a frozen ``norm``, ``uniform``, ``triang``, ``beta``, or a ``lognorm`` with ``loc`` = 0; of OpenTURNS
         ``Normal``, ``Uniform``, ``Triangular``, ``Beta``, or a ``LogNormal`` with the location γ = 0. The median of a
-        ``LogNormal`` is rounded, because OpenTURNS stores its logarithm; all other parameters are stated exactly.
+        ``LogNormal`` of OpenTURNS is rounded, because OpenTURNS stores its logarithm; all other parameters are exact.
     unit
         Unit of the numbers of the distribution, such as ``"GPa"``. Left out, the value is a number without a unit.
     unknown
@@ -114,47 +123,76 @@ def uncertain(distribution: Distribution, *, unit: str = "", unknown: bool = Fal
     ------
     ValueError
         A study file has no form for the distribution.
-    """
-    import openturns
 
-    own = openturns.Distribution(distribution).getImplementation()
+    Examples
+    --------
+    >>> import asperity, scipy.stats
+    >>> asperity.uncertain(scipy.stats.norm(2, 0.25), unit="GPa")
+    {'normal': ['2.0 GPa', '0.25 GPa']}
+    """
+    name, parameters = _of_scipy(distribution) if _is_frozen(distribution) else _of_openturns(distribution)
 
     def stated(value: float) -> float | str:
         return f"{value!r} {unit}" if unit else value
 
     form: dict[str, Any]
-    match own.getClassName(), list(own.getParameter()):
-        case "Normal", [mean, std]:
-            form = {"normal": [stated(mean), stated(std)]}
-        case "Uniform", [low, high]:
-            form = {"uniform": [stated(low), stated(high)]}
-        case "LogNormal", [log_median, log_std, 0.0]:
-            form = {"lognormal": [stated(math.exp(log_median)), log_std]}
-        case "Triangular", [low, mode, high]:
-            form = {"triangular": [stated(low), stated(mode), stated(high)]}
-        case "Beta", [a, b, low, high]:
-            form = {"beta": [a, b, stated(low), stated(high)]}
+    match name, parameters:
+        case ("normal" | "uniform", [_, _]) | ("triangular", [_, _, _]):
+            form = {name: [stated(value) for value in parameters]}
+        case "lognormal", [median, log_std]:
+            form = {name: [stated(median), log_std]}
+        case "beta", [a, b, low, high]:
+            form = {name: [a, b, stated(low), stated(high)]}
         case _:
-            supported = "Normal, Uniform, Triangular, Beta, or LogNormal with gamma = 0"
-            raise ValueError(f"a study has no form for {distribution}; use {supported}")
+            known = "a normal, uniform, triangular or beta distribution, or a lognormal one without location"
+            raise ValueError(f"a study has no form for {name}; use {known}")
     return {**form, "unknown": True} if unknown else form
 
 
+def _of_scipy(frozen: Any) -> tuple[str, list[float]]:
+    """Return the name of a frozen distribution in a study, and its parameters there."""
+    shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
+    loc, scale = float(loc), float(scale)
+    match frozen.dist.name, [float(shape) for shape in shapes]:
+        case "norm", []:
+            return "normal", [loc, scale]
+        case "uniform", []:
+            return "uniform", [loc, loc + scale]
+        case "lognorm", [log_std] if loc == 0.0:
+            return "lognormal", [scale, log_std]
+        case "triang", [mode]:
+            return "triangular", [loc, loc + mode * scale, loc + scale]
+        case "beta", [a, b]:
+            return "beta", [a, b, loc, loc + scale]
+        case name, _:
+            return f"{name} with loc = {loc}", []
+
+
+def _of_openturns(distribution: Any) -> tuple[str, list[float]]:
+    """Return the name of a distribution of OpenTURNS in a study, and its parameters there."""
+    import openturns
+
+    own = openturns.Distribution(distribution).getImplementation()
+    match own.getClassName(), list(own.getParameter()):
+        case "LogNormal", [log_median, log_std, 0.0]:
+            return "lognormal", [math.exp(log_median), log_std]
+        case "Normal" | "Uniform" | "Triangular" | "Beta" as name, parameters:
+            return name.lower(), parameters
+        case _:
+            return str(distribution), []
+
+
 def with_stated_distributions(study: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a study in which the distributions of OpenTURNS have the form of a study file."""
-    openturns = sys.modules.get("openturns")
-    if openturns is None:
-        return dict(study)
-    kinds = (openturns.Distribution, openturns.DistributionImplementation)
-    return {key: _stated(value, kinds, key) for key, value in study.items()}
+    """Return a study in which distributions of SciPy and OpenTURNS have the form of a study file."""
+    return {key: _stated(value, key) for key, value in study.items()}
 
 
-def _stated(value: Any, kinds: tuple[type, ...], name: str) -> Any:
+def _stated(value: Any, name: str) -> Any:
     if isinstance(value, Mapping):
-        return {key: _stated(inner, kinds, f"{name}.{key}") for key, inner in value.items()}
+        return {key: _stated(inner, f"{name}.{key}") for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_stated(inner, kinds, f"{name}[{place}]") for place, inner in enumerate(value)]
-    if not isinstance(value, kinds):
+        return [_stated(inner, f"{name}[{place}]") for place, inner in enumerate(value)]
+    if not is_distribution(value):
         return value
     try:
         return uncertain(value)

@@ -2189,6 +2189,22 @@ class VariedKey(Record):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class MemberRemedy(Record):
+    """Change of one value of a member that makes vibration improbable."""
+
+    input: str
+    """Name of the value, `section.key`."""
+    unit: str
+    """SI unit of the value; empty for a number."""
+    probability: float
+    """Probability of vibration."""
+    value: float | None
+    """Nearest central value in the range of the study at which vibration is at most as probable; `null` if there is
+    none.
+    """
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MemberResult(Record):
     """One member of a campaign: its values, and its answers or the reason why it has none."""
 
@@ -2218,8 +2234,12 @@ class MemberResult(Record):
     """Its 95 % interval: the error of the computation."""
     probability_range: list[float] | None
     """Its 90 % range over the values that are not known."""
+    remedy: MemberRemedy | None
+    """First of the changes that make vibration improbable."""
     warnings: int | None
     """Number of warnings."""
+
+    _nested: ClassVar[Mapping[str, type[Record]]] = {"remedy": MemberRemedy}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

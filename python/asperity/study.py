@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity import _core, _plots
+from asperity import _core, _plots, inputs
 from asperity._progress import Progress, callback
 from asperity._record import ByValue, equal
+from asperity._section import Section, with_folder
 from asperity.errors import warn
 from asperity.friction import FrictionProcess
+from asperity.inputs import Friction, Material, Pressure, Sections, Surface, Vibration
 from asperity.interop import with_stated_distributions
-from asperity.results import CampaignResults, PressureResult, Results, VerdictResult
-from asperity.surface import field_to_xarray
+from asperity.results import CampaignResults, FrictionResult, PressureResult, Results, VerdictResult
+from asperity.surface import HeightMap, field_to_xarray
 
 if TYPE_CHECKING:
     import pandas
@@ -92,8 +94,111 @@ class StudyResults(Results):
         return _plots.study_figure(self, figure, ax)
 
 
+# Attributes of sections whose names are those of methods.
+_FIELDS = {"verdict": "verdict_plan"}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Study(Sections):
+    """A study: inputs, uncertainty and plan as sections, named as in a study file; `verdict_plan` is ``[verdict]``.
+
+    It is checked when it is created. It does not change: `with_values` returns another one.
+
+    Raises
+    ------
+    ValueError
+        A key or value is wrong, or a section lacks one that it needs.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> from asperity.inputs import Surface
+    >>> surface = Surface(covariance="exponential", rms_height=1e-6, correlation_length=20e-6, marginal="normal")
+    >>> study = asperity.Study(seed=7, surface=surface)
+    >>> study.with_values(rms_height=2e-6).run(progress=False).surface.covariance.std_m
+    2e-06
+    """
+
+    def __post_init__(self) -> None:
+        _core.check_inputs(self.to_dict())
+
+    @classmethod
+    def from_dict(cls, sections: Mapping[str, Any]) -> Study:
+        """Create a study from dictionaries, one for each section."""
+        _core.check_inputs(with_stated_distributions(sections))
+        kinds = {name.lower(): getattr(inputs, name) for name in inputs.__all__}
+        own = {key: kinds[key](**value) if key in kinds else value for key, value in sections.items()}
+        return cls(**{_FIELDS.get(key, key): value for key, value in own.items()})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the study as dictionaries, one for each section."""
+        names = {field: key for key, field in _FIELDS.items()}
+        return {names.get(key, key): value for key, value in super().to_dict().items()}
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Study:
+        """Read a study file. Its relative paths become absolute.
+
+        Raises
+        ------
+        ValueError
+            The file is no study, or a key or value is wrong; the message states the line.
+        """
+        file = os.path.abspath(path)
+        return cls.from_dict(with_folder(_core.read_study(file), os.path.dirname(file)))
+
+    def to_toml(self) -> str:
+        """Return the text of a study file; a `HeightMap` is a file that the end of the process removes."""
+        return _core.toml_of(self.to_dict())
+
+    def with_values(self, **values: Any) -> Study:
+        """Return the study with other values of keys that exactly one of its sections has.
+
+        A key of several sections, such as ``boundary``, is stated as ``friction__boundary``.
+
+        Raises
+        ------
+        ValueError
+            No section of the study has the key, or several have.
+        """
+        own = {key: getattr(self, _FIELDS.get(key, key)) for key in map(str.lower, inputs.__all__)}
+        changed = {key: section for key, section in own.items() if section is not None}
+        for name, value in values.items():
+            section, _, key = name.rpartition("__")
+            having = [own for own in changed if section in ("", own) and key in changed[own].__dataclass_fields__]
+            if len(having) != 1:
+                found = f"the sections {', '.join(having)} have" if having else "no section of the study has"
+                raise ValueError(f"{found} the key {key}; state SECTION__{key} of a section that the study has")
+            changed[having[0]] = replace(changed[having[0]], **{key: value})
+        return replace(self, **{_FIELDS.get(key, key): section for key, section in changed.items()})
+
+    def check(self) -> StudyCheck:
+        """Return what the study computes, what it costs, and what is wrong with it, without computing results."""
+        return StudyCheck(**_core.check_study(request(self, None, None)))
+
+    def run(self, **options: Any) -> StudyResults:
+        """Run the study; see `run_study` for the options."""
+        return run_study(self, **options)
+
+    def verdict(self, **options: Any) -> VerdictResult:
+        """Return the probability of vibration; see `verdict` for the options."""
+        return verdict(self, **options)
+
+
+@dataclass(frozen=True)
+class StudyCheck:
+    """What a study computes and costs, as `asperity check` shows it."""
+
+    stages: list[dict[str, Any]]
+    """Stages with their ``contact_solutions``, ``core_s`` and ``memory_bytes``."""
+    warnings: list[str]
+    """Warnings."""
+    problems: list[str]
+    """Reasons why the study cannot run; empty if it can."""
+
+
 def run_study(
-    study: str | os.PathLike[str] | Mapping[str, Any],
+    study: Study | str | os.PathLike[str] | Mapping[str, Any],
     *,
     only: Literal["surface", "pressure", "friction", "vibration", "verdict"] | None = None,
     seed: int | None = None,
@@ -105,9 +210,9 @@ def run_study(
     Parameters
     ----------
     study
-        Study file, or its content as a dictionary. Quantities are texts with units, such as ``"210 GPa"``. Paths in a
-        file are relative to it, those in a dictionary to the working directory. An uncertain number may be a
-        distribution of OpenTURNS, an uncertain quantity the result of `asperity.uncertain`.
+        A `Study`, a study file, or its content as a dictionary, in which quantities are texts with units, such as
+        ``"210 GPa"``. Paths in a file are relative to it, those in a dictionary to the working directory. An uncertain
+        number may be a distribution of SciPy or OpenTURNS, an uncertain quantity the result of `asperity.uncertain`.
     only
         Compute this stage and the stages that it needs.
     seed
@@ -180,8 +285,12 @@ def run_campaign(
     return results
 
 
-def request(source: str | os.PathLike[str] | Mapping[str, Any], only: str | None, seed: int | None) -> dict[str, Any]:
+def request(
+    source: Study | str | os.PathLike[str] | Mapping[str, Any], only: str | None, seed: int | None
+) -> dict[str, Any]:
     """Return what the compiled module is asked for."""
+    if isinstance(source, Study):
+        source = source.to_dict()
     given: Any = with_stated_distributions(source) if isinstance(source, Mapping) else os.fspath(source)
     return {"source": given, "only": only, "seed": seed, "library": _core.__file__}
 
@@ -206,21 +315,79 @@ def collect(found: Mapping[str, Any]) -> StudyResults | CampaignResults:
     return results
 
 
+def _study(surface: Any, seed: int | None, **sections: Section | None) -> Any:
+    """Return the study of a surface and other sections, or what is one already."""
+    if isinstance(surface, HeightMap):
+        surface = Surface(file=surface)
+    if not isinstance(surface, Surface):
+        if any(sections.values()):
+            raise TypeError(f"found {type(surface).__name__} with sections, expected a Surface or a HeightMap")
+        return surface
+    return Study(seed=1 if seed is None else seed, surface=surface, **sections)  # type: ignore[arg-type]
+
+
 def pressure_distribution(
-    study: str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
+    surface: Surface | HeightMap | Study | str | os.PathLike[str] | Mapping[str, Any],
+    material: Material | None = None,
+    pressure: Pressure | None = None,
+    *,
+    seed: int | None = None,
+    progress: Progress = True,
 ) -> PressureResult:
     """Return the distribution of the contact pressure of a random surface: the pressure stage of a study.
 
-    The study has the sections ``surface``, ``material`` and ``pressure``; see `run_study` for the parameters, and for
-    tables and fields.
+    Parameters
+    ----------
+    surface, material, pressure
+        Sections of a study; instead of a `Surface` a map, of which the surface has the statistics. Or a whole study in
+        place of the surface.
+    seed, progress
+        See `run_study`; the seed of sections is 1 if it is left out.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> from asperity.inputs import Material, Pressure, Surface
+    >>> surface = Surface(covariance="exponential", rms_height=1e-6, correlation_length=20e-6, marginal="normal")
+    >>> plan = Pressure(size=(128e-6, 128e-6), points=(16, 16), mean_pressure=2e6, boundary="periodic", fine_solves=20)
+    >>> found = asperity.pressure_distribution(surface, Material(youngs_modulus=10e9), plan, progress=False)
+    >>> 0 < found.contact_probability < 1
+    True
     """
+    study = _study(surface, seed, material=material, pressure=pressure)
     found = run_study(study, only="pressure", seed=seed, progress=progress).pressure
     assert found is not None
     return found
 
 
+def friction_distribution(
+    surface: Surface | HeightMap | Study | str | os.PathLike[str] | Mapping[str, Any],
+    material: Material | None = None,
+    friction: Friction | None = None,
+    *,
+    pressure: Pressure | None = None,
+    vibration: Vibration | None = None,
+    seed: int | None = None,
+    progress: Progress = True,
+) -> FrictionResult:
+    """Return the friction coefficient of windows that slide over a random surface: the friction stage of a study.
+
+    Parameters
+    ----------
+    surface, material, friction, pressure, vibration
+        Sections of a study; instead of a `Surface` a map, of which the surface has the statistics. Or a whole study in
+        place of the surface. `pressure` has the boundary and the operating point, `vibration` the nominal pressure.
+    seed, progress
+        See `run_study`; the seed of sections is 1 if it is left out.
+    """
+    study = _study(surface, seed, material=material, friction=friction, pressure=pressure, vibration=vibration)
+    found = run_study(study, only="friction", seed=seed, progress=progress).friction
+    assert found is not None
+    return found
+
+
 def verdict(
-    study: str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
+    study: Study | str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
 ) -> VerdictResult:
     """Return the probability that a machine vibrates, over the uncertain values of a study; see `run_study`."""
     found = run_study(study, only="verdict", seed=seed, progress=progress).verdict

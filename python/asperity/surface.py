@@ -248,6 +248,29 @@ class HeightMap:
             f"HeightMap({self.shape[1]} × {self.shape[0]} points, {self.dx_m:g} × {self.dy_m:g} m, {missing} missing)"
         )
 
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the map to a file in the format of its extension, such as ``.x3p``, ``.sur``, ``.sdf`` or ``.gwy``.
+
+        Missing heights are stored as such. GWY stores the heights without rounding.
+
+        Raises
+        ------
+        FormatError
+            The extension is that of no format that is written, or the map does not fit into the format.
+        OSError
+            The file cannot be written.
+
+        Examples
+        --------
+        >>> import asperity, pathlib, tempfile
+        >>> scan = asperity.HeightMap([[0.0, 1e-6], [1e-6, 0.0]], dx_m=1e-6, dy_m=1e-6)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     scan.write(path := pathlib.Path(folder, "scan.gwy"))
+        ...     asperity.HeightMap.read(path) == scan
+        True
+        """
+        _core.write_map(path, self.heights, self.dx_m, self.dy_m)
+
     def level(
         self,
         form: str = "plane",

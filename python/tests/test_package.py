@@ -15,8 +15,8 @@ from test_study import MACHINE
 
 def test_the_names_of_the_package_are_those_of_its_users():
     shown = set(dir(asperity))
-    assert {"run_study", "verdict", "run_campaign", "pressure_distribution", "figures", "dask"} <= shown
-    assert {name for name in shown if not name.startswith("__")} == {*asperity.__all__, "figures", "dask"}
+    assert {"run_study", "verdict", "run_campaign", "pressure_distribution", "figures", "dask", "inputs"} <= shown
+    assert {name for name in shown if not name.startswith("__")} == {*asperity.__all__, "figures", "dask", "inputs"}
     for name in shown:
         assert getattr(asperity, name) is not None
     with pytest.raises(AttributeError, match="contact_solution"):

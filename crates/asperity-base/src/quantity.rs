@@ -308,6 +308,7 @@ impl Dimension {
             "description": format!("Text of a number and a unit of {}.", self.name),
             "pattern": format!(r"^\s*{NUMBER_PATTERN}\s*{}\s*$", self.unit_pattern()),
             "examples": [self.example],
+            "x-unit": self.si,
         })
     }
 }

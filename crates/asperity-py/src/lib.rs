@@ -34,9 +34,9 @@ mod _core {
     #[pymodule_export]
     use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]
-    use crate::study::{compute, results_schema};
+    use crate::study::{check_inputs, check_study, compute, read_study, results_schema, study_schema, toml_of};
     #[pymodule_export]
-    use crate::surface::{acf, height_map, level, psd, read_map, statistics};
+    use crate::surface::{acf, height_map, level, psd, read_map, statistics, write_map};
     #[pymodule_export]
     use crate::vibration::{
         Oscillator, critical_damping, ensemble, limit_cycle, parameters_schema, stability_map, vibration_schema,

@@ -7,7 +7,7 @@ use asperity::choice::Choice;
 use asperity::monitor::Cancelled;
 use asperity::study::{
     Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, Staging, Study, StudyError, Work, folder_of,
-    machine, program,
+    StageEstimate, machine, program,
 };
 use asperity_formats::read_settings;
 use numpy::{PyArray1, PyArray2};
@@ -23,8 +23,7 @@ use crate::resources::require_memory;
 /// Returns the content of a file or, of a dictionary, TOML.
 fn text_of(study: &Bound<'_, PyAny>) -> PyResult<(String, Option<PathBuf>)> {
     if study.is_instance_of::<PyDict>() {
-        let table = toml::Table::try_from(to_value(study)?).raise()?;
-        return Ok((toml::to_string(&table).raise()?, None));
+        return Ok((table_text(study.cast()?)?, None));
     }
     let file: PathBuf = study.extract()?;
     Ok((read(&file)?, Some(file)))
@@ -34,6 +33,19 @@ fn read(file: &Path) -> PyResult<String> {
     let bytes = read_settings(file).map_err(|error| refused(file.display(), &error))?;
     String::from_utf8(bytes)
         .map_err(|_| value_error(format_args!("{}: not a text file; a study is a TOML file", file.display())))
+}
+
+/// Returns the study of a text, of a file or of a dictionary.
+fn parsed(text: &str, file: Option<&Path>) -> PyResult<Study> {
+    let name = file.map_or_else(|| "study".into(), |file| file.display().to_string());
+    Study::parse(text, &name).map_err(|error| match file {
+        Some(_) => with_message(&error, error.to_string()),
+        // The lines of a dictionary are not those of the user.
+        None => {
+            let line = text.lines().nth(error.line - 1).unwrap_or_default();
+            with_message(&error, format!("study, at `{line}`: {}", error.message))
+        }
+    })
 }
 
 fn optional_seed(seed: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
@@ -76,15 +88,7 @@ impl Request<'_> {
             let campaign = Campaign::parse(&text, file, &read(&folder_of(file).join(study))?, seed).raise()?;
             return Ok(Computation::campaign(file.clone(), text, campaign));
         }
-        let name = file.as_ref().map_or_else(|| "study".into(), |file| file.display().to_string());
-        let study = Study::parse(&text, &name).map_err(|error| match &file {
-            Some(_) => with_message(&error, error.to_string()),
-            // The lines of a dictionary are not those of the user.
-            None => {
-                let line = text.lines().nth(error.line - 1).unwrap_or_default();
-                with_message(&error, format!("study, at `{line}`: {}", error.message))
-            }
-        })?;
+        let study = parsed(&text, file.as_deref())?;
         let study = if let Some(seed) = seed { study.with_seed(seed) } else { study };
         Ok(Computation::study(file, text, study, only))
     }
@@ -173,6 +177,67 @@ pub(crate) fn answer(py: Python<'_>, computed: Computed) -> PyResult<Bound<'_, P
     answer.set_item("tables", tables)?;
     answer.set_item("fields", fields)?;
     Ok(answer)
+}
+
+fn table_text(table: &Bound<'_, PyDict>) -> PyResult<String> {
+    toml::to_string(&toml::Table::try_from(to_value(table)?).raise()?).raise()
+}
+
+/// Checks the values of a study; its scans are not read.
+#[pyfunction]
+pub(crate) fn check_inputs(study: &Bound<'_, PyDict>) -> PyResult<()> {
+    parsed(&table_text(study)?, None).map(|_| ())
+}
+
+/// Returns the text of a study file.
+#[pyfunction]
+pub(crate) fn toml_of(study: &Bound<'_, PyDict>) -> PyResult<String> {
+    table_text(study)
+}
+
+/// Returns the content of a study file, which is checked.
+#[pyfunction]
+pub(crate) fn read_study(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
+    let text = read(&path)?;
+    parsed(&text, Some(&path))?;
+    to_python(py, &text.parse::<toml::Table>().raise()?)
+}
+
+/// Returns the stages of a study with their cost, warnings, and reasons why it cannot run.
+#[pyfunction]
+pub(crate) fn check_study<'py>(py: Python<'py>, request: Request<'py>) -> PyResult<Bound<'py, PyDict>> {
+    let computation = request.computation()?;
+    let Work::Study { study, .. } = computation.work() else {
+        return Err(value_error("found a campaign, expected a study"));
+    };
+    let (folder, raised) = (computation.folder(), |error: StudyError| failed(&computation, &error));
+    let mut warnings = study.check_scans(folder).map_err(raised)?;
+    let mut problems = Vec::new();
+    match study.check_before_run(folder) {
+        Ok(found) => warnings.extend(found),
+        Err(error) => problems.push(computation.message(&error)),
+    }
+    let threads = rayon::current_num_threads();
+    let stages = study.estimate(study.scan_points(folder).map_err(raised)?, threads);
+    let entry = |stage: &StageEstimate| -> PyResult<Bound<'py, PyDict>> {
+        let entry = PyDict::new(py);
+        entry.set_item("stage", stage.stage.name())?;
+        entry.set_item("contact_solutions", stage.contact_solutions)?;
+        entry.set_item("core_s", stage.core_seconds)?;
+        entry.set_item("memory_bytes", stage.memory_bytes)?;
+        Ok(entry)
+    };
+    let found = PyDict::new(py);
+    found.set_item("stages", stages.iter().map(entry).collect::<PyResult<Vec<_>>>()?)?;
+    found.set_item("warnings", warnings)?;
+    found.set_item("problems", problems)?;
+    Ok(found)
+}
+
+/// Returns the JSON Schema of studies, from which the classes of their sections are generated.
+#[pyfunction]
+pub(crate) fn study_schema() -> String {
+    asperity::study::study_schema().to_value().to_string()
 }
 
 /// Returns the JSON Schema of results, from which the dataclasses are generated.

@@ -9,7 +9,7 @@ use asperity::study::surface_statistics;
 use asperity::surface::level::Level;
 use asperity::surface::preparation::{Preparation, Prepared};
 use asperity::surface::scanned::MapStatistics;
-use asperity_formats::{Channel, LengthUnit, ReadOptions, read_with};
+use asperity_formats::{Channel, LengthUnit, ReadOptions, Scan, read_with, write};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -48,6 +48,19 @@ pub(crate) fn read_map<'py>(
     let (pitch_m, warnings) = (scan.pitch_m.ok_or_else(missing)?, scan.warnings.clone());
     let map = HeightMap::try_from(scan).raise()?;
     Ok((PyArray2::from_owned_array(py, map.into_heights_m()), pitch_m, warnings))
+}
+
+/// Writes a height map to a file, in the format of its extension.
+#[pyfunction]
+pub(crate) fn write_map(
+    py: Python<'_>,
+    path: PathBuf,
+    heights_m: PyReadonlyArray2<'_, f64>,
+    dx_m: f64,
+    dy_m: f64,
+) -> PyResult<()> {
+    let scan = Scan::new(map_of(&heights_m, dx_m, dy_m)?.into_heights_m(), Some((dx_m, dy_m)));
+    long::run(py, None, move |_| write(&scan, &path).raise())
 }
 
 /// Copies heights into a checked map: infinite heights count as missing.

@@ -55,8 +55,8 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
     ];
     let page = Page {
         title: run.name.clone(),
-        intro: "One study with many values: report of a campaign by asperity. The report of a single run of the study shows what decides and what would \
-                stop vibration.",
+        intro: "One study with many values, a member for each set of them: report of a campaign by asperity. The report of a single run of the \
+                study shows what decides and what would stop vibration.",
         first_screen: None,
         answers: answers::answers(results),
         warnings: results.warnings.clone(),
@@ -78,7 +78,9 @@ pub fn campaign_summary(results: &CampaignResults) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use asperity_results::{InputKind, InputValue, MemberAnswers, MemberResult, MotionKind, RestsOn, VariedKey};
+    use asperity_results::{
+        InputKind, InputValue, MemberAnswers, MemberRemedy, MemberResult, MotionKind, RestsOn, VariedKey,
+    };
 
     use super::answers::answers;
     use super::figure::figure;
@@ -241,6 +243,32 @@ mod tests {
         }
         let drawn = figure(&results).unwrap().svg();
         assert!(drawn.contains(">a.x3p<") && drawn.contains(">b.x3p<") && !drawn.contains(">quiet<"), "{drawn}");
+    }
+
+    #[test]
+    fn what_would_stop_vibration_are_the_values_of_the_first_remedy() {
+        let mut results = judged();
+        let limits = answer(&results, "What would stop it?");
+        assert_eq!(limits.0, "A damping ratio above 0.15");
+        for (place, member) in results.members.iter_mut().enumerate() {
+            member.answers.probability = Some(0.5);
+            member.answers.remedy = Some(MemberRemedy {
+                input: "vibration.normal_force".into(),
+                unit: "N".into(),
+                probability: 0.05,
+                value: (place > 0).then_some(9e3 - 1e3 * place as f64),
+            });
+        }
+        let (value, how) = answer(&results, "What would stop it?");
+        assert_eq!(value, "Normal force 4 kN to 8 kN");
+        assert!(how.starts_with("At most 5 % vibrate at this value. 4 kN in member 6 ("), "{how}");
+        assert!(how.ends_with("No value in the range of the study is enough for one member."), "{how}");
+        results
+            .members
+            .iter_mut()
+            .filter_map(|member| member.answers.remedy.as_mut())
+            .for_each(|remedy| remedy.value = None);
+        assert_eq!(answer(&results, "What would stop it?").0, "No normal force in the range of the study");
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub struct MemberResult {
 }
 
 /// Main results of one study.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MemberAnswers {
     /// Mean friction coefficient, of the operating point or as stated.
     pub friction_mean: Option<f64>,
@@ -105,6 +105,23 @@ pub struct MemberAnswers {
     /// Its 90 % range over the values that are not known.
     #[serde(default)]
     pub probability_range: Option<Pair>,
+    /// First of the changes that make vibration improbable.
+    #[serde(default)]
+    pub remedy: Option<MemberRemedy>,
     /// Number of warnings.
     pub warnings: Option<usize>,
+}
+
+/// Change of one value of a member that makes vibration improbable.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MemberRemedy {
+    /// Name of the value, `section.key`.
+    pub input: String,
+    /// SI unit of the value; empty for a number.
+    pub unit: String,
+    /// Probability of vibration.
+    pub probability: f64,
+    /// Nearest central value in the range of the study at which vibration is at most as probable; `null` if there is none.
+    pub value: Option<f64>,
 }

@@ -34,7 +34,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use campaign::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, VariedKey};
+pub use campaign::{CampaignResults, MemberAnswers, MemberRemedy, MemberResult, MemberWarning, VariedKey};
 pub use companions::{Companions, PooledResult, SpreadResult};
 pub use comparison::{BandMethod, Comparison, CurveComparison, StatisticComparison, TwinModel};
 pub use curves::{

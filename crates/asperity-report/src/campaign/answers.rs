@@ -3,12 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use asperity_results::{CampaignResults, InputKind, InputValue, MemberResult, Pair};
+use asperity_results::{CampaignResults, InputKind, InputValue, MemberRemedy, MemberResult, Pair};
 
 use crate::campaign::words::{
     capitalised, differs, is_undetermined, key_in_words, members_in_words, number, probability, shown, values_in_words,
 };
-use crate::format::{count, significant};
+use crate::format::{Dimension, count, significant};
 use crate::page::answer::Answer;
 use crate::page::verdict::rests_on::by_origin;
 use crate::words::{named, unbroken};
@@ -24,7 +24,8 @@ pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
         true => [probabilities(results), certainty(results), effects(results)],
         false => [verdicts(results), change(results), None],
     };
-    let found = found.into_iter().chain([limits(results), friction(results), inputs(results)]);
+    let stops = remedies(results).or_else(|| limits(results));
+    let found = found.into_iter().chain([stops, friction(results), inputs(results)]);
     let on_one_line = |found: Answer| Answer {
         answer: unbroken(&found.answer),
         detail: unbroken(&found.detail),
@@ -333,15 +334,50 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
             let [low, high] = ends.map(probability);
             let unknown = results.rests_on.iter().filter(|input| input.kind == InputKind::Unknown);
             let unknown: Vec<String> = unknown.map(|input| named(&input.input)).collect();
+            let [values, measure] = match unknown.is_empty() {
+                true => ["the values that are not known".to_owned(), String::new()],
+                false => [unknown.join(", "), "; a measurement would narrow it".into()],
+            };
             let detail = format!(
-                "The range of {member} over the values that are not known{}. The computation itself is sure to {points}.",
-                if unknown.is_empty() { String::new() } else { format!(" ({})", unknown.join(", ")) }
+                "The widest 90 % range over {values}, that of {member}{measure}. The computation itself is sure to {points}."
             );
             (format!("{low} to {high} in one member"), detail)
         }
         None => (format!("Computed to {points}"), String::new()),
     };
     Some(Answer { question: "How sure is that?", answer, detail })
+}
+
+/// Answers what would stop vibration: the damping ratios at which it ends. Beside probabilities these are no safe values.
+fn remedies(results: &CampaignResults) -> Option<Answer> {
+    let known = || results.members.iter().filter_map(|member| member.answers.remedy.as_ref());
+    let MemberRemedy { input, unit, probability: wanted, .. } = known().next()?;
+    if known().any(|other| (&other.input, other.probability) != (input, *wanted)) {
+        return None;
+    }
+    let ends = extremes(results, |member| member.answers.remedy.as_ref()?.value);
+    let dimension = Dimension::of_unit(unit);
+    let without = known().filter(|remedy| remedy.value.is_none()).count();
+    let unreached = match without {
+        0 => String::new(),
+        1 => " No value in the range of the study is enough for one member.".into(),
+        some => format!(" No value in the range of the study is enough for {} members.", count(some)),
+    };
+    let (answer, detail) = match ends {
+        None => (format!("No {} in the range of the study", named(input)), String::new()),
+        Some([(least, low), (largest, high)]) => {
+            let [low, high] = [low, high].map(|value| dimension.show_short(value));
+            match low == high {
+                true => (format!("{} {low}", capitalised(named(input))), String::new()),
+                false => (
+                    format!("{} {low} to {high}", capitalised(named(input))),
+                    format!(" {} in {least}, {} in {largest}.", capitalised(low), capitalised(high)),
+                ),
+            }
+        }
+    };
+    let is_met = format!("At most {} vibrate at this value.", probability(*wanted));
+    Some(Answer { question: "What would stop it?", answer, detail: format!("{is_met}{detail}{unreached}") })
 }
 
 /// Answers what would stop vibration: the damping ratios at which it ends. Beside probabilities these are no safe values.
@@ -366,8 +402,7 @@ fn limits(results: &CampaignResults) -> Option<Answer> {
         } else {
             format!("At a damping ratio of {high_text}")
         },
-        detail: detail
-            + " Values that vary need more damping: the report of a single run has the changes after which 5 % and 1 % vibrate.",
+        detail: detail + " Values that vary need more damping.",
     })
 }
 

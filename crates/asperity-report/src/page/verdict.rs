@@ -119,7 +119,7 @@ fn exact_values(run: &Run, verdict: &VerdictResult) -> String {
         });
         format!(" All errors of the computation{moved} {follows} (95 %).")
     });
-    format!("Your values count as exact.{computed}{sure}")
+    format!("No value is uncertain, so there is no probability.{computed}{sure}")
 }
 
 /// Returns how many machines vibrate for at least half of the time in a sentence; `None` if friction does not fluctuate.

@@ -19,7 +19,10 @@ pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
 use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
 use crate::study::check::FrictionSource;
-use crate::study::result::{CampaignResults, MemberAnswers, MemberResult, MemberWarning, MotionKind, RestsOn, Results};
+use crate::study::result::{
+    CampaignResults, MemberAnswers, MemberRemedy, MemberResult, MemberWarning, MotionKind, Reach, Remedy, RestsOn,
+    Results,
+};
 use crate::study::run::{SharedFriction, Stages};
 use crate::study::verdict::rests_on::is_of;
 use crate::study::{
@@ -601,6 +604,10 @@ fn answers(results: &Results, window: Option<&WindowFriction>, damping: Option<f
         found.probability = Some(verdict.probability);
         found.probability_interval = Some(verdict.probability_interval);
         found.probability_range = verdict.probability_range;
+        found.remedy = verdict.remedies.first().and_then(|Remedy { input, unit, reach, .. }| {
+            let Reach { probability, value, .. } = *reach.first()?;
+            Some(MemberRemedy { input: input.clone(), unit: unit.clone(), probability, value })
+        });
     } else if let Some(vibration) = &results.vibration {
         found.limit_damping_ratio = vibration.limit_damping_ratio;
         (found.kind, found.vibrates) = (Some(vibration.kind), Some(vibration.kind != MotionKind::None));

@@ -14,8 +14,9 @@ use crate::study::uncertain::numbers;
 /// Returns the JSON Schema of study files, for editors and for programs that write studies.
 ///
 /// It has every key that [`StudyFile::parse`] reads, with its type, unit, default and description. It does not have the conditions
-/// that [`StudyFile::check`] checks: bounds of numbers, and keys that depend on each other. Its version of JSON Schema is draft-07,
-/// which editors of TOML support.
+/// that [`StudyFile::check`] checks: bounds of numbers, and keys that depend on each other. For programs that write studies, `x-unit` is the
+/// SI unit of a quantity, and `x-expected` names the possible values of an input. Its version of JSON Schema is draft-07, which editors of TOML
+/// support.
 pub fn study_schema() -> Schema {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let settings = settings.with_transform(tidy).with_transform(without_null);
@@ -28,6 +29,9 @@ pub fn study_schema() -> Schema {
         let place = format!("/properties/{}/properties/{}", key.section, key.name);
         if let Some(value) = schema.pointer_mut(&place) {
             allow(value, &json!({ "$ref": format!("#/definitions/{name}") }));
+            if let Some(bounds) = key.bounds {
+                value["x-expected"] = bounds.expected.into();
+            }
         }
         definitions.entry(name).or_insert_with(|| uncertain_value(key).into());
     }

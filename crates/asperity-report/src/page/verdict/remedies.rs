@@ -2,8 +2,8 @@
 
 use std::cmp::Ordering;
 
-use asperity_results::keys::{INERTIA, STATIC_FRICTION};
-use asperity_results::{Reach, Remedy, VerdictResult};
+use asperity_results::keys::{DAMPING_RATIO, INERTIA, STATIC_FRICTION};
+use asperity_results::{MachineModel, Reach, Remedy, VerdictResult};
 
 use crate::cells::{DASH, plain, shown};
 use crate::format::{Dimension, significant};
@@ -171,7 +171,10 @@ pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
     let changes = turning_points(verdict).into_iter().filter(|(point, _)| usual.contains(&point.input.as_str()));
     let changes = changes.map(|(point, value)| {
         let dimension = Dimension::of_unit(&point.unit);
-        let [now, then] = [point.now, value].map(|value| dimension.show_short(value));
+        let [now, mut then] = [point.now, value].map(|value| dimension.show_short(value));
+        if let Some(safe) = safe_damping(verdict).filter(|_| point.input == DAMPING_RATIO) {
+            then = format!("{then} ({} with the error of the computation)", significant(safe, 3));
+        }
         match (verdict.nominal.vibrates, value > point.now) {
             (true, true) => format!("a {} above {then} instead of {now}", named(&point.input)),
             (true, false) => format!("a {} below {then} instead of {now}", named(&point.input)),
@@ -188,6 +191,13 @@ pub(super) fn of_one_machine(verdict: &VerdictResult) -> String {
         (false, true) => unbroken(&format!("{}.", capitalised(changes.join(", or ")))),
         (false, false) => unbroken(&format!("{quiet} needs to change: {}.", changes.join(", and "))),
     }
+}
+
+/// Returns the upper end of the interval of the damping ratio at which the vibration of one machine ends.
+fn safe_damping(verdict: &VerdictResult) -> Option<f64> {
+    let [low, _] = verdict.nominal.damping_margin_interval?;
+    let limit = verdict.nominal.limit_damping_ratio.filter(|_| verdict.model == MachineModel::StickSlip)?;
+    Some(limit + verdict.nominal.damping_margin - low)
 }
 
 /// Returns what to change of a machine without uncertain values, or how to ask for changes.
