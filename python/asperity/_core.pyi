@@ -7,6 +7,7 @@ from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
 __all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "compute_or_leave", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "vibration_schema"]
 
 @final
 class Expansion:
@@ -120,6 +121,12 @@ def compute(request: Incomplete, campaign: bool, progress: Any | None, out: str 
     an interrupted computation left beside it.
     """
 
+def compute_or_leave(request: Incomplete, progress: Any | None, run: str | PathLike[str], out: str | PathLike[str] | None, parts: SupportsGetItem[int, str | PathLike[str]], threads: SupportsIndex, count: SupportsIndex | None, start_s: SupportsFloat | SupportsIndex) -> tuple[dict | None, dict | None]:
+    """
+    Computes as `compute` does, with blocks beside `run` and in `parts`, until a loop that `threads` threads elsewhere finish earlier: in
+    `count` parts, or as many as follow from the work, of which the first begins after `start_s` seconds. Returns the results or that loop.
+    """
+
 def critical_damping(oscillator: Oscillator) -> Any:
     """
     Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
@@ -158,12 +165,6 @@ def level(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: Supp
 def limit_cycle(oscillator: Oscillator) -> Any:
     """
     Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
-    """
-
-def merge_parts(request: Incomplete, parts: SupportsGetItem[int, str | PathLike[str]], run: str | PathLike[str], finish: bool) -> tuple[dict | None, int]:
-    """
-    Joins parts beside the folder `run` and, with `finish`, computes what is missing. Returns the results, or none if
-    blocks are missing, and the number of finished blocks.
     """
 
 def module_program(library: str | PathLike[str]) -> Any:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import math
+from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -231,6 +234,22 @@ def study_figure(results: StudyResults, name: str, ax: Axes | None) -> Axes:
     """Draw a figure of a run."""
     require(results, name)
     return _FIGURES[name](results, axes_of(ax))
+
+
+def first_figure(results: StudyResults) -> str:
+    """Return the figure nearest to the answer as an image of HTML; empty without one, or without matplotlib."""
+    wanted = ("verdict_margin", "limit_cycle", "friction_levels", "pressure_cdf", "height_acf")
+    name = next((name for name in wanted if _has(results, name)), None)
+    if name is None or find_spec("matplotlib") is None:
+        return ""
+    from matplotlib.figure import Figure
+
+    # A figure of its own, which no notebook shows by itself.
+    figure = Figure(figsize=(4.8, 3.2), layout="constrained")
+    study_figure(results, name, figure.subplots())
+    image = io.BytesIO()
+    figure.savefig(image, format="png", dpi=100)
+    return f'<img alt="{name.replace("_", " ")}" src="data:image/png;base64,{b64encode(image.getvalue()).decode()}">'
 
 
 def require(results: StudyResults, *names: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -75,6 +76,30 @@ class StudyResults(Results):
     """Fields by name, as in ``fields/``."""
     friction_process: FrictionProcess | None = field(default=None, repr=False)
     """Friction process at the operating point, as in ``friction_process.json``."""
+    summary: list[str] = field(default_factory=list, repr=False)
+    """The answer in sentences, as ``asperity run`` prints it; empty without a machine."""
+
+    def _repr_html_(self) -> str:
+        sentences = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in self.summary)
+        rows = "".join(
+            f"<tr><th>{html.escape(name)}</th><td>{value:.4g}</td></tr>" for name, value in self._main().items()
+        )
+        rest = super()._repr_html_().replace("<details open>", "<details>", 1)
+        return f"{sentences}<table>{rows}</table>{_plots.first_figure(self)}{rest}"
+
+    def _main(self) -> dict[str, float]:
+        """Return up to six numbers of the answer."""
+        point = self.friction.operating_point if self.friction else None
+        machine = self.verdict.nominal if self.verdict else None
+        found = {
+            "rms height (m)": self.surface and self.surface.covariance and self.surface.covariance.std_m,
+            "probability of contact": self.pressure and self.pressure.contact_probability,
+            "friction coefficient": point and point.mean,
+            "its standard deviation over windows": point and point.std,
+            "damping ratio at which vibration ends": machine and machine.limit_damping_ratio,
+            "probability of vibration": self.verdict and self.verdict.probability,
+        }
+        return {name: value for name, value in found.items() if value is not None}
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the fields; each has its own coordinates, as their grids may differ."""
@@ -310,7 +335,12 @@ def collect(found: Mapping[str, Any]) -> StudyResults | CampaignResults:
     tables = {name: Table(columns) for name, columns in found["tables"].items()}
     fields = {name: Field(name, *parts) for name, parts in found["fields"].items()}
     process = found["friction_process"] and FrictionProcess.from_dict(found["friction_process"])
-    for name, value in (("tables", tables), ("fields", fields), ("friction_process", process)):
+    for name, value in (
+        ("tables", tables),
+        ("fields", fields),
+        ("friction_process", process),
+        ("summary", found["summary"]),
+    ):
         object.__setattr__(results, name, value)
     return results
 

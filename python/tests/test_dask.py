@@ -1,7 +1,12 @@
+import concurrent.futures
+import math
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
+import zipfile
 
 import numpy as np
 import pytest
@@ -10,6 +15,7 @@ import asperity
 from support import ROOT
 
 distributed = pytest.importorskip("distributed")
+dask = pytest.importorskip("asperity.dask")
 
 STUDY = {
     "seed": 5,
@@ -63,22 +69,114 @@ def wanted():
     return asperity.run_study(STUDY, progress=False)
 
 
+@pytest.fixture
+def shares(monkeypatch):
+    """Share every loop, as if it were much faster elsewhere; return the number of tasks of each."""
+    found, share = [], dask._Run.share
+
+    def counted(run, left, *folders):
+        found.append(left["parts"])
+        return share(run, left, *folders)
+
+    for name, value in {"_START_S": -math.inf, "_PATIENCE_S": 120.0, "_threads": lambda _: 16}.items():
+        monkeypatch.setattr(dask, name, value)
+    monkeypatch.setattr(dask._Run, "share", counted)
+    return found
+
+
+def cluster(workers, threads=1):
+    return distributed.LocalCluster(n_workers=workers, threads_per_worker=threads, dashboard_address=None)
+
+
+def same_folders(one, other):
+    """Compare the files of two runs but those that state times."""
+    files = [sorted(path.relative_to(own) for path in own.rglob("*")) for own in (one, other)]
+    assert files[0] == files[1]
+    assert (one / "results.json").read_bytes() == (other / "results.json").read_bytes()
+
+
+@pytest.mark.parametrize("parts", [None, 32])
+def test_the_client_computes_what_workers_do_not_speed_up(parts, tmp_path, wanted):
+    reports = []
+    with cluster(2) as own, distributed.Client(own) as client:
+        same(dask.run(STUDY, client, parts=parts, progress=lambda *report: reports.append(report)), wanted)
+    assert reports
+    assert not any(what.endswith(": tasks") for what, _, _ in reports)
+
+
 @pytest.mark.filterwarnings("default")
 @pytest.mark.parametrize("workers", [1, 3])
-def test_a_cluster_gives_the_bits_of_one_machine(workers, wanted):
-    from asperity import dask
-
-    with (
-        distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        same(dask.run(STUDY, client), wanted)
+def test_a_cluster_gives_the_bits_of_one_machine(workers, tmp_path, wanted, shares):
+    reports = []
+    out = {"out": tmp_path / "run", "progress": lambda *report: reports.append(report)}
+    with cluster(workers, 2) as own, distributed.Client(own) as client:
+        future = dask.run(STUDY, client, parts=6, wait=False, **out)
+        assert isinstance(future, concurrent.futures.Future)
+        same(future.result(), wanted)
+        threads = client.run(lambda: os.environ.get("RAYON_NUM_THREADS"))
+        assert set(threads.values()) == {"2"}
+    # Each loop is shared once.
+    names = [what for what, done, total in reports if what.endswith(": tasks") and done == total]
+    assert len(shares) == len(names) >= 2
+    assert all(0 < done <= total for _, done, total in reports)
+    asperity.run_study(STUDY, progress=False, out=tmp_path / "own")
+    same_folders(tmp_path / "run", tmp_path / "own")
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_lost_worker_costs_only_time(wanted):
-    from asperity import dask
+def test_an_interrupted_run_cancels_its_tasks(shares):
+    def interrupt(what, done, total):
+        if what.endswith(": tasks"):
+            raise KeyboardInterrupt
 
+    with cluster(1) as own, distributed.Client(own) as client:
+        with pytest.raises(KeyboardInterrupt):
+            dask.run(STUDY, client, parts=8, progress=interrupt)
+        assert shares == [8]
+        ends = time.monotonic() + 30.0
+        while any(client.processing().values()) and time.monotonic() < ends:
+            time.sleep(0.05)
+        # The task that was computed has ended, and no other was begun.
+        assert not any(client.processing().values())
+        states = client.run_on_scheduler(lambda dask_scheduler: [t.state for t in dask_scheduler.tasks.values()])
+        assert not {"queued", "processing"} & {*states}
+
+
+INTERRUPTED = """
+import math
+import distributed
+from asperity import dask
+if __name__ == "__main__":
+    dask._threads, dask._START_S = lambda _: 16, -math.inf
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        try:
+            dask.run({study!r}, client, parts=8, progress=lambda *report: print(*report, flush=True))
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="process groups of POSIX")
+def test_ctrl_c_in_a_terminal_leaves_no_stack_traces(tmp_path):
+    script = tmp_path / "script.py"
+    longer = {**STUDY, "pressure": {**STUDY["pressure"], "fine_solves": 2000, "reference_samples": 4000}}
+    script.write_text(INTERRUPTED.format(study=longer))
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, script], text=True, start_new_session=True, **pipes) as process:
+        assert process.stdout is not None
+        assert any(": tasks" in line for line in process.stdout)
+        # A terminal sends the signal to the workers too.
+        os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert "interrupted" in out
+    assert "Traceback" not in err
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_lost_worker_costs_only_time(wanted, shares):
     with (
         distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
@@ -97,7 +195,7 @@ def test_a_lost_worker_costs_only_time(wanted):
         killer = threading.Thread(target=kill)
         killer.start()
         try:
-            found = dask.run(STUDY, client)
+            found = dask.run(STUDY, client, parts=12)
         finally:
             ended.set()
             killer.join()
@@ -107,8 +205,6 @@ def test_a_lost_worker_costs_only_time(wanted):
 
 @pytest.mark.filterwarnings("default")
 def test_errors_reach_the_client(tmp_path):
-    from asperity import dask
-
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
@@ -119,18 +215,34 @@ def test_errors_reach_the_client(tmp_path):
         assert found.surface is not None
 
 
-def test_a_worker_with_another_build_is_refused():
-    from asperity import dask, study
-
-    asked = study.request(STUDY, None, None)
-    with pytest.raises(RuntimeError, match="another build of asperity"):
-        dask._part(asked, {"sha256": "0"}, (1, 1), None, None)
+@pytest.mark.filterwarnings("default")
+def test_errors_of_workers_reach_the_client(monkeypatch, shares):
+    program = {**asperity._core.module_program(asperity._core.__file__), "sha256": "0123456789abcdef"}
+    with cluster(1) as own, distributed.Client(own) as client:
+        worker = next(iter(client.scheduler_info()["workers"]))
+        with monkeypatch.context() as patched:
+            patched.setattr(dask._core, "module_program", lambda _: program)
+            build = rf"worker {worker} has another build of asperity.*: [0-9a-f]{{12}} .* instead of 0123456789ab "
+            with pytest.raises(RuntimeError, match=build):
+                dask.run(STUDY, client)
+        monkeypatch.setattr(dask, "_packed", lambda *_: b"no archive")
+        with pytest.raises(zipfile.BadZipFile):
+            dask.run(STUDY, client)
+    assert len(shares) == 2
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path):
-    from asperity import dask
+def test_a_cluster_that_finishes_nothing_is_left(monkeypatch, wanted, shares):
+    monkeypatch.setattr(dask, "_PATIENCE_S", 0.5)
+    with cluster(1) as own, distributed.Client(own) as client:
+        other = client.submit(time.sleep, 30)
+        same(dask.run(STUDY, client), wanted)
+        other.release()
+    assert len(shares) == 1
 
+
+@pytest.mark.filterwarnings("default")
+def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path, shares):
     (tmp_path / "study.toml").write_text(MACHINE)
     campaign = tmp_path / "campaign.toml"
     campaign.write_text('study = "study.toml"\n[values]\nvibration.damping_ratio = [0.05, 0.1, 0.2, 0.3, 0.4]\n')
@@ -141,15 +253,14 @@ def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path):
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        found = dask.run(campaign, client, storage=storage)
-        assert found.to_dict() == wanted.to_dict()
-        # Each member is the block of one part.
-        assert len(list(storage.glob("part-*"))) == len(wanted.members)
+        assert dask.run(campaign, client, parts=2).to_dict() == wanted.to_dict()
+        assert dask.run(campaign, client, parts=2, storage=storage).to_dict() == wanted.to_dict()
+        # Members are the blocks of one loop.
+        assert shares == [2, 2]
+        assert sorted(path.name for path in storage.glob("part-*")) == ["part-1", "part-2"]
         # What is stored is not computed again: no task is needed.
         client.close()
-        assert dask.run(campaign, _NoTasks(), storage=storage).to_dict() == wanted.to_dict()
-
-
-class _NoTasks:
-    def scheduler_info(self, **_):
-        return {"workers": {}}
+        found = dask.run(campaign, client, storage=storage, out=tmp_path / "run")
+        assert found.to_dict() == wanted.to_dict()
+        asperity.run_campaign(campaign, progress=False, out=tmp_path / "own")
+        same_folders(tmp_path / "run", tmp_path / "own")

@@ -1,4 +1,5 @@
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -228,3 +229,38 @@ def test_the_examples_are_valid_as_dictionaries():
     study = tomllib.loads((ROOT / "studies" / "paper_fig5.toml").read_text())
     with pytest.raises(ValueError, match="pressure"):
         asperity.run_study(study, only="pressure")
+
+
+def test_a_notebook_has_one_output_that_changes(monkeypatch):
+    display = pytest.importorskip("IPython.display")
+    shown = []
+
+    class Handle:
+        def update(self, text):
+            shown[-1].append(text.data)
+
+    def display_text(text, display_id):
+        assert display_id
+        shown.append([text.data])
+        return Handle()
+
+    monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    monkeypatch.setattr(display, "display", display_text)
+    monkeypatch.setattr("asperity._progress._TICK_S", 0.0)
+    asperity.run_study(MACHINE)
+    ((first, *others),) = shown
+    assert first.startswith("0 s; ")
+    assert any("trajectories: 20 of 20" in text for text in [first, *others])
+
+
+def test_a_notebook_shows_the_answer_first():
+    found = asperity.run_study(MACHINE, progress=False)
+    shown = found._repr_html_()
+    (sentence, *_) = found.summary
+    assert shown.startswith(f"<p>{sentence}</p>")
+    assert sentence.startswith("Stick-slip at 50")
+    order = [shown.index(part) for part in ("<table><tr><th>damping ratio at", "<img alt=", "<details><summary>")]
+    assert order == sorted(order)
+    assert len(found._main()) <= 6
+    surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um", "marginal": "normal"}
+    assert asperity.run_study({"seed": 7, "surface": surface})._repr_html_().startswith("<table><tr><th>rms height (m)")

@@ -130,7 +130,7 @@ impl<'a> Task<'a> {
                 self.advance(steps);
                 return Ok(Some(found));
             }
-            if !store.computes(index) {
+            if !store.computes(round, index) {
                 return Ok(None);
             }
             let found = computed(own.get_or_insert_with(&workspace), index)?;
@@ -486,7 +486,7 @@ mod tests {
                 assert_eq!(postcard::from_bytes::<Option<()>>(&bytes), Ok(Some(())));
                 self.1.fetch_add(1, Ordering::Relaxed);
             }
-            fn computes(&self, _index: usize) -> bool {
+            fn computes(&self, _round: RoundId, _index: usize) -> bool {
                 true
             }
         }

@@ -40,8 +40,8 @@ pub trait BlockStore: Sync {
     /// Stores a finished block, with the reason if it holds a failure. The store keeps its own errors.
     fn save(&self, round: RoundId, index: usize, failure: Option<String>, bytes: Vec<u8>);
 
-    /// Returns whether this process computes the missing block of an index.
-    fn computes(&self, index: usize) -> bool;
+    /// Returns whether this process computes a missing block.
+    fn computes(&self, round: RoundId, index: usize) -> bool;
 }
 
 /// Monitor that ignores progress and never cancels.

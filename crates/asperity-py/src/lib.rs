@@ -28,7 +28,7 @@ mod _core {
     #[pymodule_export]
     use crate::contact::solve_contact;
     #[pymodule_export]
-    use crate::parts::{merge_parts, module_program, study_part};
+    use crate::parts::{compute_or_leave, module_program, study_part};
     #[pymodule_export]
     use crate::process::{fit_friction_record, friction_process, read_friction_process, simulate_friction};
     #[pymodule_export]

@@ -2,14 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity::study::{Computation, RunBlocks, RunRecord, Share, StudyError, program};
+use asperity::choice::Choice;
+use asperity::monitor::Cancelled;
+use asperity::study::{Computation, Others, RunBlocks, RunRecord, Share, Stage, StudyError, program};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::to_python;
-use crate::errors::Raise;
+use crate::errors::{Raise, exception};
 use crate::long;
-use crate::study::{Request, answer, failed};
+use crate::study::{Request, answer, compute_stored, failed};
+
+type Dictionary<'py> = Option<Bound<'py, PyDict>>;
 
 fn record(computation: &Computation, library: &Path, shard: Option<[usize; 2]>) -> PyResult<RunRecord> {
     computation.record(program(library, String::new()).raise()?, shard).raise()
@@ -44,30 +48,38 @@ pub(crate) fn study_part(
     })
 }
 
-/// Joins parts beside the folder `run` and, with `finish`, computes what is missing. Returns the results, or none if
-/// blocks are missing, and the number of finished blocks.
+/// Computes as `compute` does, with blocks beside `run` and in `parts`, until a loop that `threads` threads elsewhere finish earlier: in
+/// `count` parts, or as many as follow from the work, of which the first begins after `start_s` seconds. Returns the results or that loop.
 #[pyfunction]
-pub(crate) fn merge_parts<'py>(
+#[pyo3(signature = (request, progress, run, out, parts, threads, count, start_s))]
+#[expect(clippy::too_many_arguments, reason = "what a caller in Python passes by name")]
+pub(crate) fn compute_or_leave<'py>(
     py: Python<'py>,
     request: Request<'py>,
-    parts: Vec<PathBuf>,
+    progress: Option<Bound<'py, PyAny>>,
     run: PathBuf,
-    finish: bool,
-) -> PyResult<(Option<Bound<'py, PyDict>>, usize)> {
+    out: Option<PathBuf>,
+    parts: Vec<PathBuf>,
+    threads: usize,
+    count: Option<usize>,
+    start_s: f64,
+) -> PyResult<(Dictionary<'py>, Dictionary<'py>)> {
     let (computation, library) = (request.computation()?, request.library);
-    let (computed, done) = long::run(py, None, move |monitor| {
-        let share = if finish { Share::All } else { Share::None };
-        let blocks = RunBlocks::open(&run, record(&computation, &library, None)?, share).raise()?;
-        for part in &parts {
-            blocks.import(part).raise()?;
-        }
-        let found = computation.compute(Some(&blocks), monitor);
-        blocks.flush().raise()?;
-        let done = blocks.rounds().iter().map(|round| round.done).sum();
-        match found {
-            Err(StudyError::Incomplete) => Ok((None, done)),
-            found => found.map(|found| (Some(found), done)).map_err(|error| failed(&computation, &error)),
-        }
+    let share = Share::UnlessFaster(Others { threads, parts: count, start_s });
+    let found = long::run(py, progress.as_ref(), move |monitor| {
+        let found = compute_stored(&computation, &library, &run, out.as_deref(), share, &parts, monitor)?;
+        Ok(found.map_err(|blocks| (blocks.left(), blocks.stage_folders())))
     })?;
-    Ok((computed.map(|found| answer(py, found)).transpose()?, done))
+    let (left, folders) = match found {
+        Ok(computed) => return Ok((Some(answer(py, computed)?), None)),
+        Err((left, folders)) => (left.ok_or_else(|| exception(&Cancelled))?, folders),
+    };
+    let loop_ = PyDict::new(py);
+    loop_.set_item("name", left.name)?;
+    // The stage of a campaign is its own.
+    loop_.set_item("only", Stage::from_name(&left.stage).ok().map(|stage| stage.name()))?;
+    loop_.set_item("folders", folders)?;
+    loop_.set_item("parts", left.parts)?;
+    loop_.set_item("left_s", left.left_s)?;
+    Ok((None, Some(loop_)))
 }

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use asperity::choice::Choice;
-use asperity::monitor::Cancelled;
+use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::{
     Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, Staging, Study, StudyError, Work, folder_of,
     StageEstimate, machine, program,
 };
 use asperity_formats::read_settings;
+use asperity_report::verdict_summary;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -117,33 +118,63 @@ pub(crate) fn compute<'py>(
     }
     let library = request.library;
     let computed = long::run(py, progress.as_ref(), move |monitor| {
-        let largest = computation.largest_stage(rayon::current_num_threads());
-        if let Some(largest) = largest.map_err(|error| failed(&computation, &error))? {
-            require_memory(largest.memory_bytes, &format!("the {} stage", largest.stage.name()))?;
-        }
         let Some(out) = out else {
+            require_free(&computation)?;
             return computation.compute(None, monitor).map_err(|error| failed(&computation, &error));
         };
-        let program = program(&library, String::new()).raise()?;
-        let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        let provenance = computation.provenance().raise()?;
-        let provenance = Provenance { started_unix_s, machine: machine(), program: program.clone(), ..provenance };
-        let inputs = computation.inputs();
-        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        let staging = Staging::open(&out, false, &inputs).raise()?;
-        let blocks = RunBlocks::open(&out, computation.record(program, None).raise()?, Share::All).raise()?;
-        let computed = computation.compute(Some(&blocks), monitor);
-        blocks.flush().raise()?;
-        let computed = computed.map_err(|error| failed(&computation, &error))?;
+        let found = compute_stored(&computation, &library, &out, Some(&out), Share::All, &[], monitor)?;
+        found.map_err(|_| failed(&computation, &StudyError::Incomplete))
+    })?;
+    answer(py, computed)
+}
+
+fn require_free(computation: &Computation) -> PyResult<()> {
+    let largest = computation.largest_stage(rayon::current_num_threads());
+    match largest.map_err(|error| failed(computation, &error))? {
+        Some(largest) => require_memory(largest.memory_bytes, &format!("the {} stage", largest.stage.name())),
+        None => Ok(()),
+    }
+}
+
+/// Computes with the blocks of the run `run` and of `parts`, and writes the folder `out`, if there is one. Returns the blocks if some are
+/// missing.
+pub(crate) fn compute_stored(
+    computation: &Computation,
+    library: &Path,
+    run: &Path,
+    out: Option<&Path>,
+    share: Share,
+    parts: &[PathBuf],
+    monitor: &dyn Monitor,
+) -> PyResult<Result<Computed, RunBlocks>> {
+    let program = program(library, String::new()).raise()?;
+    let started_unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let provenance = computation.provenance().raise()?;
+    let provenance = Provenance { started_unix_s, machine: machine(), program: program.clone(), ..provenance };
+    let inputs = computation.inputs();
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    let staging = out.map(|out| Staging::open(out, false, &inputs)).transpose().raise()?;
+    let blocks = RunBlocks::open(run, computation.record(program, None).raise()?, share).raise()?;
+    require_free(computation)?;
+    parts.iter().try_for_each(|part| blocks.import(part)).raise()?;
+    let found = computation.compute(Some(&blocks), monitor);
+    blocks.flush().raise()?;
+    let computed = match found {
+        Err(StudyError::Incomplete) => return Ok(Err(blocks)),
+        found => found.map_err(|error| failed(computation, &error))?,
+    };
+    if let Some(staging) = staging {
         computation.write(&staging, &computed, &provenance).raise()?;
         if monitor.cancelled() {
             return Err(exception(&Cancelled));
         }
         staging.commit().raise()?;
-        blocks.finish().raise()?;
-        Ok(computed)
-    })?;
-    answer(py, computed)
+        // Blocks elsewhere may be those of several runs.
+        if out == Some(run) {
+            blocks.finish().raise()?;
+        }
+    }
+    Ok(Ok(computed))
 }
 
 /// Returns the parts of results: of a study with its tables, fields and friction process.
@@ -173,6 +204,7 @@ pub(crate) fn answer(py: Python<'_>, computed: Computed) -> PyResult<Bound<'_, P
     }
     let process = outcome.friction_process.as_ref().map(|process| dictionary(py, process)).transpose()?;
     answer.set_item("friction_process", process)?;
+    answer.set_item("summary", outcome.results.verdict.as_ref().map(verdict_summary).unwrap_or_default())?;
     answer.set_item("results", to_python(py, &outcome.results)?)?;
     answer.set_item("tables", tables)?;
     answer.set_item("fields", fields)?;

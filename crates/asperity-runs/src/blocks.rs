@@ -4,6 +4,7 @@
 //! on, and a record of each run. A study whose vibration changes therefore finds the blocks of its contact stages again.
 
 mod file;
+mod others;
 mod record;
 mod writer;
 
@@ -25,6 +26,8 @@ use sha2::{Digest, Sha256};
 pub use self::file::read_blocks;
 pub use self::file::sha256;
 use self::file::{Block, Entry, Round};
+use self::others::Clock;
+pub use self::others::{LeftLoop, Others};
 pub use self::record::{RunRecord, program, program_difference};
 use self::writer::Writer;
 use crate::StoreError;
@@ -41,10 +44,12 @@ pub fn key_of(value: &impl Serialize) -> Result<String, StoreError> {
 }
 
 /// Blocks that a process computes.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Share {
     /// All that are missing.
     All,
+    /// All that are missing, up to a loop that others finish earlier: see [`RunBlocks::left`].
+    UnlessFaster(Others),
     /// Those whose index has the remainder `number − 1` by `of`.
     Part {
         /// Number of this part, from 1.
@@ -142,6 +147,7 @@ pub struct RunBlocks {
     /// Whether a block of another part was missing.
     awaits: AtomicBool,
     replay: Mutex<Option<Replay>>,
+    clock: Mutex<Clock>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -158,9 +164,9 @@ impl RunBlocks {
         let shared = beside(run);
         let (folder, beside) = match share {
             Share::Part { .. } => (run.join(FOLDER), vec![shared]),
-            Share::All | Share::None | Share::Again(_) => (shared, Vec::new()),
+            _ => (shared, Vec::new()),
         };
-        let computes = matches!(share, Share::All | Share::Part { .. });
+        let computes = !matches!(share, Share::None | Share::Again(_));
         if computes && fs::symlink_metadata(&folder).is_ok() {
             // This also removes files that ended processes left.
             check_writable(&folder).map_err(|source| StoreError::Io { path: folder.clone(), source })?;
@@ -178,6 +184,7 @@ impl RunBlocks {
             rounds: Mutex::default(),
             awaits: AtomicBool::new(false),
             replay: Mutex::default(),
+            clock: Mutex::new(Clock::start()),
         })
     }
 
@@ -219,6 +226,16 @@ impl RunBlocks {
     /// Returns the block that was computed again, for [`Share::Again`].
     pub fn replay(&self) -> Option<Replay> {
         lock(&self.replay).clone()
+    }
+
+    /// Returns the loop that was left to others, for [`Share::UnlessFaster`]. No block after it is computed.
+    pub fn left(&self) -> Option<LeftLoop> {
+        lock(&self.clock).left.clone()
+    }
+
+    /// Returns the names of the folders of the blocks of the stages that were begun.
+    pub fn stage_folders(&self) -> Vec<String> {
+        lock(&self.record).stages.iter().map(|(_, folder)| folder.clone()).collect()
     }
 
     /// Waits until all finished blocks are on the disk.
@@ -415,11 +432,26 @@ impl StageBlocks<'_> {
             round.failed += usize::from(failed);
         }
     }
+
+    /// Returns whether the run computes a block of a loop, instead of leaving the loop to others.
+    fn keeps(&self, id: RoundId, others: &Others) -> bool {
+        let mut clock = lock(&self.run.clock);
+        let Some((round, place)) = self.round(id).filter(|_| clock.left.is_none()) else { return false };
+        let missing = round.count - lock(&self.run.rounds)[place].done;
+        let left = clock.leaves(place, missing, rayon::current_num_threads(), others);
+        clock.left =
+            left.map(|(parts, left_s)| LeftLoop { stage: self.stage.clone(), name: round.name, parts, left_s });
+        clock.left.is_none()
+    }
 }
 
 impl Monitor for StageBlocks<'_> {
     fn progress(&self, what: &str, done: usize, total: usize) {
-        self.monitor.progress(what, done, total);
+        // An earlier computation reported a loop whose blocks are all known.
+        let is_known = || lock(&self.run.clock).place.map(|place| place + 1) != Some(lock(&self.run.rounds).len());
+        if !(matches!(self.run.share, Share::UnlessFaster(_)) && is_known()) {
+            self.monitor.progress(what, done, total);
+        }
     }
 
     fn cancelled(&self) -> bool {
@@ -466,14 +498,16 @@ impl BlockStore for StageBlocks<'_> {
             return;
         }
         self.count(round, failure.is_some());
+        lock(&self.run.clock).end_block();
         if let Some((name, _)) = self.round(round) {
             self.run.writer.add(&self.folder, &name, Block { round, index, failure, bytes });
         }
     }
 
-    fn computes(&self, index: usize) -> bool {
+    fn computes(&self, round: RoundId, index: usize) -> bool {
         let own = match &self.run.share {
             Share::All | Share::Again(_) => true,
+            Share::UnlessFaster(others) => self.keeps(round, others),
             Share::Part { number, of } => index % of + 1 == *number,
             Share::None => false,
         };

@@ -14,8 +14,8 @@ mod system;
 #[cfg(fuzzing)]
 pub use blocks::read_blocks;
 pub use blocks::{
-    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, StageBlocks, key_of, program,
-    program_difference, sha256,
+    BlockPlace, FailedBlock, LeftLoop, Others, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, StageBlocks,
+    key_of, program, program_difference, sha256,
 };
 pub use staging::Staging;
 pub use store::{StoreError, file_hash, is_finished, json_bytes, replace_files, require_finished, require_unchanged};

@@ -48,7 +48,7 @@ mod write_run;
 use asperity_base::sentence;
 pub use asperity_results::Stage;
 pub use asperity_runs::{
-    BlockPlace, FailedBlock, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, Staging, StoreError,
+    BlockPlace, FailedBlock, Others, Replay, RoundState, RunBlocks, RunRecord, RunStatus, Share, Staging, StoreError,
     file_hash, forget_peak_memory, free_memory_bytes, is_finished, json_bytes, machine, peak_memory_bytes, program,
     program_difference, replace_files, require_unchanged, sha256,
 };

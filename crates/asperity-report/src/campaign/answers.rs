@@ -335,11 +335,11 @@ fn certainty(results: &CampaignResults) -> Option<Answer> {
             let unknown = results.rests_on.iter().filter(|input| input.kind == InputKind::Unknown);
             let unknown: Vec<String> = unknown.map(|input| named(&input.input)).collect();
             let [values, measure] = match unknown.is_empty() {
-                true => ["the values that are not known".to_owned(), String::new()],
-                false => [unknown.join(", "), "; a measurement would narrow it".into()],
+                true => [String::new(), String::new()],
+                false => [format!(" ({})", unknown.join(", ")), "; a measurement would narrow it".into()],
             };
             let detail = format!(
-                "The widest 90 % range over {values}, that of {member}{measure}. The computation itself is sure to {points}."
+                "The widest 90 % range over what is not known{values}, that of {member}{measure}. The computation itself is sure to {points}."
             );
             (format!("{low} to {high} in one member"), detail)
         }
