@@ -22,7 +22,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._methods import CampaignMethods, EnsembleMethods, StabilityMapMethods
+from asperity._methods import CampaignMethods, EnsembleMethods, MachineMethods, StabilityMapMethods
 from asperity._record import Record, WithCompanions
 """
 STUDY = '''"""Results of a study. Made by scripts/generate_python_results.py; do not edit.
@@ -37,7 +37,13 @@ They are dimensionless: X = x·c/N, τ = ω₀t. An undefined number is None, an
 """
 '''
 # Classes with methods, by the base that has them.
-METHODS = {"CampaignResults": "CampaignMethods", "Ensemble": "EnsembleMethods", "StabilityMap": "StabilityMapMethods"}
+METHODS = {
+    "CampaignResults": "CampaignMethods",
+    "CriticalDamping": "MachineMethods",
+    "Ensemble": "EnsembleMethods",
+    "LimitCycle": "MachineMethods",
+    "StabilityMap": "StabilityMapMethods",
+}
 # Objects that are dictionaries.
 DICTIONARIES = {"FailedTrajectory": "Any", "MapCell": "Any", "MapResolution": "float"}
 LAWS_HEAD = '''"""Oscillator and its velocity laws. Made by scripts/generate_python_results.py; do not edit."""
@@ -46,6 +52,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from asperity._record import Arguments
+
+Numbers = float | NDArray[Any]
+"""A number, or an array with a number of each machine."""
 '''
 INPUTS_HEAD = '''"""Sections of a study. Made by scripts/generate_python_results.py; do not edit.
 
@@ -146,9 +160,12 @@ def dataclass(name: str, schema: Schema, definitions: dict[str, Schema]) -> str:
 
 def argument(schema: Schema) -> str:
     """Return the type of an argument."""
+    if schema.get("type") == "number":
+        return "Numbers"
     if schema.get("type") != "array":
         return annotation(schema)
-    return argument_of(argument(schema["items"]), schema)
+    items = schema["items"]
+    return argument_of(annotation(items) if "minItems" in schema else argument(items), schema)
 
 
 def argument_of(inner: str, schema: Schema) -> str:
@@ -159,7 +176,7 @@ def argument_of(inner: str, schema: Schema) -> str:
 
 def arguments(name: str, schema: Schema) -> str:
     """Return the source of a class of keyword arguments."""
-    source = f"\n\n@dataclass(frozen=True, kw_only=True)\nclass {name}:\n"
+    source = f"\n\n@dataclass(frozen=True, kw_only=True, eq=False)\nclass {name}(Arguments):\n"
     source += text(schema["description"].partition("\n\n")[0], "    ") + "\n"
     for key, value in schema["properties"].items():
         absent = "" if key in schema["required"] else " = None"

@@ -51,12 +51,15 @@ class Expansion:
 @final
 class Oscillator:
     """
-    Checked oscillator.
+    Checked oscillator, or an array of oscillators.
     """
-    def __new__(cls, /, parameters: dict) -> Oscillator: ...
+    def __new__(cls, /, parameters: dict, columns: SupportsGetItem[int, tuple[str, Incomplete]], shape: SupportsGetItem[int, SupportsIndex] | None) -> Oscillator:
+        """
+        Replaces numbers of the parameters by columns, which have a value of each machine.
+        """
     def warnings(self, /) -> list[str]:
         """
-        Returns warnings of implausible parameters.
+        Returns warnings of implausible parameters, each kind once.
         """
 
 @final

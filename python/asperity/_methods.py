@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
+import numpy as np
+
 from asperity import _plots
 from asperity._record import Record, frame, row
 
@@ -25,6 +27,31 @@ class CampaignMethods(Record):
         keys = [key.key for key in own.keys]
         return frame(dict(zip(keys, member.values, strict=True)) | row(member) for member in own.members).drop(
             columns="values"
+        )
+
+
+class MachineMethods(Record):
+    """Methods of an answer about a machine, or of the answers about an array of machines.
+
+    The attributes of the latter are arrays of its shape: numbers with NaN where they are undefined, flags and names.
+    """
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return a row per machine, in C order."""
+        import pandas
+
+        if np.ndim(next(iter(self._values().values()))) == 0:
+            return super().to_dataframe()
+        return pandas.DataFrame({name: values.ravel() for name, values in self._values().items()})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the attributes as variables over the axes of the array, ``dim_0``, ``dim_1`` and so on."""
+        import xarray
+
+        units = {"units": "1"}
+        values = {name: xarray.DataArray(value) for name, value in (self._values() | row(self)).items()}
+        return xarray.Dataset(
+            {name: value.assign_attrs(units if value.dtype.kind == "f" else {}) for name, value in values.items()}
         )
 
 

@@ -43,10 +43,20 @@ class ByValue:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        names = [field.name for field in dataclasses.fields(self)]  # type: ignore[arg-type]
-        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
+        return all(map(equal, self._state(), other._state()))
 
     __hash__ = None  # type: ignore[assignment]
+
+    def _state(self) -> tuple[Any, ...]:
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]
+        return tuple(getattr(self, field.name) for field in fields if field.compare)
+
+
+class Arguments(ByValue):
+    """Dataclass of arguments. It can be hashed if its fields can."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(self._state())
 
 
 class Made:

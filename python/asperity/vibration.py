@@ -4,28 +4,51 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
 
 from asperity import _core
+from asperity._arrays import numbers
 from asperity._progress import Progress, callback
 from asperity.errors import warn
-from asperity.laws import Parameters
-from asperity.vibration_results import CriticalDamping, Ensemble, LimitCycle, StabilityMap
+from asperity.laws import Parameters, Tabulated
+from asperity.vibration_results import CriticalDamping, Ensemble, Kind, LimitCycle, StabilityMap
 
 Axis = tuple[float, float, int]
 
 
-@dataclass(frozen=True, kw_only=True)
+# Kinds of motion by their number; the first is that of a machine without an answer.
+KINDS = np.array(["", *get_args(Kind)])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Oscillator(Parameters):
-    """Mass, spring and damper on a moving belt with dry friction.
+    """Mass, spring and damper on a moving belt with dry friction, or an array of such machines.
+
+    Every number, also of the law and of the force (type ``Numbers``), is a float or an array with a value of each
+    machine. Arrays are broadcast together as by a function of NumPy, and copied as doubles that do not change.
+    `limit_cycle` and `critical_damping` compute all machines in one call, on all cores. The points of a `Tabulated`
+    law are those of all machines.
+
+    Raises
+    ------
+    ValueError
+        A number is out of its range; of an array, the message states the indices of the first such machine. Or the
+        arrays cannot be broadcast together.
 
     Examples
     --------
-    >>> import asperity
+    >>> import asperity, numpy as np
     >>> law = asperity.Stribeck(kinetic=0.1, decay=4.2)
     >>> machine = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=0.17, belt_velocity=0.003)
     >>> asperity.limit_cycle(machine).kind
     'stick_slip'
+    >>> ratios = np.linspace(0.1, 0.3, 5)
+    >>> machines = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=ratios, belt_velocity=0.003)
+    >>> asperity.limit_cycle(machines).limit_cycle
+    array([ True,  True,  True, False, False])
     """
 
     _checked: _core.Oscillator = field(init=False, repr=False, compare=False)
@@ -36,10 +59,24 @@ class Oscillator(Parameters):
             warn(message)
 
     def _check(self) -> None:
-        values = {own.name: getattr(self, own.name) for own in dataclasses.fields(Parameters)}
-        law = {type(self.law).__name__.lower(): dataclasses.asdict(self.law)}
-        parameters = values | {"law": law, "forcing": self.forcing and dataclasses.asdict(self.forcing)}
-        object.__setattr__(self, "_checked", _core.Oscillator(parameters))
+        own = {item.name: _owned(getattr(self, item.name)) for item in dataclasses.fields(Parameters)}
+        self.__dict__.update(own)
+        columns: dict[str, NDArray[np.float64]] = {}
+
+        def common(values: dict[str, Any]) -> dict[str, Any]:
+            columns.update((name, value) for name, value in values.items() if isinstance(value, np.ndarray))
+            return {name: 0.0 if name in columns else value for name, value in values.items()}
+
+        of_law = vars(self.law) if isinstance(self.law, Tabulated) else common(vars(self.law))
+        law = {type(self.law).__name__.lower(): of_law}
+        parameters = common(own) | {"law": law, "forcing": self.forcing and common(vars(self.forcing))}
+        try:
+            shape = np.broadcast_shapes(*(column.shape for column in columns.values()))
+        except ValueError:
+            shapes = ", ".join(f"{name} {column.shape}" for name, column in columns.items())
+            raise ValueError(f"arrays of these shapes cannot be broadcast together: {shapes}") from None
+        broadcast = [(name, np.broadcast_to(column, shape).ravel()) for name, column in columns.items()]
+        self.__dict__["_checked"] = _core.Oscillator(parameters, broadcast, shape if columns else None)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_checked"}
@@ -49,8 +86,30 @@ class Oscillator(Parameters):
         self._check()
 
 
+def _owned(value: Any) -> Any:
+    """Return arguments whose arrays are copies that do not change. An array without axes is a number."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.replace(value, **{name: _owned(item) for name, item in vars(value).items()})
+    if isinstance(value, np.generic) or not hasattr(value, "__array__"):
+        return value
+    own = numbers(value).copy()
+    own.flags.writeable = False
+    return own if own.ndim else own.item()
+
+
 def limit_cycle(oscillator: Oscillator) -> LimitCycle:
     """Find the vibration that develops from a start in stick, without fluctuation.
+
+    Of an array of machines the attributes are arrays of its shape, with the same bits as one call for each machine:
+    ``kind`` has names, ``limit_cycle`` is boolean, and numbers are NaN where a single call gives None.
+    ``steady_sliding_unstable`` is boolean, but 1, 0 or NaN (undefined) for machines with a force. If the computation
+    fails for some machines, their ``kind`` is empty, their flags are False, their numbers are NaN, and a warning names
+    the first of them.
+
+    Raises
+    ------
+    NotConvergedError, ValueError
+        The computation fails for a single machine.
 
     Examples
     --------
@@ -60,11 +119,23 @@ def limit_cycle(oscillator: Oscillator) -> LimitCycle:
     >>> round(asperity.limit_cycle(machine).period, 9)
     6.372163484
     """
-    return LimitCycle.from_dict(_core.limit_cycle(oscillator._checked))
+    found = _core.limit_cycle(oscillator._checked)
+    if isinstance(found["kind"], np.ndarray):
+        found["kind"] = KINDS[found["kind"].astype(np.intp)]
+        for flag in ["limit_cycle", *(["steady_sliding_unstable"] if oscillator.forcing is None else [])]:
+            found[flag] = found[flag] == 1
+    return LimitCycle.from_dict(found)
 
 
 def critical_damping(oscillator: Oscillator) -> CriticalDamping:
     """Find the damping ratios at which vibration ends; that of the oscillator and the forcing are ignored.
+
+    Of an array of machines the attributes are arrays of its shape, as those of `limit_cycle`.
+
+    Raises
+    ------
+    NotConvergedError, ValueError
+        The computation fails for a single machine.
 
     Examples
     --------

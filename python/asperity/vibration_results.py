@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._methods import EnsembleMethods, StabilityMapMethods
+from asperity._methods import EnsembleMethods, MachineMethods, StabilityMapMethods
 from asperity._record import Record
 
 MotionKind = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "divergence", "none"]
@@ -20,7 +20,7 @@ MotionKind = Literal["stick_slip", "overtaking", "slip_cycle", "flutter", "diver
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LimitCycle(Record):
+class LimitCycle(MachineMethods):
     """Motion that develops from a start in stick. Numbers of the cycle are absent if there is none."""
 
     kind: MotionKind
@@ -50,7 +50,7 @@ class LimitCycle(Record):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CriticalDamping(Record):
+class CriticalDamping(MachineMethods):
     """Damping ratios at which vibration ends."""
 
     critical_damping_ratio: float

@@ -27,6 +27,8 @@ CALLS = {
     "study": f"asperity.run_study({str(ROOT / 'studies' / 'quickstart.toml')!r}, progress=False)",
     "critical_damping": "asperity.critical_damping(asperity.Oscillator(static_friction=2.1, law=asperity.Exponential("
     "kinetic=0.7, high_speed=0.21, stribeck_velocity=3e-4), damping_ratio=0, belt_velocity=4e-5))",
+    "limit_cycle": "asperity.limit_cycle(asperity.Oscillator(static_friction=0.1, law=law, "
+    "damping_ratio=np.linspace(0.3, 0.5, 1000000), belt_velocity=0.003))",
     "statistics": "asperity.HeightMap.from_array(z, dx_m=1e-6).level('polynomial:12').statistics()",
 }
 

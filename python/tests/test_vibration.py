@@ -1,12 +1,14 @@
 import dataclasses
 import math
 import pickle
+import typing
 
 import numpy as np
 import pytest
 
 import asperity
-from asperity import Oscillator, Stribeck
+from asperity import AsperityWarning, Oscillator, Stribeck
+from asperity.laws import VelocityLaw
 
 PAPER = ("--static-friction", 0.1, "--stribeck", 4.2, "--belt-velocity", 0.003)
 
@@ -116,3 +118,161 @@ def test_a_tabulated_law_is_that_of_its_points():
     )
     linear = dataclasses.replace(tabulated, law=asperity.Linear(kinetic=0.1, slope=0.3))
     assert asperity.limit_cycle(tabulated).period == pytest.approx(asperity.limit_cycle(linear).period, rel=1e-9)
+
+
+def element(value, shape, index):
+    """Return the machine at an index of an array of machines."""
+    if dataclasses.is_dataclass(value):
+        fields = [field.name for field in dataclasses.fields(value) if field.init]
+        return dataclasses.replace(value, **{name: element(getattr(value, name), shape, index) for name in fields})
+    return np.broadcast_to(value, shape)[index].item() if isinstance(value, np.ndarray) else value
+
+
+def check_each(function, machines):
+    """Check that the answers about an array of machines have the bits of single calls, and return them."""
+    found = function(machines)
+    columns = dict(found._values())
+    (shape,) = {column.shape for column in columns.values()}
+    for index in np.ndindex(shape):
+        single = function(element(machines, shape, index))
+        for name, column in columns.items():
+            wanted, value = getattr(single, name), column[index]
+            assert np.isnan(value) if wanted is None else value == wanted, (index, name)
+    return found
+
+
+def bell(belt_velocity, damping_ratio):
+    speeds = np.linspace(0.0, 0.3, 61)
+    points = list(zip(speeds.tolist(), (0.3 + 0.1 * np.exp(-((speeds / 0.08) ** 2))).tolist(), strict=True))
+    law = asperity.Tabulated(points=points)
+    return Oscillator(static_friction=0.4, law=law, damping_ratio=damping_ratio, belt_velocity=belt_velocity)
+
+
+def test_arrays_of_machines_have_the_bits_of_single_calls_for_every_kind_of_motion():
+    law = Stribeck(kinetic=np.array([[0.1], [0.09], [0.05]]), decay=4.2)
+    ratios, velocities = np.array([0.0, 0.17, 0.2048, 0.5]), np.array([[[0.003]], [[0.5]]])
+    paper = Oscillator(static_friction=0.1, law=law, damping_ratio=ratios, belt_velocity=velocities)
+    bells = bell(np.array([0.056, 0.11, 0.12]), np.array([[0.0], [0.2], [0.27], [0.3]]))
+    # The first amplitude is no force.
+    force = asperity.Forcing(amplitude=np.array([0.0, 0.02, 0.1]), frequency=np.array([[0.3], [0.9]]))
+    coulomb = asperity.Coulomb(kinetic=0.3)
+    forced = Oscillator(static_friction=0.4, law=coulomb, damping_ratio=0.01, belt_velocity=0.1, forcing=force)
+    found = [check_each(asperity.limit_cycle, machines) for machines in (paper, bells, forced)]
+    kinds = set().union(*(np.unique(answer.kind) for answer in found))
+    assert kinds == {"stick_slip", "overtaking", "slip_cycle", "none"}
+    irregular = (found[2].kind != "none") & ~found[2].limit_cycle
+    assert irregular.any()
+    assert found[0].kind.shape == (2, 3, 4)
+    assert [answer.steady_sliding_unstable.dtype.kind for answer in found] == ["b", "b", "f"]
+    assert np.array_equal(np.isnan(found[2].steady_sliding_unstable), [[False, True, True]] * 2)
+    for machines in (paper, bells, forced):
+        check_each(asperity.critical_damping, machines)
+
+
+def test_every_number_of_a_machine_may_be_an_array():
+    laws = [
+        Stribeck(kinetic=0.3, decay=1.5),
+        asperity.Coulomb(kinetic=0.3),
+        asperity.Linear(kinetic=0.3, slope=0.2),
+        asperity.Exponential(kinetic=0.3, high_speed=0.2, stribeck_velocity=0.1),
+        asperity.Tabulated(points=[(0.0, 0.3), (0.1, 0.2)]),
+    ]
+    assert {type(law) for law in laws} == set(typing.get_args(VelocityLaw))
+    force = asperity.Forcing(amplitude=0.02, frequency=0.8)
+    for law in laws:
+        machine = Oscillator(static_friction=0.4, law=law, damping_ratio=0.1, belt_velocity=0.05, forcing=force)
+        for part, changed in (("law", law), ("forcing", force), (None, machine)):
+            for name, value in vars(changed).items():
+                if not isinstance(value, float):
+                    continue
+                varied = dataclasses.replace(changed, **{name: np.array([value, 0.95 * value])})
+                machines = dataclasses.replace(machine, **{part: varied}) if part else varied
+                found = check_each(asperity.limit_cycle, machines)
+                assert found.displacement_max[0] != found.displacement_max[1], name
+
+
+def test_machines_without_axes_are_single_and_empty_arrays_have_no_answer():
+    single = asperity.limit_cycle(paper())
+    for ratio in (np.array(0.17), np.float64(0.17), np.ma.array(0.17)):
+        assert paper(ratio) == paper()
+        assert asperity.limit_cycle(paper(ratio)) == single
+        assert isinstance(single.period, float)
+    empty = asperity.limit_cycle(paper(np.zeros((3, 0))))
+    assert {column.shape for column in empty._values().values()} == {(3, 0)}
+    assert len(asperity.critical_damping(paper(np.zeros(0))).to_dataframe()) == 0
+
+
+def test_other_types_of_numbers_are_machines_of_doubles():
+    singles = np.array([0.25, 1.0], dtype=np.float32)
+    assert paper(singles) == paper(singles.astype(float))
+    assert paper(np.array([0, 1])) == paper(np.array([0.0, 1.0]))
+    assert paper(np.ma.array([0.1, 0.2], mask=[False, False])) == paper(np.array([0.1, 0.2]))
+    with pytest.raises(ValueError, match=r"machine \[1\]: damping_ratio is NaN"):
+        paper(np.ma.array([0.1, 0.2], mask=[False, True]))
+
+
+def test_refused_machines_and_shapes_are_named():
+    with pytest.raises(ValueError, match=r"machine \[1, 2\]: damping_ratio is -1"):
+        paper(np.array([[0.1, 0.2, 0.3], [0.1, 0.2, -1.0]]))
+    law = Stribeck(kinetic=np.array([0.1, 0.09, 0.08]), decay=4.2)
+    with pytest.raises(ValueError, match=r"kinetic \(3,\), damping_ratio \(2,\)"):
+        dataclasses.replace(paper(np.array([0.1, 0.2])), law=law)
+    with pytest.raises(ValueError, match="single oscillator"):
+        asperity.ensemble(
+            paper(np.array([0.1])), friction_std=1e-3, correlation_length=0.01, marginal="normal", trajectories=2,
+            duration=9, seed=1,
+        )  # fmt: skip
+    with pytest.warns(AsperityWarning, match=r"damping ratio 2 .*\(2 of 3 machines\)"):
+        paper(np.array([0.1, 2.0, 3.0]))
+
+
+def test_a_machine_without_answer_leaves_those_of_the_others():
+    # On this slope friction falls below zero at the speeds of slip.
+    law = asperity.Linear(kinetic=0.4, slope=np.array([0.3, 3.0, 30.0, 0.1]))
+    machines = Oscillator(static_friction=0.4, law=law, damping_ratio=0.001, belt_velocity=0.1)
+    with pytest.raises(ValueError, match="must stay positive"):
+        asperity.limit_cycle(element(machines, (4,), 1))
+    with pytest.warns(AsperityWarning, match=r"2 of 4 machines have no answer .* the first is \[1\]: the friction"):
+        found = asperity.limit_cycle(machines)
+    assert found.kind.tolist() == ["stick_slip", "", "", "stick_slip"]
+    assert found.limit_cycle.tolist() == [True, False, False, True]
+    assert np.isnan(found.period).tolist() == [False, True, True, False]
+    assert found.period[3] == asperity.limit_cycle(element(machines, (4,), 3)).period
+
+
+def test_arrays_of_machines_are_values_that_do_not_change():
+    ratios = np.array([0.1, 0.2, 0.3])
+    machines = paper(ratios)
+    found = asperity.limit_cycle(machines)
+    ratios[0] = 0.5
+    assert machines == paper(np.array([0.1, 0.2, 0.3])) != paper(ratios)
+    sent = pickle.loads(pickle.dumps(machines))
+    assert sent == machines
+    assert asperity.limit_cycle(sent) == found == pickle.loads(pickle.dumps(found))
+    assert found != asperity.limit_cycle(paper(ratios))
+    for array in (machines.damping_ratio, sent.damping_ratio):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.5
+    assert hash(paper()) == hash(paper(np.array(0.17)))
+
+
+def test_answers_about_machines_are_tables_and_data_sets():
+    pytest.importorskip("xarray")
+    found = asperity.limit_cycle(paper(np.array([0.1, 0.3])))
+    frame = found.to_dataframe()
+    assert frame["kind"].tolist() == ["stick_slip", "none"]
+    assert np.array_equal(frame["period"], found.period, equal_nan=True)
+    grid = asperity.critical_damping(paper(np.full((2, 3), 0.1))).to_xarray()
+    assert grid.limit_damping_ratio.dims == ("dim_0", "dim_1")
+    assert grid.limit_damping_ratio.attrs["units"] == "1"
+    assert asperity.limit_cycle(paper()).to_xarray().period == asperity.limit_cycle(paper()).period
+    many = asperity.critical_damping(paper(np.full(2000, 0.1)))
+    assert "array (2000,)" in many._repr_html_()
+    assert max(map(len, (repr(many), many._repr_html_(), repr(paper(np.full(2000, 0.1)))))) < 2000
+
+
+def test_blocks_of_dask_are_arrays_of_machines():
+    array = pytest.importorskip("dask.array")
+    ratios = np.linspace(0.05, 0.2, 10)
+    period = array.from_array(ratios, chunks=4).map_blocks(lambda own: asperity.limit_cycle(paper(own)).period)
+    assert np.array_equal(period.compute(scheduler="threads"), asperity.limit_cycle(paper(ratios)).period)

@@ -9,6 +9,7 @@ mod contact;
 mod convert;
 mod errors;
 mod long;
+mod machines;
 mod parts;
 mod pool;
 mod process;
@@ -28,6 +29,8 @@ mod _core {
     #[pymodule_export]
     use crate::contact::solve_contact;
     #[pymodule_export]
+    use crate::machines::Oscillator;
+    #[pymodule_export]
     use crate::parts::{compute_or_leave, module_program, study_part};
     #[pymodule_export]
     use crate::process::{fit_friction_record, friction_process, read_friction_process, simulate_friction};
@@ -39,7 +42,7 @@ mod _core {
     use crate::surface::{acf, height_map, level, psd, read_map, statistics, write_map};
     #[pymodule_export]
     use crate::vibration::{
-        Oscillator, critical_damping, ensemble, limit_cycle, parameters_schema, stability_map, vibration_schema,
+        critical_damping, ensemble, limit_cycle, parameters_schema, stability_map, vibration_schema,
     };
 
     #[pymodule_init]

@@ -4,7 +4,7 @@ use std::mem;
 
 use asperity::choice::{ByName, Choice, SchemaGenerator};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
-use asperity::study::{clipping_warning, implausible_damping, implausible_friction};
+use asperity::study::clipping_warning;
 use asperity::vibration::{
     self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VibrationError,
     clipped_to_positive, limit_damping, smallest_kick,
@@ -20,26 +20,8 @@ use serde::{Deserialize, Serialize};
 use crate::convert::{from_python, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
-use crate::pool::detached;
+use crate::machines::{Answer, Oscillator};
 use crate::resources::require_memory;
-
-/// Checked oscillator.
-#[pyclass(frozen)]
-pub(crate) struct Oscillator(vibration::Oscillator);
-
-#[pymethods]
-impl Oscillator {
-    #[new]
-    fn new(parameters: &Bound<'_, PyDict>) -> PyResult<Self> {
-        vibration::Oscillator::new(from_python::<Parameters>(parameters)?).raise().map(Self)
-    }
-
-    /// Returns warnings of implausible parameters.
-    fn warnings(&self) -> Vec<String> {
-        let found = [implausible_friction(self.0.static_friction()), implausible_damping(self.0.damping_ratio())];
-        found.into_iter().flatten().collect()
-    }
-}
 
 /// Motion that develops from a start in stick. Numbers of the cycle are absent if there is none.
 #[derive(Serialize, JsonSchema)]
@@ -56,6 +38,41 @@ struct LimitCycle {
     cycle: Option<vibration::LimitCycle>,
 }
 
+impl Answer<12> for LimitCycle {
+    fn find(oscillator: &vibration::Oscillator) -> Result<Self, VibrationError> {
+        let free = oscillator.forcing().is_none();
+        let regime = vibration::limit_cycle(oscillator)?;
+        Ok(Self {
+            kind: regime.kind(),
+            limit_cycle: regime.cycle().is_some(),
+            steady_sliding_unstable: free.then(|| oscillator.sliding_is_unstable()),
+            kick: if free { smallest_kick(oscillator)? } else { None },
+            cycle: regime.cycle().copied(),
+        })
+    }
+
+    /// The kind of motion is its place among all, from 1 on, and 0 without an answer.
+    fn numbers(found: Option<&Self>) -> [(&'static str, f64); 12] {
+        let unstable = found.and_then(|found| found.steady_sliding_unstable);
+        let cycle = found.and_then(|found| found.cycle);
+        let of = |number: fn(vibration::LimitCycle) -> Option<f64>| cycle.and_then(number).unwrap_or(f64::NAN);
+        [
+            ("kind", found.map_or(0.0, |found| 1.0 + f64::from(found.kind as u8))),
+            ("limit_cycle", f64::from(u8::from(cycle.is_some()))),
+            ("steady_sliding_unstable", unstable.map_or(f64::NAN, |unstable| f64::from(u8::from(unstable)))),
+            ("kick", found.and_then(|found| found.kick).unwrap_or(f64::NAN)),
+            ("period", of(|cycle| Some(cycle.period))),
+            ("slip_duration", of(|cycle| Some(cycle.slip_duration))),
+            ("reattachment_displacement", of(|cycle| cycle.reattachment_displacement)),
+            ("displacement_min", of(|cycle| Some(cycle.displacement_min))),
+            ("displacement_max", of(|cycle| Some(cycle.displacement_max))),
+            ("velocity_min", of(|cycle| Some(cycle.velocity_min))),
+            ("velocity_max", of(|cycle| Some(cycle.velocity_max))),
+            ("slips", of(|cycle| Some(cycle.slips as f64))),
+        ]
+    }
+}
+
 /// Damping ratios at which vibration ends.
 #[derive(Serialize, JsonSchema)]
 struct CriticalDamping {
@@ -63,6 +80,27 @@ struct CriticalDamping {
     found: vibration::CriticalDamping,
     /// ζ_v, above which no vibration persists; `null` if the search failed.
     limit_damping_ratio: Option<f64>,
+}
+
+impl Answer<3> for CriticalDamping {
+    fn find(oscillator: &vibration::Oscillator) -> Result<Self, VibrationError> {
+        let limit_damping_ratio = match limit_damping(oscillator) {
+            Err(VibrationError::NotFound { .. }) => None,
+            limit => Some(limit?),
+        };
+        Ok(Self { found: vibration::critical_damping(oscillator)?, limit_damping_ratio })
+    }
+
+    fn numbers(found: Option<&Self>) -> [(&'static str, f64); 3] {
+        let limit = found.and_then(|found| found.limit_damping_ratio);
+        let [critical, hopf] =
+            found.map_or([f64::NAN; 2], |Self { found, .. }| [found.critical_damping_ratio, found.hopf_damping_ratio]);
+        [
+            ("critical_damping_ratio", critical),
+            ("hopf_damping_ratio", hopf),
+            ("limit_damping_ratio", limit.unwrap_or(f64::NAN)),
+        ]
+    }
 }
 
 /// Statistics of many trajectories over a random friction fluctuation.
@@ -106,36 +144,15 @@ pub(crate) fn parameters_schema() -> String {
 /// Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
 #[pyfunction]
 pub(crate) fn limit_cycle<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
-    let own = oscillator.0.clone();
-    let free = own.forcing().is_none();
-    let find = move || -> Result<_, VibrationError> {
-        let regime = vibration::limit_cycle(&own)?;
-        let kick = if free { smallest_kick(&own)? } else { None };
-        Ok((regime, free.then(|| own.sliding_is_unstable()), kick))
-    };
-    let (regime, steady_sliding_unstable, kick) = if free {
-        detached(py, || find().raise())?
-    } else {
-        // An irregular motion takes many cycles.
-        long::run(py, None, move |_| find().raise())?
-    };
-    let cycle = regime.cycle().copied();
-    let limit_cycle = cycle.is_some();
-    to_python(py, &LimitCycle { kind: regime.kind(), limit_cycle, steady_sliding_unstable, kick, cycle })
+    // An irregular motion under a force takes many cycles.
+    let brief = oscillator.single().is_ok_and(|own| own.forcing().is_none());
+    oscillator.answer::<LimitCycle, _>(py, brief)
 }
 
 /// Finds the damping ratios at which vibration ends, with the keys of `asperity vibration critical-damping --json`.
 #[pyfunction]
 pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) -> PyResult<Bound<'py, PyAny>> {
-    let own = oscillator.0.clone();
-    let found = long::run(py, None, move |_| {
-        let limit_damping_ratio = match limit_damping(&own) {
-            Err(VibrationError::NotFound { .. }) => None,
-            limit => Some(limit.raise()?),
-        };
-        Ok(CriticalDamping { found: vibration::critical_damping(&own).raise()?, limit_damping_ratio })
-    })?;
-    to_python(py, &found)
+    oscillator.answer::<CriticalDamping, _>(py, false)
 }
 
 /// Fluctuation of the friction coefficient.
@@ -179,7 +196,7 @@ pub(crate) fn ensemble<'py>(
     drive: &str,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (own, fluctuation): (_, Fluctuation) = (oscillator.0.clone(), from_python(fluctuation)?);
+    let (own, fluctuation): (_, Fluctuation) = (oscillator.single()?.clone(), from_python(fluctuation)?);
     let model = clipped_to_positive(&own, fluctuation.model()?, 1.0);
     let clipped_fraction = model.clipped_fraction();
     let process = FrictionProcess::new(model).raise()?;
@@ -223,7 +240,7 @@ pub(crate) fn stability_map<'py>(
     #[pyo3(from_py_with = whole)] seed: u64,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (stated, fluctuation): (_, Fluctuation) = (oscillator.0.clone(), from_python(fluctuation)?);
+    let (stated, fluctuation): (_, Fluctuation) = (oscillator.single()?.clone(), from_python(fluctuation)?);
     let Axes { over: ByName(over), x, y, depth } = from_python(axes)?;
     let [x, y] = [x, y].map(MapAxis::check);
     let (x, y) = (x.map_err(value_error)?, y.map_err(value_error)?);

@@ -14,11 +14,11 @@
 //! - Missing heights stay missing: they are masked in every statistic and never silently filled.
 //! - A random draw depends on seed, stage and sample index alone; results do not depend on the number of threads.
 
+#[doc(hidden)]
+pub use asperity_base::{blocks, sentence, statement};
 pub use asperity_base::{
     choice, correlation, distribution, fourier, map, monitor, quantity, random, stats, translation,
 };
-#[doc(hidden)]
-pub use asperity_base::{sentence, statement};
 pub use asperity_chaos as chaos;
 pub use asperity_contact as contact;
 pub use asperity_friction as friction;
