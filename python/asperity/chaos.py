@@ -1,4 +1,4 @@
-"""Samplers, and polynomial chaos expansions of functions of standard normal variables."""
+"""Samplers, and polynomial chaos expansions of functions of independent random variables."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _core, _plots
 from asperity._arrays import numbers
 from asperity._record import Curves, Made
+from asperity._variables import Variable, arguments, nodes_of, variables_of
 from asperity.errors import warn
 
 if TYPE_CHECKING:
@@ -20,8 +21,33 @@ if TYPE_CHECKING:
 Sampler = Literal["monte_carlo", "latin_hypercube", "maximin_latin_hypercube", "sobol"]
 
 
-def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArray[np.float64]:
-    """Return the points of a design as standard normal variables, shape (samples, variables).
+def design(
+    method: Sampler,
+    *,
+    seed: int,
+    samples: int,
+    variables: int | None = None,
+    distributions: Sequence[Any] | None = None,
+) -> NDArray[np.float64]:
+    """Return the points of a design, shape (samples, variables).
+
+    Parameters
+    ----------
+    method
+        Sampler.
+    seed
+        Seed of the points.
+    samples
+        Number of points.
+    variables
+        Number of variables. It may be left out if there are `distributions`.
+    distributions
+        Distribution of each variable, see `Expansion.fit`; standard normal if left out.
+
+    Raises
+    ------
+    ValueError
+        The sampler does not exist, or `variables` and `distributions` contradict each other.
 
     Examples
     --------
@@ -30,8 +56,23 @@ def design(method: Sampler, *, seed: int, samples: int, variables: int) -> NDArr
     >>> strata = sorted(int(5 * (1 + math.erf(x / 2**0.5))) for x in xi[:, 0])
     >>> strata == list(range(10))
     True
+    >>> x = asperity.design("latin_hypercube", seed=1, samples=10, distributions=["uniform:0,10"])
+    >>> sorted(int(value) for value in x[:, 0]) == list(range(10))
+    True
     """
-    xi: NDArray[np.float64] = _core.design(method, seed, samples, variables)
+    return _design(method, seed, samples, variables, variables_of(distributions, variables))
+
+
+def _design(
+    method: Sampler, seed: int, samples: int, count: int | None, variables: list[Variable] | None
+) -> NDArray[np.float64]:
+    if variables is not None:
+        count = len(variables)
+    elif count is None:
+        raise ValueError("the number of variables is missing; state `variables` or `distributions`")
+    xi: NDArray[np.float64] = _core.design(method, seed, samples, count)
+    for place, variable in enumerate(variables or []):
+        xi[:, place] = variable.values(xi[:, place])
     return xi
 
 
@@ -53,18 +94,24 @@ def _defined(xi: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDAr
     return np.delete(xi, undefined, axis=0), np.delete(values, undefined)
 
 
-def _require_standard_normal(xi: NDArray[np.float64]) -> None:
-    """Refuse samples that are not those of independent standard normal variables."""
-    if xi.ndim != 2 or not xi.size:  # noqa: PLR2004
+def _require_distributions(points: NDArray[np.float64], variables: list[Variable] | None) -> None:
+    """Refuse samples that are not those of independent variables with their distributions."""
+    if points.ndim != 2 or not points.size:  # noqa: PLR2004
         return
-    far = _FAR / np.sqrt(len(xi))
+    stated = "standard normal" if variables is None else "distributed as stated"
+    far = _FAR / np.sqrt(len(points))
+    xi = points
+    if variables is not None:
+        # Samples may lie on a bound.
+        least = 0.5 / len(points)
+        xi = np.column_stack([own.normal(values, least) for own, values in zip(variables, points.T, strict=True)])
     for place, own in enumerate(xi.T):
         # Standard errors of mean and variance; light tails are those of a bounded distribution.
         kurtosis = np.mean((own - own.mean()) ** 4) / max(own.var() ** 2, np.finfo(float).tiny)
         if abs(own.mean()) > far or abs(own.var() - 1) > 2**0.5 * far or kurtosis < 3 - 24**0.5 * far:
             raise ValueError(
-                f"variable {place} is not standard normal: mean {own.mean():.2g}, variance {own.var():.2g}, kurtosis "
-                f"{kurtosis:.2g}; transform it to a standard normal variable"
+                f"variable {place} is not {stated}: as a standard normal variable it has mean {own.mean():.2g}, "
+                f"variance {own.var():.2g}, kurtosis {kurtosis:.2g}; state its distribution in `distributions`"
             )
     deviations = xi - xi.mean(axis=0)
     largest = np.abs(np.triu(deviations.T @ deviations / len(xi), 1)).max()
@@ -74,14 +121,35 @@ def _require_standard_normal(xi: NDArray[np.float64]) -> None:
         )
 
 
+def _parts(statistics: NDArray[np.float64], count: int) -> list[NDArray[np.float64]]:
+    """Return first-order, total and second-order indices of `count` variables, or their intervals."""
+    first_order, total, second_order = np.split(statistics[2:], [count, 2 * count])
+    return [first_order, total, second_order.reshape(count, count, *statistics.shape[1:])]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SobolIndices(Curves):
-    """Fractions of the variance, by variable."""
+    """Fractions of the variance, by variable, with 95 % intervals.
+
+    The intervals contain the choice of the samples, by a jackknife, and the variance that the expansion does not
+    explain, by its leave-one-out error. They take the samples as independent and the terms as given, and are NaN if the
+    error is undefined.
+    """
 
     first_order: NDArray[np.float64]
     """Fraction of the variable alone."""
     total: NDArray[np.float64]
     """Fraction of the variable with all its interactions."""
+    second_order: NDArray[np.float64]
+    """Fraction of the interaction of two variables alone, shape (variables, variables): symmetric, with NaN on the
+    diagonal.
+    """
+    first_order_interval: NDArray[np.float64]
+    """Limits for each variable, shape (variables, 2)."""
+    total_interval: NDArray[np.float64]
+    """Limits for each variable, shape (variables, 2)."""
+    second_order_interval: NDArray[np.float64]
+    """Limits for each pair of variables, shape (variables, variables, 2)."""
 
     _curves: ClassVar[Mapping[str, str]] = {"first_order": "variable", "total": "variable"}
 
@@ -96,32 +164,57 @@ class SobolIndices(Curves):
 
 
 class Expansion(Made):
-    """Expansion in orthonormal Hermite polynomials of standard normal variables ξ; see `fit` and `of`."""
+    """Expansion of a function of independent random variables in orthonormal polynomials; see `fit` and `of`.
 
-    def __init__(self, own: _core.Expansion) -> None:
-        self._own = own
+    A variable with a bounded distribution has the polynomials that are orthonormal under this distribution, such as
+    those of Legendre if it is uniform. Any other variable has the Hermite polynomials of the standard normal variable
+    Φ⁻¹(F(x)) with its distribution function F: its own polynomials may not converge, and amplify errors.
+    """
+
+    def __init__(self, own: _core.Expansion, intervals: NDArray[np.float64], variables: list[Variable] | None) -> None:
+        self._own, self._intervals, self._variables = own, intervals, variables
 
     def _make(self, *state: Any) -> None:
-        powers, coefficients, relative_error = state
-        self._own = _core.Expansion(powers.tolist(), coefficients.tolist(), relative_error)
+        powers, coefficients, relative_error, self._intervals, self._variables = state
+        nodes = nodes_of(self._variables, powers.shape[1])
+        self._own = _core.Expansion(powers.tolist(), coefficients.tolist(), relative_error, nodes)
 
     def __getstate__(self) -> tuple[Any, ...]:
-        return self.powers, self.coefficients, self.relative_error
+        return self.powers, self.coefficients, self.relative_error, self._intervals, self._variables
 
     @staticmethod
-    def fit(xi: ArrayLike, values: ArrayLike, *, degree: int, sparse: bool = False) -> Expansion:
+    def fit(
+        xi: ArrayLike,
+        values: ArrayLike,
+        *,
+        degree: int,
+        sparse: bool = False,
+        distributions: Sequence[Any] | None = None,
+    ) -> Expansion:
         """Fit an expansion to values of a function by least squares.
 
         Parameters
         ----------
         xi
-            Independent standard normal variables, shape (samples, variables). Others are refused.
+            Samples of the independent variables, shape (samples, variables). Samples that do not have the
+            distributions of the variables are refused.
         values
             Value of the function at each sample. Up to 5 % may be undefined; they are left out with a warning.
         degree
             Total degree of the polynomials.
         sparse
             Keep few terms, chosen by cross-validation. Then there may be fewer samples than terms.
+        distributions
+            Continuous distribution of each variable: a frozen distribution of SciPy, a distribution of OpenTURNS, or
+            a text such as ``"normal:MEAN,STD"``, ``"uniform:LOW,HIGH"``, ``"lognormal:MU,SIGMA"`` (of the logarithm),
+            ``"weibull:SHAPE,SCALE"``, ``"gamma:SHAPE,SCALE"``, ``"beta:A,B,LOW,HIGH"`` or
+            ``"triangular:LOW,MODE,HIGH"``. Standard normal if left out.
+
+        Raises
+        ------
+        ValueError
+            There are too few samples, a value is not finite, a distribution is not continuous, or the samples do not
+            have the distributions.
 
         Examples
         --------
@@ -131,9 +224,26 @@ class Expansion(Made):
         >>> round(expansion.mean, 9), round(expansion.variance, 9)
         (2.0, 10.0)
         """
-        points, found = _defined(numbers(xi), numbers(values))
-        _require_standard_normal(points)
-        expansion = Expansion(_core.Expansion.fit(points, found, degree, sparse))
+        points = numbers(xi)
+        count = points.shape[1] if points.ndim == 2 else None  # noqa: PLR2004
+        return Expansion._fit(points, numbers(values), degree, sparse, variables_of(distributions, count))
+
+    @staticmethod
+    def _fit(
+        xi: NDArray[np.float64],
+        values: NDArray[np.float64],
+        degree: int,
+        sparse: bool,
+        variables: list[Variable] | None,
+    ) -> Expansion:
+        points, found = _defined(xi, values)
+        own_points = arguments(points, variables)
+        _require_distributions(points, variables)
+        nodes = nodes_of(variables, points.shape[-1])
+        own, intervals = _core.Expansion.fit(own_points, found, degree, sparse, nodes)
+        if intervals is None:
+            intervals = np.full((len(own.statistics()), 2), np.nan)
+        expansion = Expansion(own, intervals, variables)
         error = expansion.relative_error
         if expansion.variance > 0 and (error is None or error > _LARGE_ERROR):
             known = "undefined" if error is None else f"{error:.2g} of the variance"
@@ -142,29 +252,39 @@ class Expansion(Made):
 
     @staticmethod
     def of(
-        function: Callable[[NDArray[np.float64]], float],
+        function: Callable[[NDArray[np.float64]], ArrayLike],
         *,
-        variables: int,
+        variables: int | None = None,
         degree: int,
         samples: int,
         seed: int,
         method: Sampler = "sobol",
         sparse: bool = False,
+        distributions: Sequence[Any] | None = None,
+        vectorized: bool = False,
     ) -> Expansion:
-        """Expand a function of standard normal variables.
+        """Expand a function of independent random variables.
 
         Parameters
         ----------
         function
             Function of an array of `variables` values.
         variables
-            Number of variables.
-        degree, sparse
+            Number of variables. It may be left out if there are `distributions`.
+        degree, sparse, distributions
             See `fit`.
         samples
             Number of calls.
         seed, method
             Design of the calls.
+        vectorized
+            Call the function once, with all samples as an array of shape (samples, variables). It returns an array of
+            shape (samples,).
+
+        Raises
+        ------
+        ValueError
+            See `fit` and `design`; or a vectorized function returned another shape.
 
         Examples
         --------
@@ -172,24 +292,48 @@ class Expansion(Made):
         >>> expansion = asperity.Expansion.of(lambda xi: xi[0] ** 2, variables=1, degree=2, samples=20, seed=1)
         >>> round(expansion.variance, 9)
         2.0
+        >>> product = asperity.Expansion.of(
+        ...     lambda x: x[:, 0] * x[:, 1], distributions=["uniform:0,1", "triangular:0,0,1"],
+        ...     degree=2, samples=64, seed=1, vectorized=True,
+        ... )
+        >>> round(product.mean, 6)
+        0.166667
         """
-        xi = design(method, seed=seed, samples=samples, variables=variables)
-        return Expansion.fit(xi, [float(function(row)) for row in xi], degree=degree, sparse=sparse)
+        own = variables_of(distributions, variables)
+        xi = _design(method, seed, samples, variables, own)
+        if not vectorized:
+            return Expansion._fit(xi, np.array([float(function(row)) for row in xi]), degree, sparse, own)  # type: ignore[arg-type]
+        values = numbers(function(xi))
+        if values.shape != (samples,):
+            raise ValueError(f"the function returned an array of shape {values.shape}, expected ({samples},)")
+        return Expansion._fit(xi, values, degree, sparse, own)
 
     def evaluate(self, xi: ArrayLike) -> NDArray[np.float64]:
-        """Return the values at samples of shape (samples, variables)."""
-        values: NDArray[np.float64] = self._own.evaluate(numbers(xi))
+        """Return the values at samples of shape (samples, variables); values beyond the bounds are a ValueError."""
+        values: NDArray[np.float64] = self._own.evaluate(arguments(numbers(xi), self._variables))
         return values
 
     @property
     def mean(self) -> float:
         """Mean of the function."""
-        return self._own.mean()
+        return float(self._own.statistics()[0])
+
+    @property
+    def mean_interval(self) -> tuple[float, float]:
+        """95 % interval of the mean; see `SobolIndices`."""
+        low, high = self._intervals[0]
+        return float(low), float(high)
 
     @property
     def variance(self) -> float:
         """Variance of the function."""
-        return self._own.variance()
+        return float(self._own.statistics()[1])
+
+    @property
+    def variance_interval(self) -> tuple[float, float]:
+        """95 % interval of the variance; see `SobolIndices`."""
+        low, high = self._intervals[1]
+        return float(low), float(high)
 
     @property
     def relative_error(self) -> float | None:
@@ -208,8 +352,17 @@ class Expansion(Made):
         return np.array(self._own.powers(), dtype=np.int64)
 
     def sobol_indices(self) -> SobolIndices:
-        """Return the first-order and total Sobol' indices of all variables; NaN without a variance, with a warning."""
+        """Return the Sobol' indices of all variables; NaN without a variance, with a warning."""
         if self.variance == 0:
             warn("the function does not vary: it has no variance, and no indices")
-        first_order, total = self._own.sobol_indices()
-        return SobolIndices(first_order=first_order, total=total)
+        count = self.powers.shape[1]
+        first_order, total, second_order = _parts(self._own.statistics(), count)
+        limits = _parts(self._intervals, count)
+        return SobolIndices(
+            first_order=first_order,
+            total=total,
+            second_order=second_order,
+            first_order_interval=limits[0],
+            total_interval=limits[1],
+            second_order_interval=limits[2],
+        )

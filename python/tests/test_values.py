@@ -34,8 +34,8 @@ MAKERS = {
     "Coulomb": [lambda: asperity.Coulomb(kinetic=0.1), lambda: asperity.Coulomb(kinetic=0.2)],
     "Covariance": [lambda: EXPONENTIAL, lambda: Covariance(model="exponential", correlation_length_m=20e-6)],
     "Expansion": [
-        lambda sparse=sparse: asperity.Expansion.fit(XI, XI[:, 0] * XI[:, 1], degree=3, sparse=sparse)
-        for sparse in (False, True)
+        lambda kinds=kinds: asperity.Expansion.fit(XI, XI[:, 0] * XI[:, 1], degree=3, distributions=kinds)
+        for kinds in (["normal", "normal:0,1.01"], None)
     ],
     "Exponential": [
         lambda v=v: asperity.Exponential(kinetic=0.2, high_speed=0.1, stribeck_velocity=v) for v in (0.1, 0.2)

@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use thiserror::Error;
 
-use super::{Factor, MultiIndexError, MultiIndexSet, PolynomialFamily};
+use super::{Factor, MultiIndexError, MultiIndexSet, OrthonormalPolynomials, PolynomialFamily};
 
 /// Why a basis could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -23,10 +23,10 @@ pub enum BasisError {
 }
 
 /// Functions Ψ_α(ξ) = Π_i ψ_{α_i}(ξ_i) of a set of multi-indices, orthonormal for independent ξ_i.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Basis {
     set: MultiIndexSet,
-    families: Vec<PolynomialFamily>,
+    polynomials: Vec<OrthonormalPolynomials>,
 }
 
 impl Basis {
@@ -35,10 +35,24 @@ impl Basis {
     /// # Errors
     /// The number of families differs from the number of variables.
     pub fn new(set: MultiIndexSet, families: Vec<PolynomialFamily>) -> Result<Self, BasisError> {
-        if families.len() != set.variables() {
-            return Err(BasisError::Families { families: families.len(), variables: set.variables() });
+        let degree = set.largest_power();
+        Self::with_polynomials(set, families.into_iter().map(|family| family.polynomials(degree)).collect())
+    }
+
+    /// Creates the basis of a set, with the polynomials of each variable.
+    ///
+    /// # Errors
+    /// The number of families of polynomials differs from the number of variables.
+    ///
+    /// # Panics
+    /// If a family ends before the largest power of the set.
+    pub fn with_polynomials(set: MultiIndexSet, polynomials: Vec<OrthonormalPolynomials>) -> Result<Self, BasisError> {
+        if polynomials.len() != set.variables() {
+            return Err(BasisError::Families { families: polynomials.len(), variables: set.variables() });
         }
-        Ok(Self { set, families })
+        let degree = set.largest_power();
+        assert!(polynomials.iter().all(|own| own.steps().len() >= degree), "polynomials of degree {degree}");
+        Ok(Self { set, polynomials })
     }
 
     /// Creates the basis of Hermite polynomials of total degree `degree` in `variables` standard normal variables.
@@ -54,9 +68,9 @@ impl Basis {
         &self.set
     }
 
-    /// Returns the family of each variable.
-    pub fn families(&self) -> &[PolynomialFamily] {
-        &self.families
+    /// Returns the polynomials of each variable.
+    pub fn polynomials(&self) -> &[OrthonormalPolynomials] {
+        &self.polynomials
     }
 
     /// Returns the number of functions.
@@ -77,7 +91,7 @@ impl Basis {
     /// # Panics
     /// If a position lies beyond the basis.
     pub fn select(&self, positions: &[usize]) -> Result<Self, BasisError> {
-        Ok(Self { set: self.set.select(positions)?, families: self.families.clone() })
+        Ok(Self { set: self.set.select(positions)?, polynomials: self.polynomials.clone() })
     }
 
     /// Writes all Ψ_α(ξ) into `values`.
@@ -93,8 +107,8 @@ impl Basis {
         assert_eq!(values.len(), self.len(), "values of another basis");
         let stride = self.set.largest_power() + 1;
         univariate.resize(stride * variables, 0.0);
-        for ((family, &xi), row) in self.families.iter().zip(xi).zip(univariate.chunks_exact_mut(stride)) {
-            family.fill_orthonormal(xi, row);
+        for ((own, &xi), row) in self.polynomials.iter().zip(xi).zip(univariate.chunks_exact_mut(stride)) {
+            own.fill(xi, row);
         }
         let psi = |factor: &Factor| univariate[factor.variable as usize * stride + usize::from(factor.degree)];
         for (term, factors) in self.set.iter().enumerate() {
@@ -135,7 +149,7 @@ mod tests {
                 let product: f64 = (0..3)
                     .map(|i| {
                         let mut psi = [0.0; 5];
-                        families[i].fill_orthonormal(xi[i], &mut psi);
+                        families[i].polynomials(4).fill(xi[i], &mut psi);
                         psi[usize::from(set.at(term)[i])]
                     })
                     .product();

@@ -37,15 +37,26 @@ impl Expansion {
         xi_samples: &[G],
         response: &[f64],
     ) -> Result<(Self, LeastSquaresFit), RegressionError> {
+        let (expansion, fit, _) = Self::solved(basis, xi_samples, response)?;
+        Ok((expansion, fit))
+    }
+
+    /// Fits an expansion as [`Expansion::fit`] and returns the factorised problem as well.
+    pub(super) fn solved<G: AsRef<[f64]>>(
+        basis: Basis,
+        xi_samples: &[G],
+        response: &[f64],
+    ) -> Result<(Self, LeastSquaresFit, LeastSquares), RegressionError> {
         if xi_samples.len() <= basis.len() {
             return Err(RegressionError::TooFewSamples { samples: xi_samples.len(), coefficients: basis.len() });
         }
         // The first function is 1. A constant response is its coefficient; the other coefficients would be rounding errors.
         let constant = constant_value(response);
         let varying: Vec<f64> = response.iter().map(|value| if constant.is_some() { 0.0 } else { *value }).collect();
-        let mut fit = LeastSquares::new(basis.design_matrix(xi_samples))?.fit(&varying)?;
+        let problem = LeastSquares::new(basis.design_matrix(xi_samples))?;
+        let mut fit = problem.fit(&varying)?;
         fit.coefficients[0] += constant.unwrap_or_default();
-        Ok((Self::new(basis, fit.coefficients.clone()), fit))
+        Ok((Self::new(basis, fit.coefficients.clone()), fit, problem))
     }
 
     /// Returns the basis.

@@ -31,8 +31,8 @@ pub(super) struct Horner {
 struct Recurrence {
     variable: usize,
     first: usize,
-    /// (1/b_{n+1}, b_n) of b_{n+1} ψ_{n+1} = x ψ_n − b_n ψ_{n−1}.
-    steps: Vec<(f64, f64)>,
+    /// (a_n, 1/b_{n+1}, b_n) of b_{n+1} ψ_{n+1} = (x − a_n) ψ_n − b_n ψ_{n−1}.
+    steps: Vec<(f64, f64, f64)>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -87,8 +87,9 @@ impl Horner {
         };
         let mut first = vec![0; set.variables()];
         for (variable, &degree) in degrees.iter().enumerate().filter(|(_, degree)| **degree > 0) {
-            let b = |n: usize| if n == 0 { 0.0 } else { basis.families()[variable].recurrence(n) };
-            let steps = (0..degree).map(|n| (1.0 / b(n + 1), b(n))).collect();
+            let own = &basis.polynomials()[variable].steps()[..degree];
+            let before = std::iter::once(0.0).chain(own.iter().map(|(_, b)| *b));
+            let steps = own.iter().zip(before).map(|(&(a, b_next), b)| (a, 1.0 / b_next, b)).collect();
             first[variable] = horner.polynomials;
             horner.recurrences.push(Recurrence { variable, first: horner.polynomials, steps });
             horner.polynomials += degree;
@@ -133,8 +134,8 @@ impl Horner {
         for recurrence in &self.recurrences {
             let x: [f64; LANES] = array::from_fn(|lane| rows[lane][recurrence.variable]);
             let (mut before, mut now) = ([0.0; LANES], [1.0; LANES]);
-            for (row, &(inverse, b)) in psi[recurrence.first..].iter_mut().zip(&recurrence.steps) {
-                let next = array::from_fn(|lane| (x[lane] * now[lane] - b * before[lane]) * inverse);
+            for (row, &(a, inverse, b)) in psi[recurrence.first..].iter_mut().zip(&recurrence.steps) {
+                let next = array::from_fn(|lane| ((x[lane] - a) * now[lane] - b * before[lane]) * inverse);
                 *row = next;
                 (before, now) = (now, next);
             }

@@ -28,7 +28,7 @@ pub use drivers::{DriverError, Drivers, NestedSampling, PickFreeze, ProbabilityO
 pub use expansion::Expansion;
 pub use inputs::{InputError, Redraw, UncertainInput, UncertainInputs};
 pub use multi_index::{Factor, MAX_TERMS, MultiIndexError, MultiIndexSet, Truncation, number_of_terms};
-pub use polynomial::PolynomialFamily;
+pub use polynomial::{OrthonormalPolynomials, PolynomialFamily};
 pub use propagation::{
     NoIndices, Noise, Observed, Parameter, ParameterIndices, Propagated, Propagation, PropagationError,
 };

@@ -173,6 +173,20 @@ impl LeastSquares {
             residuals,
         })
     }
+
+    /// Returns the coefficients that a fit would have without each of the samples, shape `[coefficients P, samples K]`;
+    /// `None` if a sample has leverage 1.
+    ///
+    /// They are c − (AᵀA)⁻¹ a_i e_i with the row a_i of A and the leave-one-out error e_i.
+    pub fn without_each(&self, fit: &LeastSquaresFit) -> Option<Array2<f64>> {
+        let errors: Vec<f64> = fit.leave_one_out.errors.iter().copied().collect::<Option<_>>()?;
+        let mut without = self.qr.q.t().as_standard_layout().into_owned();
+        solve_upper(self.qr.r.view(), without.view_mut());
+        for (mut row, c) in without.rows_mut().into_iter().zip(&fit.coefficients) {
+            row.iter_mut().zip(&errors).for_each(|(change, error)| *change = c - *change * error);
+        }
+        Some(without)
+    }
 }
 
 /// Returns whether the other samples determine the prediction of a sample with this leverage, of `samples` in all.

@@ -1,11 +1,14 @@
-//! Sobol' indices of expansions with bootstrap intervals.
+//! Sobol' indices of expansions with bootstrap and jackknife intervals.
 
 use thiserror::Error;
 
 use super::resamples::FITTED_FRACTION;
-use super::{Expansion, Factor, Resamples, ResamplesError, SampleEstimate};
+use super::{
+    Basis, Expansion, Factor, LeastSquaresFit, MultiIndexSet, RegressionError, Resamples, ResamplesError,
+    SampleEstimate,
+};
 use asperity_base::blocks;
-use asperity_base::stats::Interval;
+use asperity_base::stats::{Interval, student_95};
 
 /// Reason why indices have no intervals.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -144,6 +147,60 @@ impl Expansion {
         self.fraction(|factors| within(factors, subset))
     }
 
+    /// Returns mean, variance, first-order and total indices of all variables, and the indices of the interactions of two
+    /// variables alone: a symmetric matrix, row by row, with NaN on its diagonal.
+    pub fn statistics(&self) -> Vec<f64> {
+        statistics(self.basis().set(), self.coefficients().iter().copied())
+    }
+
+    /// Fits an expansion as [`Expansion::fit`], and estimates 95 % intervals of the [`Expansion::statistics`] by the
+    /// jackknife over the samples; `None` if the fit depends entirely on one of them.
+    ///
+    /// The variance fraction that the terms leave out changes variance and indices by up to the relative leave-one-out
+    /// error, by which their intervals are wider. The terms are taken as given. Samples are assumed independent
+    /// (Monte Carlo); those of stratified designs determine the statistics better than the intervals indicate.
+    ///
+    /// # Errors
+    /// See [`Expansion::fit`].
+    ///
+    /// # References
+    /// Efron & Stein, *Ann. Statist.* **9** (1981) 586, <https://doi.org/10.1214/aos/1176345462>.
+    #[expect(clippy::type_complexity, reason = "the parts of a fit")]
+    pub fn fit_with_intervals<G: AsRef<[f64]>>(
+        basis: Basis,
+        xi_samples: &[G],
+        response: &[f64],
+    ) -> Result<(Self, LeastSquaresFit, Option<Vec<Interval>>), RegressionError> {
+        let (expansion, fit, problem) = Self::solved(basis, xi_samples, response)?;
+        let error = fit.leave_one_out.relative_error.unwrap_or_default();
+        let values = expansion.statistics();
+        let intervals = problem.without_each(&fit).map(|without| {
+            let samples = response.len();
+            // Mean and mean square of the changes without each sample.
+            let mut changes = vec![(0.0, 0.0); values.len()];
+            for own in without.columns() {
+                let without = statistics(expansion.basis().set(), own.iter().copied());
+                for ((mean, square), change) in changes.iter_mut().zip(without.iter().zip(&values).map(|(w, v)| w - v))
+                {
+                    *mean += change / samples as f64;
+                    *square += change * change / samples as f64;
+                }
+            }
+            let interval = |(place, (&value, (mean, square))): (usize, (&f64, (f64, f64)))| {
+                let (left_out, low, high) = match place {
+                    0 => (0.0, f64::NEG_INFINITY, f64::INFINITY),
+                    1 => (error * value, 0.0, f64::INFINITY),
+                    _ => (error, 0.0, 1.0),
+                };
+                let jackknife_error = ((samples - 1) as f64 * (square - mean * mean)).max(0.0).sqrt();
+                let half = student_95(samples) * jackknife_error + left_out;
+                Interval { low: (value - half).clamp(low, high), high: (value + half).clamp(low, high) }
+            };
+            values.iter().zip(changes).enumerate().map(interval).collect()
+        });
+        Ok((expansion, fit, intervals))
+    }
+
     /// Returns for each variable the fraction of the terms that contain it and satisfy `belong`.
     fn fractions(&self, belong: impl Fn(&[Factor]) -> bool) -> Vec<f64> {
         let mut parts = vec![0.0; self.basis().set().variables()];
@@ -166,6 +223,34 @@ impl Expansion {
     fn fluctuations(&self) -> impl Iterator<Item = (&[Factor], f64)> {
         self.basis().set().iter().zip(self.coefficients().iter().copied()).skip(1)
     }
+}
+
+/// Returns the [`Expansion::statistics`] of given coefficients.
+fn statistics(set: &MultiIndexSet, coefficients: impl Iterator<Item = f64>) -> Vec<f64> {
+    let n = set.variables();
+    let (first_order, total, second_order) = (2, 2 + n, 2 + 2 * n);
+    let mut parts = vec![0.0; second_order + n * n];
+    for (factors, c) in set.iter().zip(coefficients) {
+        match factors {
+            [] => {
+                parts[0] = c;
+                continue;
+            }
+            [own] => parts[first_order + own.variable as usize] += c * c,
+            [own, other] => {
+                let (own, other) = (own.variable as usize, other.variable as usize);
+                parts[second_order + own * n + other] += c * c;
+                parts[second_order + other * n + own] += c * c;
+            }
+            _ => {}
+        }
+        parts[1] += c * c;
+        factors.iter().for_each(|own| parts[total + own.variable as usize] += c * c);
+    }
+    let variance = parts[1];
+    parts[first_order..].iter_mut().for_each(|part| *part /= variance);
+    (0..n).for_each(|own| parts[second_order + own * n + own] = f64::NAN);
+    parts
 }
 
 fn within(factors: &[Factor], subset: &[usize]) -> bool {

@@ -1,10 +1,11 @@
 //! Designs of experiments and polynomial chaos expansions.
 
 use asperity::chaos::{
-    self, Basis, Candidates, Design, Factor, MultiIndexSet, PolynomialFamily, SamplingMethod, SparseError,
-    SparseRegression,
+    self, Basis, Candidates, Design, Factor, MultiIndexSet, OrthonormalPolynomials, PolynomialFamily, SamplingMethod,
+    SparseError, SparseRegression,
 };
 use asperity::choice::Choice;
+use asperity::stats::Interval;
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -41,7 +42,24 @@ pub(crate) fn design<'py>(
     Ok(PyArray2::from_owned_array(py, xi))
 }
 
-/// Expansion in Hermite polynomials of standard normal variables.
+/// Translation of a bounded distribution at the nodes; `None` is a standard normal variable.
+type Nodes = Option<Vec<f64>>;
+
+/// Returns the basis of a set in the polynomials of each variable.
+fn basis(set: MultiIndexSet, variables: &[Nodes]) -> PyResult<Basis> {
+    let nodes = OrthonormalPolynomials::nodes().len();
+    if let Some(found) = variables.iter().flatten().map(Vec::len).find(|&found| found != nodes) {
+        return Err(value_error(format_args!("{found} values at {nodes} nodes")));
+    }
+    let degree = set.largest_power();
+    let polynomials = |own: &Nodes| match own {
+        Some(values) => OrthonormalPolynomials::of_bounded(values, degree),
+        None => PolynomialFamily::Hermite.polynomials(degree),
+    };
+    Basis::with_polynomials(set, variables.iter().map(polynomials).collect()).raise()
+}
+
+/// Expansion in orthonormal polynomials of standard normal and of bounded variables.
 #[pyclass(frozen)]
 pub(crate) struct Expansion {
     expansion: chaos::Expansion,
@@ -68,31 +86,36 @@ fn rows(xi: &Array2<f64>) -> Vec<&[f64]> {
 
 #[pymethods]
 impl Expansion {
-    /// Creates an expansion from the powers of its terms, their coefficients and its leave-one-out error.
+    /// Creates an expansion from the powers of its terms, their coefficients, its leave-one-out error and its variables.
     #[new]
-    fn new(powers: Vec<Vec<u16>>, coefficients: Vec<f64>, relative_error: Option<f64>) -> PyResult<Self> {
-        let variables = powers.first().map_or(0, Vec::len);
+    fn new(
+        powers: Vec<Vec<u16>>,
+        coefficients: Vec<f64>,
+        relative_error: Option<f64>,
+        variables: Vec<Nodes>,
+    ) -> PyResult<Self> {
         let factors = |row: Vec<u16>| -> Vec<Factor> {
             let factor = |(variable, degree)| (degree > 0).then_some(Factor { variable, degree });
             (0..).zip(row).filter_map(factor).collect()
         };
-        let set = MultiIndexSet::from_factors(variables, powers.into_iter().map(factors)).raise()?;
+        let set = MultiIndexSet::from_factors(variables.len(), powers.into_iter().map(factors)).raise()?;
         if set.len() != coefficients.len() {
             return Err(value_error(format_args!("{} terms have {} coefficients", set.len(), coefficients.len())));
         }
-        let basis = Basis::new(set, vec![PolynomialFamily::Hermite; variables]).raise()?;
-        Ok(Self { expansion: chaos::Expansion::new(basis, coefficients), relative_error })
+        Ok(Self { expansion: chaos::Expansion::new(basis(set, &variables)?, coefficients), relative_error })
     }
 
-    /// Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation.
+    /// Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation. Returns also the
+    /// 95 % intervals of the `statistics`, shape (statistics, 2), or none.
     #[staticmethod]
-    fn fit(
-        py: Python<'_>,
+    fn fit<'py>(
+        py: Python<'py>,
         xi: PyReadonlyArray2<'_, f64>,
         values: PyReadonlyArray1<'_, f64>,
         #[pyo3(from_py_with = whole)] degree: usize,
         sparse: bool,
-    ) -> PyResult<Self> {
+        variables: Vec<Nodes>,
+    ) -> PyResult<(Self, Option<Bound<'py, PyArray2<f64>>>)> {
         let (xi, values) = (owned(&xi), values.as_array().to_vec());
         if xi.nrows() != values.len() {
             return Err(value_error(format_args!("{} samples have {} values", xi.nrows(), values.len())));
@@ -100,11 +123,11 @@ impl Expansion {
         if !xi.iter().chain(&values).all(|value| value.is_finite()) {
             return Err(value_error("a sample or a value is not finite"));
         }
-        // Polynomials of all samples, and their factors.
+        // Polynomials of all samples, their factors, and the coefficients without each sample.
         let terms = terms(xi.ncols(), degree);
-        require_memory(16.0 * terms * xi.nrows() as f64 + 2.0 * terms * xi.ncols() as f64, "the regression")?;
-        let (expansion, fit) = long::run(py, None, move |_| {
-            let mut basis = Basis::hermite(xi.ncols(), degree).raise()?;
+        require_memory(24.0 * terms * xi.nrows() as f64 + 2.0 * terms * xi.ncols() as f64, "the regression")?;
+        let (expansion, fit, intervals) = long::run(py, None, move |_| {
+            let mut basis = basis(MultiIndexSet::total_degree(xi.ncols(), degree).raise()?, &variables)?;
             if sparse {
                 let matrix = basis.design_matrix(&rows(&xi));
                 let candidates = Candidates::new(matrix.view()).raise()?;
@@ -114,9 +137,11 @@ impl Expansion {
                 };
                 basis = basis.select(&terms).raise()?;
             }
-            chaos::Expansion::fit(basis, &rows(&xi), &values).raise()
+            chaos::Expansion::fit_with_intervals(basis, &rows(&xi), &values).raise()
         })?;
-        Ok(Self { expansion, relative_error: fit.leave_one_out.relative_error })
+        let ends = |own: &[Interval]| Array2::from_shape_fn((own.len(), 2), |(i, end)| [own[i].low, own[i].high][end]);
+        let intervals = intervals.map(|own| PyArray2::from_owned_array(py, ends(&own)));
+        Ok((Self { expansion, relative_error: fit.leave_one_out.relative_error }, intervals))
     }
 
     /// Returns the values at samples.
@@ -134,14 +159,6 @@ impl Expansion {
         self.expansion.basis().set().variables()
     }
 
-    fn mean(&self) -> f64 {
-        self.expansion.mean()
-    }
-
-    fn variance(&self) -> f64 {
-        self.expansion.variance()
-    }
-
     /// Returns the leave-one-out error over the variance.
     fn relative_error(&self) -> Option<f64> {
         self.relative_error
@@ -157,14 +174,8 @@ impl Expansion {
         (0..set.len()).map(|term| set.at(term)).collect()
     }
 
-    /// Returns the first-order and the total Sobol' indices.
-    fn sobol_indices<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
-        let (first, total) = (self.expansion.first_order_indices(), self.expansion.total_indices());
-        (PyArray1::from_vec(py, first), PyArray1::from_vec(py, total))
-    }
-
-    /// Returns the index of the interaction of exactly these variables.
-    fn subset_index(&self, subset: Vec<usize>) -> f64 {
-        self.expansion.subset_index(&subset)
+    /// Returns mean, variance, first-order and total Sobol' indices of all variables, and the matrix of the second-order ones.
+    fn statistics<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.expansion.statistics())
     }
 }

@@ -7,6 +7,7 @@
 mod chaos;
 mod contact;
 mod convert;
+mod distribution;
 mod errors;
 mod long;
 mod machines;
@@ -28,6 +29,8 @@ mod _core {
     use crate::chaos::{Expansion, design};
     #[pymodule_export]
     use crate::contact::solve_contact;
+    #[pymodule_export]
+    use crate::distribution::{Marginal, distribution_nodes};
     #[pymodule_export]
     use crate::machines::Oscillator;
     #[pymodule_export]

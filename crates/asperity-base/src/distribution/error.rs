@@ -68,8 +68,9 @@ pub enum DistributionError {
     /// A text that is not a distribution.
     #[error(
         "`{text}` is not a marginal; write normal[:MEAN,STD], lognormal:MU,SIGMA[,SHIFT], weibull:SHAPE,SCALE[,SHIFT], \
-         gamma:SHAPE,SCALE[,SHIFT], beta:A,B[,LOW,HIGH], triangular:LOW,MODE,HIGH, johnson:SKEWNESS,KURTOSIS[,MEAN,STD] \
-         (a normal kurtosis is 3) or johnson_su|johnson_sb|johnson_sl|johnson_sn:GAMMA,DELTA[,XI,LAMBDA]"
+         gamma:SHAPE,SCALE[,SHIFT], beta:A,B[,LOW,HIGH], uniform:LOW,HIGH, triangular:LOW,MODE,HIGH, \
+         johnson:SKEWNESS,KURTOSIS[,MEAN,STD] (a normal kurtosis is 3) or \
+         johnson_su|johnson_sb|johnson_sl|johnson_sn:GAMMA,DELTA[,XI,LAMBDA]"
     )]
     Syntax {
         /// The text.

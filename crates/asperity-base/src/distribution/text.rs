@@ -9,8 +9,8 @@ impl FromStr for Marginal {
     type Err = DistributionError;
 
     /// Parses `normal[:MEAN,STD]`, `lognormal:MU,SIGMA[,SHIFT]`, `weibull:SHAPE,SCALE[,SHIFT]`,
-    /// `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`, `triangular:LOW,MODE,HIGH`,
-    /// `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` (kurtosis as Sku, 3 for the normal distribution) or the Johnson
+    /// `gamma:SHAPE,SCALE[,SHIFT]`, `beta:A,B[,LOW,HIGH]`, `uniform:LOW,HIGH` (a Beta
+    /// distribution), `triangular:LOW,MODE,HIGH`, `johnson:SKEWNESS,KURTOSIS[,MEAN,STD]` (kurtosis as Sku, 3 for the normal distribution) or the Johnson
     /// distributions by their parameters, `johnson_su:GAMMA,DELTA[,XI,LAMBDA]` and likewise `johnson_sb`, `johnson_sl`,
     /// `johnson_sn`. Defaults: mean 0, standard deviation 1, shift 0, Beta distribution on [0, 1], ξ = 0, λ = 1.
     fn from_str(text: &str) -> Result<Self, DistributionError> {
@@ -32,6 +32,7 @@ impl FromStr for Marginal {
             ("gamma", &[shape, scale, shift]) => Self::gamma(shape, scale, shift),
             ("beta", &[a, b]) => Self::beta(a, b, 0.0, 1.0),
             ("beta", &[a, b, low, high]) => Self::beta(a, b, low, high),
+            ("uniform", &[low, high]) => Self::beta(1.0, 1.0, low, high),
             ("triangular", &[low, mode, high]) => Self::triangular(low, mode, high),
             ("johnson", &[skewness, kurtosis]) => Self::johnson_with_moments(0.0, 1.0, skewness, kurtosis - 3.0),
             ("johnson", &[skewness, kurtosis, mean, std]) => {
@@ -102,6 +103,7 @@ mod tests {
             assert_eq!(marginal.to_string().split(':').next(), text.split(':').next());
         }
         assert_eq!(" beta: 2.1 , 5 ".parse(), Marginal::beta(2.1, 5.0, 0.0, 1.0));
+        assert_eq!("uniform:-1,3".parse(), Marginal::beta(1.0, 1.0, -1.0, 3.0));
         assert_eq!("normal".parse(), Ok(Marginal::STANDARD_NORMAL));
         let by_moments: Marginal = "johnson:0.5,4,1,2".parse().unwrap();
         assert_eq!(by_moments.to_string().parse::<Marginal>(), Ok(by_moments));

@@ -34,10 +34,12 @@ fn residuals_are_orthogonal_to_every_column_and_leverages_sum_to_the_rank() {
 }
 
 #[test]
-fn leave_one_out_errors_are_those_of_refitting_without_each_sample() {
+fn leave_one_out_errors_and_coefficients_are_those_of_refitting_without_each_sample() {
     let design = random_design(25, 4);
     let response = standard_normal(&mut stream(4, "response", 1), 25);
-    let fit = LeastSquares::new(design.clone()).unwrap().fit(&response).unwrap();
+    let problem = LeastSquares::new(design.clone()).unwrap();
+    let fit = problem.fit(&response).unwrap();
+    let without = problem.without_each(&fit).unwrap();
     for left_out in 0..25 {
         let kept: Vec<usize> = (0..25).filter(|&i| i != left_out).collect();
         let fewer = design.select(ndarray::Axis(0), &kept);
@@ -46,6 +48,9 @@ fn leave_one_out_errors_are_those_of_refitting_without_each_sample() {
         let prediction: f64 = design.row(left_out).iter().zip(&refit.coefficients).map(|(a, c)| a * c).sum();
         let error = fit.leave_one_out.errors[left_out].unwrap();
         assert!((error - (response[left_out] - prediction)).abs() < 1e-12);
+        for (found, wanted) in without.column(left_out).iter().zip(&refit.coefficients) {
+            assert!((found - wanted).abs() < 1e-12);
+        }
     }
 }
 

@@ -124,6 +124,47 @@ fn intervals_cover_the_borehole_indices() {
 }
 
 #[test]
+fn statistics_are_the_moments_and_the_indices() {
+    let basis = Basis::hermite(3, 4).unwrap();
+    let coefficients = (0..basis.len()).map(|term| 1.0 / (1.0 + term as f64)).collect();
+    let expansion = Expansion::new(basis, coefficients);
+    let found = expansion.statistics();
+    assert_eq!(found[..2], [expansion.mean(), expansion.variance()]);
+    assert_eq!(found[2..5], expansion.first_order_indices());
+    assert_eq!(found[5..8], expansion.total_indices());
+    for (own, other) in [(0, 1), (0, 2), (1, 2)] {
+        let wanted = expansion.subset_index(&[own, other]);
+        for place in [3 * own + other, 3 * other + own] {
+            assert!(wanted > 0.0 && (found[8 + place] / wanted - 1.0).abs() < 1e-14);
+        }
+    }
+    assert!((0..3).all(|own| found[8 + 4 * own].is_nan()));
+}
+
+#[test]
+fn jackknife_intervals_cover_the_moments_and_indices_of_ishigami() {
+    let families = [PolynomialFamily::Legendre; 3];
+    let set = MultiIndexSet::total_degree(3, 6).unwrap();
+    let basis = Basis::new(set, families.to_vec()).unwrap();
+    let (mean, variance, datasets) = (ISHIGAMI.mean, ISHIGAMI.variance, 40);
+    let truths = [&[mean, variance], ISHIGAMI.first, ISHIGAMI.total].concat();
+    let mut held = [0; 8];
+    for seed in 0..datasets {
+        let (xi_samples, values) = sampled(&families, 600, seed, ISHIGAMI.evaluate);
+        let (_, fit, intervals) = Expansion::fit_with_intervals(basis.clone(), &xi_samples, &values).unwrap();
+        let intervals = intervals.unwrap();
+        for ((held, interval), truth) in held.iter_mut().zip(&intervals).zip(&truths) {
+            *held += u64::from(interval.contains(*truth));
+        }
+        // Most of it is what the terms leave out.
+        assert!(fit.leave_one_out.relative_error.unwrap() < 0.05);
+        let width = |place: usize| intervals[place].high - intervals[place].low;
+        assert!(width(0) < 0.1 * mean && width(1) < 0.3 * variance && (2..8).all(|place| width(place) < 0.2));
+    }
+    assert!(held.iter().all(|held| 10 * held >= 9 * datasets), "{held:?}");
+}
+
+#[test]
 fn missing_intervals_have_a_reason() {
     let basis = Basis::hermite(2, 3).unwrap();
     let (xi_samples, values) = sampled(&[PolynomialFamily::Hermite; 2], 11, 3, |x| x[0]);

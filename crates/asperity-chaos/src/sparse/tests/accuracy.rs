@@ -8,14 +8,13 @@ use crate::{Basis, Design, MultiIndexSet, PolynomialFamily, SamplingMethod, Trun
 
 struct Problem {
     basis: Basis,
+    families: Vec<PolynomialFamily>,
     function: TestFunction,
 }
 
 impl Problem {
     fn ishigami() -> Self {
-        let basis =
-            Basis::new(MultiIndexSet::total_degree(3, 14).unwrap(), vec![PolynomialFamily::Legendre; 3]).unwrap();
-        Self { basis, function: ISHIGAMI }
+        Self::new(MultiIndexSet::total_degree(3, 14).unwrap(), vec![PolynomialFamily::Legendre; 3], ISHIGAMI)
     }
 
     /// The hyperbolic set (Σ α_i^q)^{1/q} ≤ p with q = 3/4 and p = 5.
@@ -24,11 +23,15 @@ impl Problem {
         let set = MultiIndexSet::truncated(8, &truncation).unwrap();
         let families =
             (0..8).map(|i| if i < 2 { PolynomialFamily::Hermite } else { PolynomialFamily::Legendre }).collect();
-        Self { basis: Basis::new(set, families).unwrap(), function: BOREHOLE }
+        Self::new(set, families, BOREHOLE)
+    }
+
+    fn new(set: MultiIndexSet, families: Vec<PolynomialFamily>, function: TestFunction) -> Self {
+        Self { basis: Basis::new(set, families.clone()).unwrap(), families, function }
     }
 
     fn points(&self, method: SamplingMethod, seed: u64, samples: usize) -> Vec<Vec<f64>> {
-        let families = self.basis.families();
+        let families = &self.families;
         let design = Design::new(method, seed, "accuracy", samples, families.len()).unwrap();
         let mut unit = vec![0.0; families.len()];
         let point = |index| {
