@@ -6,17 +6,16 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "merge_parts", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "vibration_schema", "write_map"]
-__all__ = ["Expansion", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "compute", "compute_or_leave", "critical_damping", "design", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "vibration_schema"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
     """
-    Expansion in Hermite polynomials of standard normal variables.
+    Expansion in orthonormal polynomials of standard normal and of bounded variables.
     """
-    def __new__(cls, /, powers: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]], coefficients: SupportsGetItem[int, SupportsFloat | SupportsIndex], relative_error: SupportsFloat | SupportsIndex | None) -> Expansion:
+    def __new__(cls, /, powers: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]], coefficients: SupportsGetItem[int, SupportsFloat | SupportsIndex], relative_error: SupportsFloat | SupportsIndex | None, variables: SupportsGetItem[int, SupportsGetItem[int, SupportsFloat | SupportsIndex] | None]) -> Expansion:
         """
-        Creates an expansion from the powers of its terms, their coefficients and its leave-one-out error.
+        Creates an expansion from the powers of its terms, their coefficients, its leave-one-out error and its variables.
         """
     def coefficients(self, /) -> Incomplete: ...
     def evaluate(self, /, xi: Incomplete) -> Incomplete:
@@ -24,11 +23,11 @@ class Expansion:
         Returns the values at samples.
         """
     @staticmethod
-    def fit(xi: Incomplete, values: Incomplete, degree, sparse: bool) -> Expansion:
+    def fit(xi: Incomplete, values: Incomplete, degree, sparse: bool, variables: SupportsGetItem[int, SupportsGetItem[int, SupportsFloat | SupportsIndex] | None]) -> tuple[Expansion, Incomplete | None]:
         """
-        Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation.
+        Fits an expansion of total degree `degree`; `sparse` keeps few terms, chosen by cross-validation. Returns also the
+        95 % intervals of the `statistics`, shape (statistics, 2), or none.
         """
-    def mean(self, /) -> float: ...
     def powers(self, /) -> list[list[int]]:
         """
         Returns the powers of the variables in each term.
@@ -37,16 +36,30 @@ class Expansion:
         """
         Returns the leave-one-out error over the variance.
         """
-    def sobol_indices(self, /) -> tuple[Incomplete, Incomplete]:
+    def statistics(self, /) -> Incomplete:
         """
-        Returns the first-order and the total Sobol' indices.
-        """
-    def subset_index(self, /, subset: SupportsGetItem[int, SupportsIndex]) -> float:
-        """
-        Returns the index of the interaction of exactly these variables.
+        Returns mean, variance, first-order and total Sobol' indices of all variables, and the matrix of the second-order ones.
         """
     def variables(self, /) -> int: ...
-    def variance(self, /) -> float: ...
+
+@final
+class Marginal:
+    """
+    Distribution that a text states.
+    """
+    def __new__(cls, /, text: str) -> Marginal: ...
+    def probability(self, /, values: Incomplete, upper: bool) -> Incomplete:
+        """
+        Returns the probabilities not to exceed these values or, with `upper`, to exceed them.
+        """
+    def quantile(self, /, probability: Incomplete, upper: bool) -> Incomplete:
+        """
+        Returns the values that are not exceeded with these probabilities or, with `upper`, that are exceeded.
+        """
+    def support(self, /) -> tuple[float, float]:
+        """
+        Returns the ends of the support.
+        """
 
 @final
 class Oscillator:
@@ -138,6 +151,11 @@ def critical_damping(oscillator: Oscillator) -> Any:
 def design(method: str, seed, samples, variables) -> Incomplete:
     """
     Plans a design and returns its standard normal variables, shape (samples, variables).
+    """
+
+def distribution_nodes() -> Incomplete:
+    """
+    Returns the standard normal values at which the polynomials of a bounded distribution need its translation.
     """
 
 def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
