@@ -1,6 +1,7 @@
 """A program of a user, which mypy --strict accepts. It fails if an ignored error is none."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 import asperity
 
@@ -16,6 +17,12 @@ def period(damping_ratio: float) -> float | None:
     law = asperity.Stribeck(kinetic=0.1, decay=4.2)
     machine = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=damping_ratio, belt_velocity=0.003)
     return asperity.limit_cycle(machine).period
+
+
+def vibrating_share(damping_ratios: NDArray[np.float64]) -> float:
+    law = asperity.Stribeck(kinetic=0.1, decay=4.2)
+    machines = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=damping_ratios, belt_velocity=0.003)
+    return float(np.mean(asperity.limit_cycle(machines).limit_cycle))
 
 
 def friction(path: str) -> list[float | None]:
