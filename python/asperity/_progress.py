@@ -38,10 +38,11 @@ class _Output:
     def show(self, text: str) -> None:
         from IPython.display import Pretty, display
 
+        own = Pretty(text)  # type: ignore[no-untyped-call]
         if self.handle is None:
-            self.handle = display(Pretty(text), display_id=True)  # type: ignore[no-untyped-call]
+            self.handle = display(own, display_id=True)  # type: ignore[no-untyped-call]
         else:
-            self.handle.update(Pretty(text))
+            self.handle.update(own)
 
 
 class _Line:

@@ -89,15 +89,15 @@ class StudyResults(Results):
 
     def _main(self) -> dict[str, float]:
         """Return up to six numbers of the answer."""
+        covariance = self.surface.covariance if self.surface else None
         point = self.friction.operating_point if self.friction else None
-        machine = self.verdict.nominal if self.verdict else None
         found = {
-            "rms height (m)": self.surface and self.surface.covariance and self.surface.covariance.std_m,
-            "probability of contact": self.pressure and self.pressure.contact_probability,
-            "friction coefficient": point and point.mean,
-            "its standard deviation over windows": point and point.std,
-            "damping ratio at which vibration ends": machine and machine.limit_damping_ratio,
-            "probability of vibration": self.verdict and self.verdict.probability,
+            "rms height (m)": covariance.std_m if covariance else None,
+            "probability of contact": self.pressure.contact_probability if self.pressure else None,
+            "friction coefficient": point.mean if point else None,
+            "its standard deviation over windows": point.std if point else None,
+            "damping ratio at which vibration ends": self.verdict.nominal.limit_damping_ratio if self.verdict else None,
+            "probability of vibration": self.verdict.probability if self.verdict else None,
         }
         return {name: value for name, value in found.items() if value is not None}
 

@@ -250,7 +250,7 @@ def test_a_notebook_has_one_output_that_changes(monkeypatch):
     asperity.run_study(MACHINE)
     ((first, *others),) = shown
     assert first.startswith("0 s; ")
-    assert any("trajectories: 20 of 20" in text for text in [first, *others])
+    assert any("vibration (area): 4 of 4" in text for text in [first, *others])
 
 
 def test_a_notebook_shows_the_answer_first():
@@ -258,7 +258,7 @@ def test_a_notebook_shows_the_answer_first():
     shown = found._repr_html_()
     (sentence, *_) = found.summary
     assert shown.startswith(f"<p>{sentence}</p>")
-    assert sentence.startswith("Stick-slip at 50")
+    assert sentence.startswith("The machine vibrates (stick-slip)")
     order = [shown.index(part) for part in ("<table><tr><th>damping ratio at", "<img alt=", "<details><summary>")]
     assert order == sorted(order)
     assert len(found._main()) <= 6

@@ -56,6 +56,7 @@ MAKERS = {
         lambda points=points: asperity.Spectral(covariance=EXPONENTIAL, **{**STATIC, "points": points})
         for points in (32, 64)
     ],
+    "Study": [lambda seed=seed: asperity.Study.from_dict({**MACHINE, "seed": seed}) for seed in (1, 2)],
     "Stribeck": [lambda: asperity.Stribeck(kinetic=0.1, decay=4), lambda: asperity.Stribeck(kinetic=0.1, decay=5)],
     "SurfaceModel": [
         lambda seed=seed: asperity.SurfaceModel.fit(scan(seed), generator="spectral", marginal="normal")

@@ -178,7 +178,7 @@ impl LeastSquares {
     /// `None` if a sample has leverage 1.
     ///
     /// They are c − (AᵀA)⁻¹ a_i e_i with the row a_i of A and the leave-one-out error e_i.
-    pub fn without_each(&self, fit: &LeastSquaresFit) -> Option<Array2<f64>> {
+    pub(super) fn without_each(&self, fit: &LeastSquaresFit) -> Option<Array2<f64>> {
         let errors: Vec<f64> = fit.leave_one_out.errors.iter().copied().collect::<Option<_>>()?;
         let mut without = self.qr.q.t().as_standard_layout().into_owned();
         solve_upper(self.qr.r.view(), without.view_mut());

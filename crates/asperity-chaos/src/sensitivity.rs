@@ -165,7 +165,6 @@ impl Expansion {
     ///
     /// # References
     /// Efron & Stein, *Ann. Statist.* **9** (1981) 586, <https://doi.org/10.1214/aos/1176345462>.
-    #[expect(clippy::type_complexity, reason = "the parts of a fit")]
     pub fn fit_with_intervals<G: AsRef<[f64]>>(
         basis: Basis,
         xi_samples: &[G],
