@@ -41,7 +41,7 @@ fn basis_of(words: &mut Words) -> Result<Basis> {
 
 /// Reads the points.
 fn points_of(words: &mut Words, samples: usize, basis: &Basis) -> Result<Vec<Vec<f64>>> {
-    let variables = basis.families().len();
+    let variables = basis.set().variables();
     let values = read(&words.wanted::<PathBuf>("points")?, samples * variables)?;
     Ok(values.chunks(variables).map(<[f64]>::to_vec).collect())
 }

@@ -6,8 +6,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use asperity::choice::Choice;
 use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::{
-    Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, Staging, Study, StudyError, Work, folder_of,
-    StageEstimate, machine, program,
+    Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, StageEstimate, Staging, Study, StudyError,
+    Work, folder_of, machine, program,
 };
 use asperity_formats::read_settings;
 use asperity_report::verdict_summary;
