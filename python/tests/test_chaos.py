@@ -172,7 +172,7 @@ def test_ishigami_has_the_indices_of_its_closed_form(stated):
 @pytest.mark.parametrize("stated", [_text, _scipy, _openturns])
 def test_the_borehole_has_its_indices(stated):
     # Harper & Gupta, ONWI-516 (1983). Indices by the estimators of Saltelli et al., Computer Physics Communications
-    # 181 (2010) 259, at 8 scrambled Sobol' sets of 2^18 points in 16 dimensions; their standard errors are at most 2.3e-5.
+    # 181 (2010) 259, at 8 scrambled Sobol' sets of 2^18 points in 16 dimensions; standard errors are at most 2.3e-5.
     marginals = [("normal", 0.10, 0.0161812), ("lognormal", 7.71, 1.0056)]
     bounds = [(63070, 115600), (990, 1110), (63.1, 116), (700, 820), (1120, 1680), (9855, 12045)]
     marginals += [("uniform", low, high) for low, high in bounds]
