@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
+from asperity import _core
 from asperity.errors import AsperityWarning
 
 if TYPE_CHECKING:
@@ -196,15 +197,9 @@ def frame(rows: Iterable[Mapping[str, Any]]) -> pandas.DataFrame:
     return pandas.json_normalize(list(rows))
 
 
-_UNITS = {"m": "m", "m2": "m^2", "m4": "m^4", "n": "N", "pa": "Pa", "rad": "rad", "s": "s"}
-
-
 def unit_of(name: str) -> str:
-    """Return the unit that the name of a quantity ends with; 1 without one."""
-    quantity, _, divisor = name.rpartition("_per_")
-    if quantity:
-        return f"{unit_of(quantity)}/{_UNITS[divisor]}"
-    return _UNITS.get(name.rpartition("_")[2], "1")
+    """Return the SI unit that the name of a quantity ends with; 1 without one."""
+    return _core.unit_of(name) or "1"
 
 
 def _plain(value: Any) -> Any:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import _core, _plots
 from asperity._arrays import numbers
-from asperity._record import Record, unit_of
+from asperity._record import Record, frame, row, unit_of
 from asperity.surface import HeightMap, field_to_xarray
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
     from matplotlib.axes import Axes
 
@@ -60,22 +63,59 @@ class ContactSolution(Record):
     """Distance between points along x."""
     dy_m: float
     """Distance between points along y."""
+    over: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    """Name and values of what is prescribed, if there are several. All other numbers are then arrays over these values,
+    and fields have the shape (values, ny, nx).
+    """
+
+    def __getitem__(self, place: int) -> ContactSolution:
+        """Return the solution at one of several prescribed values, counted from 0."""
+        if not self.over:
+            raise TypeError("the solution is that of one prescribed value")
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        one = {name: value[place] if isinstance(value, np.ndarray) else value for name, value in own.items()}
+        plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in one.items()}
+        return ContactSolution(**plain | {"over": {}})
+
+    def _values(self) -> dict[str, Any]:
+        return {name: value for name, value in super()._values().items() if self.over or name != "over"}
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the numbers as a data frame with a row, or with a row for each of several prescribed values."""
+        if not self.over:
+            return super().to_dataframe()
+        ((along, values),) = self.over.items()
+        return frame([row(self[place]) | {along: value} for place, value in enumerate(values)])
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return the fields with the coordinates of the cell centres."""
+        """Return the fields with the coordinates of the cell centres; over several values also the numbers."""
         import xarray
 
-        arrays = (
-            field_to_xarray(getattr(self, name), self.dx_m, self.dy_m, name=name, unit=unit_of(name)) for name in FIELDS
-        )
-        return xarray.Dataset({str(array.name): array for array in arrays})
+        if not self.over:
+            arrays = (
+                field_to_xarray(getattr(self, name), self.dx_m, self.dy_m, name=name, unit=unit_of(name))
+                for name in FIELDS
+            )
+            return xarray.Dataset({str(array.name): array for array in arrays})
+        ((along, values),) = self.over.items()
+        own = {each.name: getattr(self, each.name) for each in fields(self) if each.name != along}
+        curves = {name: (along, value, {"units": unit_of(name)}) for name, value in own.items() if np.ndim(value) == 1}
+        solutions = [self[place].to_xarray() for place in range(len(values))]
+        coordinate = xarray.DataArray(values, dims=along, attrs={"units": unit_of(along)}, name=along)
+        return xarray.concat(solutions, dim=coordinate).assign(curves)
 
     def plot(self, field: str = "pressure_pa", *, ax: Axes | None = None) -> Axes:
         """Draw a field: ``pressure_pa``, ``displacement_m``, ``gap_m`` or ``plastic_displacement_m``."""
         if field not in FIELDS:
             raise ValueError(f"found {field}, expected one of {', '.join(FIELDS)}")
+        if self.over:
+            raise ValueError("choose one of the prescribed values, such as solution[0]")
         name = field.rpartition("_")[0].replace("_", " ")
         return _plots.field(getattr(self, field), self.dx_m, self.dy_m, name=name, unit=unit_of(field), ax=ax)
+
+
+def _stacked(values: list[Any]) -> NDArray[Any]:
+    return np.array([math.nan if value is None else value for value in values])
 
 
 def solve_contact(
@@ -86,11 +126,11 @@ def solve_contact(
     modulus_pa: float | None = None,
     youngs_modulus_pa: float | None = None,
     poisson_ratio: float | None = None,
-    penetration_m: float | None = None,
-    percentile: float | None = None,
-    mean_pressure_pa: float | None = None,
-    load_n: float | None = None,
-    mean_gap_m: float | None = None,
+    penetration_m: float | ArrayLike | None = None,
+    percentile: float | ArrayLike | None = None,
+    mean_pressure_pa: float | ArrayLike | None = None,
+    load_n: float | ArrayLike | None = None,
+    mean_gap_m: float | ArrayLike | None = None,
     hardness_pa: float | None = None,
     boundary: Literal["periodic", "free"] = "periodic",
     mean_compliance_m_per_pa: float | None = None,
@@ -108,7 +148,8 @@ def solve_contact(
         Contact modulus E* = E/(1 − ν²). Or state `youngs_modulus_pa` and `poisson_ratio` (0.3 when left out).
     penetration_m, percentile, mean_pressure_pa, load_n, mean_gap_m
         Exactly one: depth of the flat below the highest point, percentage of the heights above the flat, mean pressure,
-        total force, or mean gap.
+        total force, or mean gap. Several values, in one dimension, are solved one after another, each from the
+        solution before it. The first has the bits of a single call, the others are equal to it within the tolerance.
     hardness_pa
         Upper bound of the pressure; the contact is elastic when left out.
     boundary
@@ -135,6 +176,12 @@ def solve_contact(
     >>> hertz = (6 * 10 * 230e9**2 / (np.pi**3 * 10e-3**2)) ** (1 / 3)
     >>> bool(abs(found.max_pressure_pa / hertz - 1) < 0.02)
     True
+
+    Several loads.
+
+    >>> found = asperity.solve_contact(sphere, dx_m=x[1] - x[0], modulus_pa=230e9, load_n=[5, 10, 20], boundary="free")
+    >>> found.contact_fraction.shape, found.pressure_pa.shape, round(found[1].load_n, 9)
+    ((3,), (3, 65, 65), 10.0)
     """
     if isinstance(heights, HeightMap):
         if dx_m is not None or dy_m is not None:
@@ -143,19 +190,36 @@ def solve_contact(
     if dx_m is None:
         raise ValueError("state dx_m, the distance between points")
     dy_m = dx_m if dy_m is None else dy_m
-    settings = {
-        "modulus_pa": modulus_pa,
-        "youngs_modulus_pa": youngs_modulus_pa,
-        "poisson_ratio": poisson_ratio,
+    prescribed = {
         "penetration_m": penetration_m,
         "percentile": percentile,
         "mean_pressure_pa": mean_pressure_pa,
         "load_n": load_n,
         "mean_gap_m": mean_gap_m,
+    }
+    settings = {
+        "modulus_pa": modulus_pa,
+        "youngs_modulus_pa": youngs_modulus_pa,
+        "poisson_ratio": poisson_ratio,
+        **prescribed,
         "hardness_pa": hardness_pa,
         "boundary": boundary,
         "mean_compliance_m_per_pa": mean_compliance_m_per_pa,
         "tolerance": tolerance,
     }
-    found = _core.solve_contact(numbers(heights), dx_m, dy_m, settings)
-    return ContactSolution(**found, dx_m=dx_m, dy_m=dy_m)
+    own = numbers(heights)
+    several = {name: numbers(value) for name, value in prescribed.items() if value is not None and np.ndim(value)}
+    if not several:
+        return ContactSolution(**_core.solve_contact(own, dx_m, dy_m, settings, None), dx_m=dx_m, dy_m=dy_m)
+    name, values = several.popitem()
+    if several or values.ndim != 1 or not len(values):
+        raise ValueError(f"{name} has the shape {values.shape}; one quantity may have several values, in one dimension")
+    found: list[dict[str, Any]] = []
+    for value in values:
+        start = found[-1]["pressure_pa"] if found else None
+        found.append(_core.solve_contact(own, dx_m, dy_m, settings | {name: float(value)}, start))
+    same = ("mean_compliance_m_per_pa",)
+    stacked: dict[str, Any] = {
+        key: found[0][key] if key in same else _stacked([each[key] for each in found]) for key in found[0]
+    }
+    return ContactSolution(**stacked, dx_m=dx_m, dy_m=dy_m, over={name: values})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -247,6 +247,52 @@ class HeightMap:
         return (
             f"HeightMap({self.shape[1]} × {self.shape[0]} points, {self.dx_m:g} × {self.dy_m:g} m, {missing} missing)"
         )
+
+    def fill(
+        self,
+        *,
+        seed: int,
+        level: str = "plane",
+        covariance: Literal["measured", "fitted"] = "measured",
+        marginal: Literal["measured", "normal"] = "measured",
+        nugget: float = 0.0,
+    ) -> HeightMap:
+        """Return the map with random heights where they are missing, which continue the heights present.
+
+        Heights that are present do not change. The result is one possible surface out of many, and a map as measured.
+
+        Parameters
+        ----------
+        seed
+            Seed of the random heights.
+        level
+            Form that is removed before and added back afterwards; see `level`.
+        covariance
+            Covariance of the random heights: that of the map, or the model that fits it best.
+        marginal
+            Their distribution: that of the heights present, or normal.
+        nugget
+            Variance of the measurement noise over that of the heights.
+
+        Raises
+        ------
+        ValueError
+            The map has too few heights, or an option is wrong.
+        ResourceError
+            Memory does not suffice.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> size = {"rms_height_m": 1e-6, "size_m": 64e-6, "points": 64}
+        >>> scan = asperity.artificial_surface(hurst=0.8, correlation_length_m=1e-5, seed=1, **size)
+        >>> heights = scan.heights.copy()
+        >>> heights[20:22, 30] = float("nan")
+        >>> asperity.HeightMap(heights, scan.dx_m, scan.dy_m).fill(seed=1)
+        HeightMap(64 × 64 points, 1e-06 × 1e-06 m, 0 missing)
+        """
+        options = {"seed": seed, "level": level, "covariance": covariance, "marginal": marginal, "nugget": nugget}
+        return HeightMap(_core.fill(self.heights, self.dx_m, self.dy_m, options), self.dx_m, self.dy_m)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the map to a file in the format of its extension, such as ``.x3p``, ``.sur``, ``.sdf`` or ``.gwy``.

@@ -72,3 +72,30 @@ def test_a_solution_is_a_data_set_of_xarray(rough):
     assert fields.gap_m.attrs["units"] == "m"
     assert found.to_dataframe()["load_n"].item() == found.load_n
     assert "pressure_pa" in found._repr_html_()
+
+
+def test_several_loads_are_solved_in_one_call(rough):
+    loads = [1e8, 3e8, 1e9]
+    pressed = {"dx_m": 1e-6, "modulus_pa": 1e11, "hardness_pa": 8e9}
+    found = asperity.solve_contact(rough, mean_pressure_pa=loads, **pressed)
+    single = [asperity.solve_contact(rough, mean_pressure_pa=load, **pressed) for load in loads]
+    assert found[0] == single[0]
+    for one, own in zip(single, map(found.__getitem__, range(3)), strict=True):
+        assert own.residual < 1e-8
+        assert own.mean_pressure_pa == pytest.approx(one.mean_pressure_pa, rel=1e-7)
+        assert np.abs(own.pressure_pa - one.pressure_pa).max() < 1e-5 * one.max_pressure_pa
+    assert found.pressure_pa.shape == (3, *rough.shape)
+    assert (np.diff(found.contact_fraction) > 0).all()
+    curve = found.to_xarray()
+    assert dict(curve.sizes) == {"mean_pressure_pa": 3, "y": 64, "x": 64}
+    assert curve.contact_fraction.dims == ("mean_pressure_pa",)
+    assert curve.mean_pressure_pa.attrs == {"units": "Pa"}
+    assert np.array_equal(curve.gap_m.sel(mean_pressure_pa=3e8), found[1].gap_m)
+    table = found.to_dataframe()
+    assert list(table.mean_pressure_pa) == loads
+    assert list(table.contact_fraction) == list(found.contact_fraction)
+    for wrong in ({"load_n": [1.0, 2.0], "mean_pressure_pa": [1e8]}, {"load_n": [[1.0]]}, {"percentile": []}):
+        with pytest.raises(ValueError, match="one quantity may have several values, in one dimension"):
+            asperity.solve_contact(rough, **wrong, **pressed)
+    with pytest.raises(TypeError, match="one prescribed value"):
+        single[0][0]

@@ -1,12 +1,13 @@
 import dataclasses
 import pickle
+import subprocess
 
 import numpy as np
 import pytest
 
 import asperity
 from asperity import HeightMap
-from support import SCAN
+from support import PROGRAM, SCAN
 
 
 def test_statistics_equal_those_of_the_command_line(program):
@@ -195,3 +196,18 @@ def test_spectra_integrate_to_the_windowed_mean_square(ratio: int) -> None:
     wanted = (window * (heights - heights.mean()) ** 2).sum() / window.sum()
     total = (found.coefficients * found.psd_m4).sum() / (64e-6 * 48e-6 * ratio) + found.psd_corners_m2
     assert total == pytest.approx(wanted, rel=1e-12)
+
+
+def test_a_filled_map_is_that_of_the_command_line(program, tmp_path, rough):
+    heights = rough.copy()
+    heights[10:13, 20:30] = np.nan
+    scan = HeightMap(heights, 1e-6, 1e-6)
+    file, filled = tmp_path / "scan.gwy", tmp_path / "filled.gwy"
+    scan.write(file)
+    subprocess.run([PROGRAM, "surface", "fill", file, "--out", filled, "--seed", "3", "--quiet"], check=True)
+    found = scan.fill(seed=3)
+    assert found == HeightMap.read(filled)
+    present = ~np.isnan(heights)
+    assert np.array_equal(found.heights[present], heights[present])
+    assert np.isfinite(found.heights).all()
+    assert scan.fill(seed=4) != found

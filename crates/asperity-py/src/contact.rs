@@ -74,15 +74,17 @@ impl Settings {
     }
 }
 
-/// Solves a contact problem. Returns fields and numbers, with the keys of `asperity contact --json`.
+/// Solves a contact problem, from the pressure `start_pa` if it is given. Returns fields and numbers, with the keys of
+/// `asperity contact --json`.
 #[pyfunction]
-#[pyo3(signature = (heights_m, dx_m, dy_m, settings))]
+#[pyo3(signature = (heights_m, dx_m, dy_m, settings, start_pa))]
 pub(crate) fn solve_contact<'py>(
     py: Python<'py>,
     heights_m: PyReadonlyArray2<'py, f64>,
     dx_m: f64,
     dy_m: f64,
     settings: &Bound<'py, PyDict>,
+    start_pa: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings: Settings = from_python(settings)?;
     let (control, substrate) = (settings.control()?, settings.substrate()?);
@@ -92,7 +94,7 @@ pub(crate) fn solve_contact<'py>(
         memory_bytes(grid.points(), BoundaryKind::from_name(&settings.boundary).raise()?),
         "the contact problem",
     )?;
-    let heights_m = owned(&heights_m);
+    let (heights_m, start_pa) = (owned(&heights_m), start_pa.as_ref().map(owned));
     let boundary = settings.boundary(grid, &substrate, control)?;
     let mut solver = Solver::default();
     if let Some(tolerance) = settings.tolerance {
@@ -102,7 +104,7 @@ pub(crate) fn solve_contact<'py>(
     let (numbers, iterations, fields) = long::run_sized(py, grid.points(), move |monitor| {
         let half_space = HalfSpace::with_substrate(substrate, grid, boundary).raise()?;
         let problem = ContactProblem::new(&half_space, &heights_m, control, settings.hardness_pa).raise()?;
-        let solution = solver.solve_from(&problem, None, &mut half_space.workspace(), monitor).raise()?;
+        let solution = solver.solve_from(&problem, start_pa.as_ref(), &mut half_space.workspace(), monitor).raise()?;
         require_convergence(&solution, solver.tolerance)?;
         let (numbers, iterations) = (numbers(&solution), solution.iterations());
         let (gap_m, plastic_displacement_m) = (solution.gap_m(), solution.plastic_displacement_m());

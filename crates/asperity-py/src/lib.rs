@@ -40,9 +40,11 @@ mod _core {
     #[pymodule_export]
     use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]
-    use crate::study::{check_inputs, check_study, compute, read_study, results_schema, study_schema, toml_of};
+    use crate::study::{
+        check_inputs, check_study, compute, read_study, results_schema, study_schema, toml_of, unit_of,
+    };
     #[pymodule_export]
-    use crate::surface::{acf, height_map, level, psd, read_map, statistics, write_map};
+    use crate::surface::{acf, fill, height_map, level, psd, read_map, statistics, write_map};
     #[pymodule_export]
     use crate::vibration::{
         critical_damping, ensemble, limit_cycle, parameters_schema, stability_map, vibration_schema,

@@ -11,6 +11,7 @@ use asperity::study::{
 };
 use asperity_formats::read_settings;
 use asperity_report::verdict_summary;
+use asperity_results::split_unit;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -264,6 +265,12 @@ pub(crate) fn check_study<'py>(py: Python<'py>, request: Request<'py>) -> PyResu
     found.set_item("warnings", warnings)?;
     found.set_item("problems", problems)?;
     Ok(found)
+}
+
+/// Returns the SI unit that the name of a number ends with; empty if it states none.
+#[pyfunction]
+pub(crate) fn unit_of(name: &str) -> &'static str {
+    split_unit(name).1
 }
 
 /// Returns the JSON Schema of studies, from which the classes of their sections are generated.

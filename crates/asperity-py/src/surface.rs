@@ -2,13 +2,16 @@
 
 use std::path::PathBuf;
 
+use asperity::choice::ByName;
 use asperity::correlation::{Autocorrelation, Axis, radial_spectrum_with_bands};
 use asperity::map::{HeightMap, checked_pitch_m};
+use asperity::random;
 use asperity::study::file::DecimalSign;
-use asperity::study::surface_statistics;
+use asperity::study::{filling_warnings, surface_statistics};
 use asperity::surface::level::Level;
 use asperity::surface::preparation::{Preparation, Prepared};
 use asperity::surface::scanned::MapStatistics;
+use asperity::surface::{FillCovariance, FillMarginal, FillOptions, Filling, RandomSurface, filling_memory_bytes};
 use asperity_formats::{Channel, LengthUnit, ReadOptions, Scan, read_with, write};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -16,8 +19,9 @@ use pyo3::types::PyDict;
 use serde::{Deserialize, Serialize};
 
 use crate::convert::{from_python, map_of, to_python};
-use crate::errors::{Raise, value_error};
+use crate::errors::{Raise, value_error, warn};
 use crate::long;
+use crate::resources::require_memory;
 
 /// Heights, pitches and warnings of a file.
 type FileContent<'py> = (Bound<'py, PyArray2<f64>>, (f64, f64), Vec<String>);
@@ -61,6 +65,41 @@ pub(crate) fn write_map(
 ) -> PyResult<()> {
     let scan = Scan::new(map_of(&heights_m, dx_m, dy_m)?.into_heights_m(), Some((dx_m, dy_m)));
     long::run(py, None, move |_| write(&scan, &path).raise())
+}
+
+/// Options of a filling.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fill {
+    seed: u64,
+    level: Level,
+    covariance: ByName<FillCovariance>,
+    marginal: ByName<FillMarginal>,
+    nugget: f64,
+}
+
+/// Fills missing heights with random ones that continue the map, as `asperity surface fill` does.
+#[pyfunction]
+pub(crate) fn fill<'py>(
+    heights_m: PyReadonlyArray2<'py, f64>,
+    dx_m: f64,
+    dy_m: f64,
+    options: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let py = heights_m.py();
+    let (map, own): (_, Fill) = (map_of(&heights_m, dx_m, dy_m)?, from_python(options)?);
+    let (ByName(covariance), ByName(marginal)) = (own.covariance, own.marginal);
+    let (level, nugget) = (own.level, own.nugget);
+    let options = FillOptions { level, covariance, marginal, nugget, ..FillOptions::default() };
+    require_memory(filling_memory_bytes(map.grid().points() as f64), "filling a map of this size")?;
+    let (filled, warnings) = long::run(py, None, move |monitor| {
+        let filling = Filling::new(&map, options, monitor).raise()?;
+        let xi = random::standard_normal(&mut random::stream(own.seed, "fill", 0), filling.xi_len());
+        let mut drawn = filling.draw([xi], monitor).raise()?;
+        Ok((drawn.swap_remove(0).into_heights_m(), filling_warnings(&filling, nugget)))
+    })?;
+    warnings.iter().try_for_each(|message| warn(py, message))?;
+    Ok(PyArray2::from_owned_array(py, filled))
 }
 
 /// Copies heights into a checked map: infinite heights count as missing.

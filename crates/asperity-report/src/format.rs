@@ -63,6 +63,7 @@ impl Dimension {
             "m" => Self::Length,
             "m^2" => Self::Area,
             "m^3" => Self::Other("m³"),
+            "m^4" => Self::Other("m⁴"),
             "1/m" => Self::Other("1/m"),
             "rad/m" => Self::Wavenumber,
             "Pa" => Self::Pressure,

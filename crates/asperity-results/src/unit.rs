@@ -1,7 +1,7 @@
 //! Units of numbers by the ending of their name.
 
 /// Endings of names with their unit as in study files. A longer ending stands before the one that it contains.
-const ENDINGS: [(&str, &str); 18] = [
+const ENDINGS: [(&str, &str); 19] = [
     ("_rad_per_m", "rad/m"),
     ("_rad_per_s", "rad/s"),
     ("_m_per_pa", "m/Pa"),
@@ -13,6 +13,7 @@ const ENDINGS: [(&str, &str); 18] = [
     ("_per_m", "1/m"),
     ("_m2", "m^2"),
     ("_m3", "m^3"),
+    ("_m4", "m^4"),
     ("_pa", "Pa"),
     ("_kg", "kg"),
     ("_n", "N"),

@@ -72,7 +72,7 @@ pub use estimate::StageEstimate;
 pub use file::StudyFile;
 pub use friction_process::simulated_record;
 pub use parse::StudyFileError;
-pub use plausibility::{implausible_damping, implausible_friction, implausible_material};
+pub use plausibility::{filling_warnings, implausible_damping, implausible_friction, implausible_material};
 pub use profile::profile_of;
 #[cfg(feature = "report")]
 pub use report::ReportFiles;

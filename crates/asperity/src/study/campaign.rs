@@ -3,6 +3,7 @@
 //! A member is a function of the campaign file, the study, the scans and its number alone. Members are the blocks of one loop, so an
 //! interrupted campaign goes on and parts of one are merged as those of a run.
 
+mod answered;
 mod factors;
 mod folder;
 
@@ -11,50 +12,19 @@ use std::path::{Path, PathBuf};
 
 use asperity_base::blocks::{self, Task};
 use asperity_results::keys::SCALES;
-use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
+use self::answered::{Answered, answers, member_warnings};
 use self::factors::{Column, Factor, Key, MOST, Reader, SCAN, set};
 pub use self::folder::{StoredCampaign, campaign_files, write_campaign};
-use crate::friction::WindowFriction;
 use crate::monitor::Monitor;
 use crate::study::check::FrictionSource;
-use crate::study::result::{
-    CampaignResults, MemberAnswers, MemberRemedy, MemberResult, MemberWarning, MotionKind, Reach, Remedy, RestsOn,
-    Results,
-};
+use crate::study::result::{CampaignResults, MemberResult, RestsOn};
 use crate::study::run::{SharedFriction, Stages};
 use crate::study::verdict::rests_on::is_of;
 use crate::study::{
     InvalidValue, RunBlocks, Stage, StageEstimate, Study, StudyError, StudyFile, StudyFileError, file_hash, sentence,
 };
-
-/// Answers of a member.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Answered {
-    answers: MemberAnswers,
-    warnings: Vec<String>,
-    /// Inputs of the verdict; empty for members that differ from the first ones in other values than the scan.
-    #[serde(with = "as_json")]
-    rests_on: Vec<RestsOn>,
-}
-
-/// Inputs as JSON text, because blocks do not state the kind of a value.
-mod as_json {
-    use serde::de::Error as _;
-    use serde::ser::Error as _;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    use super::RestsOn;
-
-    pub(super) fn serialize<S: Serializer>(inputs: &[RestsOn], serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&serde_json::to_string(inputs).map_err(S::Error::custom)?)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<RestsOn>, D::Error> {
-        serde_json::from_str(&String::deserialize(deserializer)?).map_err(D::Error::custom)
-    }
-}
 
 /// Name of the stage that the blocks of a campaign belong to.
 const STAGE: &str = "campaign";
@@ -520,29 +490,6 @@ impl Campaign {
     }
 }
 
-/// Returns the warnings of the members, those that differ in numbers only as one.
-fn member_warnings(answers: &[Result<Answered, String>]) -> Vec<MemberWarning> {
-    let mut found: Vec<MemberWarning> = Vec::new();
-    let mut known: BTreeMap<String, usize> = BTreeMap::new();
-    for (index, warnings) in
-        answers.iter().enumerate().filter_map(|(index, found)| Some((index, &found.as_ref().ok()?.warnings)))
-    {
-        for warning in warnings {
-            let has_digit = |word: &&str| word.contains(|letter: char| letter.is_ascii_digit());
-            let words: Vec<&str> = warning.split_whitespace().filter(|word| !has_digit(word)).collect();
-            let place = *known.entry(words.join(" ")).or_insert(found.len());
-            if place == found.len() {
-                found.push(MemberWarning { warning: warning.clone(), members: Vec::new() });
-            }
-            let members = &mut found[place].members;
-            if members.last() != Some(&(index + 1)) {
-                members.push(index + 1);
-            }
-        }
-    }
-    found
-}
-
 /// Keys that follow from the scan where a study leaves them out.
 const SIZES: [&str; 3] = ["friction.strip", "friction.points", "friction.window"];
 
@@ -586,37 +533,6 @@ impl Monitor for Inner<'_> {
     fn cancelled(&self) -> bool {
         self.0.cancelled()
     }
-}
-
-/// Returns the main results of a study. `window` is the friction of its machine, and `damping` its damping ratio.
-fn answers(results: &Results, window: Option<&WindowFriction>, damping: Option<f64>) -> MemberAnswers {
-    let point = results.friction.as_ref().map(|friction| &friction.operating_point);
-    let mut found = MemberAnswers {
-        friction_mean: window.map(|window| window.mean).or(point.map(|point| point.mean)),
-        friction_std: window.map(|window| window.std).or(point.map(|point| point.std)),
-        warnings: Some(results.warnings.len()),
-        ..MemberAnswers::default()
-    };
-    if let Some(verdict) = &results.verdict {
-        let nominal = &verdict.nominal;
-        found.limit_damping_ratio = nominal.limit_damping_ratio;
-        (found.kind, found.vibrates) = (Some(nominal.kind), Some(nominal.vibrates));
-        found.probability = Some(verdict.probability);
-        found.probability_interval = Some(verdict.probability_interval);
-        found.probability_range = verdict.probability_range;
-        found.remedy = verdict.remedies.first().and_then(|Remedy { input, unit, reach, .. }| {
-            let Reach { probability, value, .. } = *reach.first()?;
-            Some(MemberRemedy { input: input.clone(), unit: unit.clone(), probability, value })
-        });
-    } else if let Some(vibration) = &results.vibration {
-        found.limit_damping_ratio = vibration.limit_damping_ratio;
-        (found.kind, found.vibrates) = (Some(vibration.kind), Some(vibration.kind != MotionKind::None));
-    } else if let Some(coupled) = &results.mode_coupling {
-        found.limit_damping_ratio = coupled.limit_damping_ratio;
-        (found.kind, found.vibrates) = (Some(coupled.kind), Some(coupled.steady_sliding_unstable));
-    }
-    found.damping_margin = damping.zip(found.limit_damping_ratio).map(|(damping, limit)| damping - limit);
-    found
 }
 
 #[cfg(test)]

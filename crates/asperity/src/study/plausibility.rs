@@ -5,6 +5,7 @@ use crate::friction::process::IMPLAUSIBLE_FRICTION;
 use crate::study::Study;
 use crate::study::check::FrictionSource;
 use crate::study::sentence::{digits, si};
+use crate::surface::Filling;
 
 /// Ratio of Young's modulus to hardness below which a material is implausible: metals have 50 to 300, ceramics and
 /// polymers 10 to 30.
@@ -111,6 +112,28 @@ impl Study {
         }
         warnings
     }
+}
+
+/// Fractions of the variance, added as noise or changed in the covariance, above which a filling has a warning.
+const NOISE_WARNING: f64 = 1e-4;
+const CLIPPING_WARNING: f64 = 0.02;
+
+/// Returns warnings of random heights that differ from the map which they continue; `nugget` is the stated noise.
+pub fn filling_warnings(filling: &Filling, nugget: f64) -> Vec<String> {
+    let (noise, clipped) = (filling.surface().noise(), filling.surface().clipped_variance());
+    let noisy = (noise > nugget.max(NOISE_WARNING)).then(|| {
+        format!(
+            "in places, neighbouring heights differ more than the covariance allows, as with noise of {noise:.0e} of the variance; the \
+             filled heights are smoother by that amount"
+        )
+    });
+    let long = (clipped > CLIPPING_WARNING).then(|| {
+        format!(
+            "the correlation is too long for a map of this size: {:.1} % of the variance was changed to draw it",
+            100.0 * clipped
+        )
+    });
+    noisy.into_iter().chain(long).collect()
 }
 
 #[cfg(test)]

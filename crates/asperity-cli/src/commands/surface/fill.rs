@@ -6,6 +6,7 @@ use asperity::map::HeightMap;
 use asperity::monitor::Monitor;
 use asperity::quantity::Length;
 use asperity::random;
+use asperity::study::filling_warnings;
 use asperity::surface::level::Level;
 use asperity::surface::{
     ConditionalError, FILLED_AT_ONCE, FillCovariance, FillError, FillMarginal, FillOptions, Filling, RandomSurface,
@@ -19,10 +20,6 @@ use crate::failure::{Failure, Kind, chain};
 use crate::input::{self, ScanOptions};
 use crate::monitor::Terminal;
 use crate::resources::require_memory;
-
-/// Fractions of the variance, added as noise or changed in the covariance, above which the command warns.
-const NOISE_WARNING: f64 = 1e-4;
-const CLIPPING_WARNING: f64 = 0.02;
 
 /// Fills missing heights with random ones that continue the map, conditional on the heights present, with their
 /// covariance and distribution. Heights that are present stay unchanged, bit for bit. The result is one possible
@@ -76,7 +73,7 @@ impl Fill {
         if filled == 0 {
             monitor.warn(&format!("{}: no height is missing; the map is written as it is", self.input.display()));
         }
-        self.warn(&filling, monitor);
+        filling_warnings(&filling, self.nugget).iter().for_each(|warning| monitor.warn(warning));
         let maps = self.target.open(self.count, &[&self.input])?;
         let xi = |index: usize| {
             let mut stream = random::stream(self.seed, "fill", index as u64);
@@ -110,23 +107,6 @@ impl Fill {
             covariance: self.covariance,
             marginal: self.marginal,
             nugget: self.nugget,
-        }
-    }
-
-    /// Warns where the random heights differ from the map.
-    fn warn(&self, filling: &Filling, monitor: &Terminal) {
-        let (noise, clipped) = (filling.surface().noise(), filling.surface().clipped_variance());
-        if noise > self.nugget.max(NOISE_WARNING) {
-            monitor.warn(&format!(
-                "in places, neighbouring heights differ more than the covariance allows, as with noise of {noise:.0e} of the variance; \
-                 the filled heights are smoother by that amount"
-            ));
-        }
-        if clipped > CLIPPING_WARNING {
-            monitor.warn(&format!(
-                "the correlation is too long for a map of this size: {:.1} % of the variance was changed to draw it",
-                100.0 * clipped
-            ));
         }
     }
 
