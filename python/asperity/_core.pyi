@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -163,6 +163,11 @@ def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories, duration: 
     Simulates many trajectories over a random friction fluctuation.
     """
 
+def fill(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, options: dict) -> Incomplete:
+    """
+    Fills missing heights with random ones that continue the map, as `asperity surface fill` does.
+    """
+
 def fit_friction_record(friction: Incomplete, step_m: SupportsFloat | SupportsIndex, law: str, detrend: str, low_pass_m: SupportsFloat | SupportsIndex | None, decimation) -> Any:
     """
     Fits a process to a record of the friction coefficient at equal steps; NaN marks gaps.
@@ -228,9 +233,10 @@ def simulate_friction(process: Any, length_m: SupportsFloat | SupportsIndex, ste
     Draws values of the friction coefficient along a path.
     """
 
-def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, settings: dict) -> dict:
+def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, settings: dict, start_pa: Incomplete | None) -> dict:
     """
-    Solves a contact problem. Returns fields and numbers, with the keys of `asperity contact --json`.
+    Solves a contact problem, from the pressure `start_pa` if it is given. Returns fields and numbers, with the keys of
+    `asperity contact --json`.
     """
 
 def stability_map(oscillator: Oscillator, fluctuation: dict, axes: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, progress: Any | None) -> Any:
@@ -257,6 +263,11 @@ def study_schema() -> str:
 def toml_of(study: dict) -> str:
     """
     Returns the text of a study file.
+    """
+
+def unit_of(name: str) -> str:
+    """
+    Returns the SI unit that the name of a number ends with; empty if it states none.
     """
 
 def vibration_schema() -> str:

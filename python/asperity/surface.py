@@ -285,7 +285,7 @@ class HeightMap:
         --------
         >>> import asperity
         >>> size = {"rms_height_m": 1e-6, "size_m": 64e-6, "points": 64}
-        >>> scan = asperity.artificial_surface(hurst=0.8, correlation_length_m=1e-5, seed=1, **size)
+        >>> scan = asperity.artificial_surface(hurst=0.8, correlation_length_m=5e-6, seed=1, **size)
         >>> heights = scan.heights.copy()
         >>> heights[20:22, 30] = float("nan")
         >>> asperity.HeightMap(heights, scan.dx_m, scan.dy_m).fill(seed=1)

@@ -241,7 +241,7 @@ fn a_run_prints_the_sentence_of_its_verdict() {
     assert_eq!(found["assumed"].as_array().unwrap().len(), 1);
     assert_eq!((&found["assumed"][0]["range"], &found["assumed"][0]["value"]), (&vec![0.9, 1.0].into(), &1.0.into()));
     assert_eq!(found["assumed"][0]["probability_at"][1], found["probability"]);
-    let lines: Vec<&str> = shown.stdout.lines().filter(|line| line.contains("kinetic_share 1 (0.9: ")).collect();
+    let lines: Vec<&str> = shown.stdout.lines().filter(|line| line.contains("(kinetic_share), assumed 1: ")).collect();
     assert!(lines.len() == 1 && lines[0].starts_with("Not stated"), "{shown:?}");
     let [.., error, report] = &shown.stdout.lines().collect::<Vec<_>>()[..] else { panic!("{shown:?}") };
     let machines = 100.0 * found["error_sources"][0]["half_width"].as_f64().unwrap();
