@@ -203,15 +203,18 @@ def forms(schema: Schema) -> list[Schema]:
     return schema.get("anyOf", [schema])
 
 
-def unit_of(schema: Schema) -> str | None:
-    """Return the SI unit of the numbers of a quantity or a list of quantities; None if a number has no unit."""
+def unit_of(schema: Schema) -> str | tuple[str, ...] | None:
+    """Return the SI unit of the numbers of a quantity or a list, of rows those of the columns; None without a unit."""
     if any(form.get("type") == "number" for form in forms(schema)):
         return None
     for form in forms(schema):
         items = form.get("items")
+        if isinstance(items, dict) and isinstance(items.get("items"), list):
+            units = tuple(unit_of(item) or "" for item in items["items"])
+            return units if any(units) else None
         unit = form.get("x-unit") or (unit_of(items) if isinstance(items, dict) else None)
         if unit:
-            return str(unit)
+            return unit  # type: ignore[no-any-return]
     return None
 
 
@@ -247,11 +250,12 @@ def section(name: str, schema: Schema) -> str:
         field = "verdict_plan" if name == "Sections" and key == "verdict" else key
         source += f"    {field}: {kind}{'' if key in schema.get('required', []) else ' | None = None'}\n"
         unit, expected = unit_of(value), value.get("x-expected")
-        notes = [f"A number is in {unit}." if unit else "", f"It is {expected}." if expected else ""]
+        own_units = ", ".join(filter(None, unit)) if isinstance(unit, tuple) else unit
+        notes = [f"A number is in {own_units}." if unit else "", f"It is {expected}." if expected else ""]
         notes.append(f"By default {value['default']}." if "default" in value else "")
         source += text(" ".join([value["description"], *filter(None, notes)]), "    ")
     units = {key: unit_of(value) for key, value in properties.items() if unit_of(value)}
-    return source + (f"\n    _units: ClassVar[Mapping[str, str]] = {units}\n" if units else "")
+    return source + (f"\n    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {units}\n" if units else "")
 
 
 def inputs() -> str:

@@ -246,9 +246,13 @@ def first_figure(results: StudyResults) -> str:
 
     # A figure of its own, which no notebook shows by itself.
     figure = Figure(figsize=(4.8, 3.2), layout="constrained")
-    study_figure(results, name, figure.subplots())
     image = io.BytesIO()
-    figure.savefig(image, format="png", dpi=100)
+    try:
+        study_figure(results, name, figure.subplots())
+        figure.savefig(image, format="png", dpi=100)
+    except Exception:
+        # Such as text by TeX without TeX; the answer is shown without the figure.
+        return ""
     return f'<img alt="{name.replace("_", " ")}" src="data:image/png;base64,{b64encode(image.getvalue()).decode()}">'
 
 

@@ -18,9 +18,15 @@ def callback(progress: Progress) -> Callable[[str, int, int], object] | None:
     """Return the function to call, or None."""
     if not isinstance(progress, bool):
         return progress
-    if progress and "ipykernel" in sys.modules:
+    if progress and _in_notebook():
         return _Line(_Output().show)
     return _Line(_overwrite) if progress and sys.stderr.isatty() else None
+
+
+def _in_notebook() -> bool:
+    """Return whether the program runs in a kernel, not only imports one."""
+    interactive = sys.modules.get("IPython")
+    return interactive is not None and getattr(interactive.get_ipython(), "kernel", None) is not None
 
 
 def _overwrite(text: str) -> None:

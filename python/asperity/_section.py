@@ -14,6 +14,9 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, ClassVar, Protocol
 
+import numpy as np
+
+from asperity.errors import warn
 from asperity.interop import is_distribution, uncertain
 from asperity.surface import HeightMap
 
@@ -33,22 +36,44 @@ Scan = str | os.PathLike[str] | HeightMap
 @cache
 def _folder() -> pathlib.Path:
     """Return a folder for the maps of this process, which its end removes."""
-    folder = tempfile.mkdtemp(prefix="asperity-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    folder, process = tempfile.mkdtemp(prefix="asperity-"), os.getpid()
+
+    def remove() -> None:
+        # A process that this one forked ends before it.
+        if os.getpid() == process:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    atexit.register(remove)
     return pathlib.Path(folder)
 
 
 def _file_of(heights: HeightMap) -> str:
     """Write a map to a file named after its content, and return the path."""
-    content = hashlib.sha256(heights.heights.tobytes() + f"{heights.dx_m!r} {heights.dy_m!r}".encode()).hexdigest()
-    path = _folder() / f"{content[:16]}.gwy"
+    head = f"{heights.shape} {heights.dx_m!r} {heights.dy_m!r} ".encode()
+    path = _folder() / f"{hashlib.sha256(head + heights.heights.tobytes()).hexdigest()[:32]}.gwy"
     if not path.exists():
         heights.write(path)
     return os.fspath(path)
 
 
-def stated(value: Any, unit: str = "") -> Any:  # noqa: PLR0911
-    """Return a value in the form of a study file; a number has the unit."""
+def _owned(value: Any) -> Any:
+    """Return a value that later changes of the caller's lists and arrays do not change."""
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and not value.ndim):
+        return value.item()
+    if isinstance(value, (str, bytes, HeightMap, os.PathLike, Section)) or is_distribution(value):
+        return value
+    if isinstance(value, Mapping):
+        return {key: _owned(inner) for key, inner in value.items()}
+    return tuple(map(_owned, value)) if isinstance(value, Iterable) else value
+
+
+# Places of the parameters of a distribution that have its unit, where not all have it.
+_WITH_UNIT = {"lognormal": (0,), "beta": (2, 3)}
+_Unit = str | tuple[str, ...]
+
+
+def stated(value: Any, unit: _Unit = "") -> Any:  # noqa: PLR0911
+    """Return a value in the form of a study file; a number has the unit, one of a row that of its column."""
     if isinstance(value, (str, bool)):
         return value
     if isinstance(value, numbers.Integral) and not unit:
@@ -60,12 +85,21 @@ def stated(value: Any, unit: str = "") -> Any:  # noqa: PLR0911
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if is_distribution(value):
-        return uncertain(value, unit=unit)
+        return uncertain(value, unit=str(unit))
     if isinstance(value, Mapping):
-        return {key: stated(inner) for key, inner in value.items()}
-    if isinstance(value, Iterable):
-        return [stated(inner, unit) for inner in value]
+        return {key: _parameters(key, inner, str(unit)) for key, inner in value.items()}
+    if isinstance(value, Iterable) and not isinstance(value, bytes):
+        rows = isinstance(unit, tuple)
+        return [list(map(stated, inner, unit)) if rows else stated(inner, unit) for inner in value]
     raise TypeError(f"found {value!r}, expected a number, a text, a distribution or a list")
+
+
+def _parameters(name: str, values: Any, unit: str) -> Any:
+    """Return the parameters of a named distribution with their unit."""
+    if isinstance(values, (str, bool)) or not isinstance(values, Iterable):
+        return stated(values)
+    places = _WITH_UNIT.get(name)
+    return [stated(own, unit if places is None or place in places else "") for place, own in enumerate(values)]
 
 
 class Section:
@@ -74,8 +108,28 @@ class Section:
     Sections are equal if a study file states them alike.
     """
 
-    #: SI units of the quantities.
-    _units: ClassVar[Mapping[str, str]] = {}
+    #: SI units of the quantities; of rows, those of the columns.
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {}
+
+    def __post_init__(self) -> None:
+        for own in dataclasses.fields(self):  # type: ignore[arg-type]
+            object.__setattr__(self, own.name, _owned(getattr(self, own.name)))
+        scans = [own for own in self.maps() if isinstance(own, HeightMap)]
+        for name in ("height_unit", "pixel_size"):
+            if scans and getattr(self, name, None) is not None:
+                raise ValueError(f"{name}: the heights and the pixel size of a HeightMap are in m")
+        if any(own.is_prepared for own in scans):
+            warn("the map was levelled or filtered before, which the results do not know; state `level` instead")
+
+    @classmethod
+    def names(cls) -> list[str]:
+        """Return the keys."""
+        return [own.name for own in dataclasses.fields(cls)]  # type: ignore[arg-type]
+
+    def maps(self) -> Iterable[Any]:
+        """Return the scans."""
+        file = getattr(self, "file", None)
+        return file if isinstance(file, tuple) else (file,)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Section) or type(other) is not type(self):

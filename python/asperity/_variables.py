@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity import _core
+from asperity.errors import warn
 
 Numbers = NDArray[np.float64]
 # A function of values, or of probabilities, and of whether probabilities are those above.
@@ -17,6 +18,8 @@ _Function = Callable[[Numbers, bool], Numbers]
 _NORMAL = _core.Marginal("normal")
 # Largest difference of F(F⁻¹(p)) from p.
 _CONTINUOUS = 1e-6
+# Difference of moments at half of the nodes, over the standard deviation, from which a density is not resolved.
+_UNRESOLVED = 1e-4
 # Least probability of which a standard normal quantile is taken.
 _LEAST = float(np.finfo(float).tiny)
 
@@ -32,7 +35,20 @@ class Variable:
         self.nodes = self.values(normal)
         wrong = self._probability(self.nodes, False) - _NORMAL.probability(normal, False)
         if not np.abs(wrong).max() < _CONTINUOUS:
-            raise ValueError("it has no continuous distribution function")
+            raise ValueError("its distribution function is not continuous, or its tails are below the least double")
+        if self.bounded and self._unresolved(normal) > _UNRESOLVED:
+            warn(
+                "the density has gaps or steps, which the polynomials do not resolve: moments and intervals are inexact"
+            )
+
+    def _unresolved(self, normal: Numbers) -> float:
+        """Return the difference of mean and standard deviation from those at every second node, over the latter."""
+        moments = []
+        for step in (1, 2):
+            weights, values = np.exp(-0.5 * normal[::step] ** 2), self.nodes[::step]
+            mean = np.average(values, weights=weights)
+            moments.append((mean, np.average((values - mean) ** 2, weights=weights) ** 0.5))
+        return float(max(abs(fine - coarse) for fine, coarse in zip(*moments, strict=True)) / moments[0][1])
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Variable, (self._distribution,)

@@ -133,7 +133,7 @@ class SobolIndices(Curves):
 
     The intervals contain the choice of the samples, by a jackknife, and the variance that the expansion does not
     explain, by its leave-one-out error. They take the samples as independent and the terms as given, and are NaN if the
-    error is undefined.
+    error is undefined. They are too narrow for functions with heavy tails, such as Student's t, of few samples.
     """
 
     first_order: NDArray[np.float64]
@@ -302,8 +302,8 @@ class Expansion(Made):
         own = variables_of(distributions, variables)
         xi = _design(method, seed, samples, variables, own)
         if not vectorized:
-            return Expansion._fit(xi, np.array([float(function(row)) for row in xi]), degree, sparse, own)  # type: ignore[arg-type]
-        values = numbers(function(xi))
+            return Expansion._fit(xi, np.array([float(function(row)) for row in xi.copy()]), degree, sparse, own)  # type: ignore[arg-type]
+        values = numbers(function(xi.copy()))
         if values.shape != (samples,):
             raise ValueError(f"the function returned an array of shape {values.shape}, expected ({samples},)")
         return Expansion._fit(xi, values, degree, sparse, own)

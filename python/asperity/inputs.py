@@ -109,7 +109,7 @@ class Surface(Section):
     along. When left out, `both` with a rough `[counterface]`, otherwise the track. Friction depends on it.
     """
 
-    _units: ClassVar[Mapping[str, str]] = {
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {
         "pixel_size": "m",
         "s_filter": "m",
         "l_filter": "m",
@@ -168,7 +168,7 @@ class Counterface(Section):
     translation: Literal["plain", "corrected"] | None = None
     """Method that imposes the marginal distribution; that of `[surface]` when left out."""
 
-    _units: ClassVar[Mapping[str, str]] = {
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {
         "youngs_modulus": "Pa",
         "hardness": "Pa",
         "pixel_size": "m",
@@ -192,7 +192,11 @@ class Material(Section):
     shear_strength: float | str | Uncertain | None = None
     """Shear strength τ_max of the contacts; required by friction. A number is in Pa. It is a positive value."""
 
-    _units: ClassVar[Mapping[str, str]] = {"youngs_modulus": "Pa", "hardness": "Pa", "shear_strength": "Pa"}
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {
+        "youngs_modulus": "Pa",
+        "hardness": "Pa",
+        "shear_strength": "Pa",
+    }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -247,7 +251,7 @@ class Pressure(Section):
     tolerance: float | None = None
     """Relative tolerance of each contact solve. By default 1e-06."""
 
-    _units: ClassVar[Mapping[str, str]] = {
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {
         "size": "m",
         "mean_compliance": "m/Pa",
         "penetration": "m",
@@ -302,7 +306,7 @@ class Friction(Section):
     uncertainty: Mapping[str, object] | None = None
     """Uncertain parameters of the surface."""
 
-    _units: ClassVar[Mapping[str, str]] = {
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {
         "strip": "m",
         "window": "m",
         "window_width": "m",
@@ -365,7 +369,7 @@ class Vibration(Section):
     """
     friction_table: Sequence[tuple[float | str, float]] | None = None
     """Points (velocity, coefficient) of a friction law, from velocity 0 on; constant beyond the last. Coefficients
-    count relative to the first, which stands for the kinetic friction coefficient.
+    count relative to the first, which stands for the kinetic friction coefficient. A number is in m/s.
     """
     generator: Literal["autoregressive", "spectral", "jacobi", "renewal"] | None = None
     """Generator of the fluctuation. When left out, the generator of the fitted process, or else the recursion if it
@@ -405,7 +409,7 @@ class Vibration(Section):
     friction_marginal: str | None = None
     """Marginal distribution of the friction coefficient, for studies without a friction stage."""
 
-    _units: ClassVar[Mapping[str, str]] = {
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {
         "mass": "kg",
         "natural_frequency": "rad/s",
         "normal_force": "N",
@@ -414,6 +418,7 @@ class Vibration(Section):
         "forcing": "N",
         "forcing_frequency": "rad/s",
         "stribeck_velocity": "m/s",
+        "friction_table": ("m/s", ""),
         "friction_correlation_length": "m",
     }
 
@@ -454,7 +459,7 @@ class Verdict(Section):
     evaluations: int | None = None
     """Largest number of machines that are evaluated for the probability. By default 65536."""
 
-    _units: ClassVar[Mapping[str, str]] = {"duration": "s"}
+    _units: ClassVar[Mapping[str, str | tuple[str, ...]]] = {"duration": "s"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

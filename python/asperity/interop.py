@@ -130,6 +130,8 @@ def uncertain(distribution: Any, *, unit: str = "", unknown: bool = False) -> di
     >>> asperity.uncertain(scipy.stats.norm(2, 0.25), unit="GPa")
     {'normal': ['2.0 GPa', '0.25 GPa']}
     """
+    if not (is_distribution(distribution) or hasattr(distribution, "getImplementation")):
+        raise TypeError(f"found {distribution!r}, expected a frozen distribution of SciPy or one of OpenTURNS")
     name, parameters = _of_scipy(distribution) if _is_frozen(distribution) else _of_openturns(distribution)
 
     def stated(value: float) -> float | str:

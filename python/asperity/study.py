@@ -119,6 +119,7 @@ class StudyResults(Results):
         return _plots.study_figure(self, figure, ax)
 
 
+_SECTIONS: dict[str, type[Section]] = {name.lower(): getattr(inputs, name) for name in inputs.__all__}
 # Attributes of sections whose names are those of methods.
 _FIELDS = {"verdict": "verdict_plan"}
 
@@ -145,14 +146,21 @@ class Study(Sections):
     """
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, kind in _SECTIONS.items():
+            own = getattr(self, _FIELDS.get(name, name))
+            if own is not None and not isinstance(own, kind):
+                found = type(own).__name__
+                raise TypeError(f"{name}: found {found}, expected asperity.inputs.{kind.__name__}; see Study.from_dict")
         _core.check_inputs(self.to_dict())
 
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any]) -> Study:
         """Create a study from dictionaries, one for each section."""
         _core.check_inputs(with_stated_distributions(sections))
-        kinds = {name.lower(): getattr(inputs, name) for name in inputs.__all__}
-        own = {key: kinds[key](**value) if key in kinds else value for key, value in sections.items()}
+        own: dict[str, Any] = {
+            key: _SECTIONS[key](**value) if key in _SECTIONS else value for key, value in sections.items()
+        }
         return cls(**{_FIELDS.get(key, key): value for key, value in own.items()})
 
     def to_dict(self) -> dict[str, Any]:
@@ -177,7 +185,7 @@ class Study(Sections):
         return _core.toml_of(self.to_dict())
 
     def with_values(self, **values: Any) -> Study:
-        """Return the study with other values of keys that exactly one of its sections has.
+        """Return the study with another seed or name, or with other values of keys of its sections; None removes one.
 
         A key of several sections, such as ``boundary``, is stated as ``friction__boundary``.
 
@@ -186,16 +194,23 @@ class Study(Sections):
         ValueError
             No section of the study has the key, or several have.
         """
-        own = {key: getattr(self, _FIELDS.get(key, key)) for key in map(str.lower, inputs.__all__)}
+        own = {key: getattr(self, _FIELDS.get(key, key)) for key in _SECTIONS}
         changed = {key: section for key, section in own.items() if section is not None}
+        above: dict[str, Any] = {name: values[name] for name in ("seed", "name") if name in values}
+        unstated = set(self.unstated or ())
         for name, value in values.items():
+            if name in above:
+                continue
             section, _, key = name.rpartition("__")
-            having = [own for own in changed if section in ("", own) and key in changed[own].__dataclass_fields__]
+            having = [own for own in changed if section in ("", own) and key in changed[own].names()]
             if len(having) != 1:
                 found = f"the sections {', '.join(having)} have" if having else "no section of the study has"
                 raise ValueError(f"{found} the key {key}; state SECTION__{key} of a section that the study has")
             changed[having[0]] = replace(changed[having[0]], **{key: value})
-        return replace(self, **{_FIELDS.get(key, key): section for key, section in changed.items()})
+            unstated.discard(f"{having[0]}.{key}")
+        if self.unstated is not None:
+            above["unstated"] = [name for name in self.unstated if name in unstated]
+        return replace(self, **above, **{_FIELDS.get(key, key): section for key, section in changed.items()})
 
     def check(self) -> StudyCheck:
         """Return what the study computes, what it costs, and what is wrong with it, without computing results."""
@@ -271,6 +286,11 @@ def run_study(
     >>> found.surface.covariance.std_m
     1e-06
     """
+    sections = (study.surface, study.counterface) if isinstance(study, Study) and out is not None else ()
+    if any(isinstance(own, HeightMap) for section in sections if section for own in section.maps()):
+        warn(
+            "the folder names a file of the map that the end of this process removes; write the map and state its file"
+        )
     found = _core.compute(
         request(study, only, seed), False, callback(progress), None if out is None else os.fspath(out)
     )

@@ -236,6 +236,11 @@ class HeightMap:
         return interop.from_surfalize(surface)
 
     @property
+    def is_prepared(self) -> bool:
+        """Whether `level` made the map, so that it is not as measured."""
+        return self._history != _AS_MEASURED
+
+    @property
     def shape(self) -> tuple[int, int]:
         """Number of rows and of columns, (ny, nx)."""
         ny, nx = self.heights.shape

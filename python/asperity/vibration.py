@@ -88,9 +88,11 @@ class Oscillator(Parameters):
 
 def _owned(value: Any) -> Any:
     """Return arguments whose arrays are copies that do not change. An array without axes is a number."""
+    if isinstance(value, Tabulated):
+        return Tabulated(points=tuple((float(velocity), float(own)) for velocity, own in value.points))
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return dataclasses.replace(value, **{name: _owned(item) for name, item in vars(value).items()})
-    if isinstance(value, np.generic) or not hasattr(value, "__array__"):
+    if isinstance(value, np.generic) or not (hasattr(value, "__array__") or isinstance(value, (list, tuple))):
         return value
     own = numbers(value).copy()
     own.flags.writeable = False

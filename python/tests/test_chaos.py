@@ -253,7 +253,7 @@ def test_wrong_distributions_are_refused():
         fit(unit, ["uniform:0,1"])
     with pytest.raises(ValueError, match="distribution 1: `gumbel:1,2` is not a marginal"):
         fit(unit, ["uniform:0,1", "gumbel:1,2"])
-    with pytest.raises(ValueError, match="distribution 0: it has no continuous distribution function"):
+    with pytest.raises(ValueError, match="distribution 0: its distribution function is not continuous"):
         fit(unit, [pytest.importorskip("scipy.stats").poisson(3), "uniform:0,1"])
     with pytest.raises(TypeError, match="is neither a text nor a distribution"):
         fit(unit, [1.0, "uniform:0,1"])
@@ -300,3 +300,21 @@ def test_intervals_contain_the_moments_and_are_undefined_without_an_error_estima
     assert expansion.relative_error is None
     assert np.isnan(expansion.mean_interval).all()
     assert np.isnan(expansion.sobol_indices().total_interval).all()
+
+
+def test_a_function_may_change_its_argument():
+    def changing(x):
+        x[..., 0] **= 2
+        return x[..., 0] + x[..., 1]
+
+    settings = {"distributions": ["uniform:0,1"] * 2, "degree": 4, "samples": 64, "seed": 1}
+    for vectorized in (False, True):
+        found = asperity.Expansion.of(changing, vectorized=vectorized, **settings)
+        assert found.mean == pytest.approx(5 / 6, abs=1e-9)
+
+
+def test_a_density_with_gaps_is_warned_about():
+    stats = pytest.importorskip("scipy.stats")
+    gap = stats.rv_histogram(([1, 0, 0, 1], [0, 1, 2, 3, 4]), density=True)
+    with pytest.warns(asperity.AsperityWarning, match="the density has gaps or steps"):
+        asperity.Expansion.of(lambda x: x[0], distributions=[gap], degree=2, samples=64, seed=1)

@@ -4,6 +4,7 @@ import copy
 import dataclasses
 import pickle
 
+import numpy as np
 import pytest
 from scipy import stats
 
@@ -13,6 +14,14 @@ from support import ROOT, SCAN
 
 pytestmark = pytest.mark.filterwarnings("ignore::asperity.AsperityWarning")
 
+MACHINE = {
+    "mass": 1,
+    "natural_frequency": "50 Hz",
+    "damping_ratio": 0.1,
+    "normal_force": 100,
+    "nominal_area": 1e-4,
+    "belt_velocity": 0.02,
+}
 TEXT = """seed = 1
 [vibration]
 mass = "1 kg"
@@ -125,3 +134,47 @@ def test_wrong_values_are_refused_where_they_are_stated():
     with pytest.raises(ValueError, match="the sections friction, pressure have the key boundary"):
         two.with_values(boundary="free")
     assert two.with_values(friction__boundary="free").friction.boundary == "free"
+
+
+def test_maps_of_the_same_bytes_and_another_shape_are_two():
+    heights = 1e-6 * np.random.default_rng(1).standard_normal(64 * 256).cumsum()
+    maps = [asperity.HeightMap.from_array(heights.reshape(shape), dx_m=1e-6) for shape in ((64, 256), (256, 64))]
+    first, second = (Surface(file=own).to_dict()["file"] for own in maps)
+    assert asperity.HeightMap.read(first) == maps[0] != maps[1] == asperity.HeightMap.read(second)
+
+
+def test_what_the_caller_changes_later_does_not_change_a_study():
+    lengths, pressures = [20e-6, 20e-6], np.array([2e6, 3e6])
+    surface = Surface(
+        covariance="exponential", marginal="normal", rms_height=np.array(1e-6), correlation_length=lengths
+    )
+    slid = Friction(mean_pressures=pressures, percentiles=(own for own in (5.0, 50.0)), points=[np.int64(256), 16])
+    lengths[0], pressures[0] = 90e-6, 9e6
+    assert surface.correlation_length == (20e-6, 20e-6)
+    assert surface.rms_height == 1e-6
+    assert slid.to_dict() == slid.to_dict()
+    assert slid.mean_pressures == (2e6, 3e6)
+    assert slid.percentiles == (5.0, 50.0)
+    table = Vibration(friction_table=[(0, 0.4), ("0.1 m/s", 0.3)], **MACHINE).to_dict()["friction_table"]
+    assert table == [["0.0 m/s", 0.4], ["0.1 m/s", 0.3]]
+    form = Material(youngs_modulus=asperity.uncertain(stats.lognorm(0.1, scale=2e9), unknown=True)).to_dict()
+    assert form == {"youngs_modulus": {"lognormal": ["2000000000.0 Pa", 0.1], "unknown": True}}
+
+
+def test_a_stated_value_is_no_longer_unstated():
+    study = dataclasses.replace(machine(), unstated=["vibration.kinetic_share", "vibration.velocity_law"])
+    changed = study.with_values(kinetic_share=0.9, seed=3)
+    assert (changed.unstated, changed.seed) == (("vibration.velocity_law",), 3)
+    assert "kinetic_share" not in changed.with_values(kinetic_share=None).to_dict()["vibration"]
+
+
+def test_sections_are_objects_and_maps_are_as_measured():
+    with pytest.raises(TypeError, match=r"surface: found dict, expected asperity\.inputs\.Surface"):
+        asperity.Study(seed=1, surface={"rms_height": "1 um"})
+    scan = asperity.HeightMap.from_array(np.random.default_rng(2).standard_normal((32, 32)) * 1e-6, dx_m=1e-6)
+    with pytest.raises(ValueError, match="height_unit: the heights and the pixel size of a HeightMap are in m"):
+        Surface(file=scan, height_unit="nm")
+    with pytest.warns(asperity.AsperityWarning, match="the map was levelled or filtered before"):
+        Surface(file=[scan.level("plane")])
+    with pytest.raises(TypeError, match="found 3, expected a frozen distribution"):
+        asperity.uncertain(3)

@@ -276,3 +276,15 @@ def test_blocks_of_dask_are_arrays_of_machines():
     ratios = np.linspace(0.05, 0.2, 10)
     period = array.from_array(ratios, chunks=4).map_blocks(lambda own: asperity.limit_cycle(paper(own)).period)
     assert np.array_equal(period.compute(scheduler="threads"), asperity.limit_cycle(paper(ratios)).period)
+
+
+def test_points_of_a_law_are_copied_and_lists_are_arrays():
+    points = np.array([[0, 0.1], [0.1, 0.099], [1, 0.09]])
+    law = asperity.Tabulated(points=points)
+    own = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=0.001, belt_velocity=0.003)
+    points[2, 1] = 0.02
+    assert own == pickle.loads(pickle.dumps(own))
+    assert asperity.limit_cycle(own) == asperity.limit_cycle(pickle.loads(pickle.dumps(own)))
+    law = asperity.Stribeck(kinetic=0.1, decay=4.2)
+    machines = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=[0.1, 0.3], belt_velocity=0.003)
+    assert list(asperity.limit_cycle(machines).limit_cycle) == [True, False]
