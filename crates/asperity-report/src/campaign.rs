@@ -10,9 +10,11 @@ use asperity_results::{CampaignResults, MemberWarning, Provenance};
 use self::words::{SOURCE, members_in_words};
 use crate::Report;
 use crate::format::count;
+use crate::markup::{Html, html};
 use crate::page::Page;
 use crate::page::answer::Answer;
 use crate::page::section::Section;
+use crate::page::verdict::{card, rests_on};
 
 /// Script that sorts the table.
 const SORT: &str = include_str!("page/sort.js");
@@ -42,9 +44,11 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
     let figures = figure::figure(results).into_iter().collect();
     let warning = |found: &MemberWarning| format!("{} ({})", found.warning, members_in_words(&found.members));
     let warnings: Vec<String> = results.member_warnings.iter().map(warning).collect();
+    let answers = answers::answers(results);
+    let (opening, cards) = first_screen(&answers, results);
     let sections = [
-        Section::new("comparison", "Comparison", "", Vec::new(), figures),
-        Some(Section::of_html("members", "Members", lead, table::table(results, shown))),
+        Some(Section::of_html("comparison", "Comparison", "", figures, cards)),
+        Some(Section::of_html("members", "Members", lead, Vec::new(), table::table(results, shown))),
         Section::sentences(
             "warnings",
             "Warnings of the members",
@@ -57,8 +61,8 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
         title: run.name.clone(),
         intro: "One study with many values, a member for each set of them: report of a campaign by asperity. The report of a single run of the \
                 study shows what decides and what would stop vibration.",
-        first_screen: None,
-        answers: answers::answers(results),
+        first_screen: Some(opening),
+        answers: Vec::new(),
         warnings: results.warnings.clone(),
         sections: sections.into_iter().flatten().collect(),
         details: Vec::new(),
@@ -68,11 +72,33 @@ pub fn render_campaign(run: &CampaignRun) -> Report {
     page.render()
 }
 
+/// Returns the most important answer, and cards with the others and with the values in common.
+fn first_screen(answers: &[Answer], results: &CampaignResults) -> (Html, Html) {
+    let Some((first, others)) = answers.split_first() else { return Default::default() };
+    let opening = html!(
+        "<section id=\"answer\" aria-label=\"Verdict\">\n<p class=\"sub\">{}</p>\n<p class=\"headline\">{}</p>\n<p class=\"sub\">{}</p>\n</section>\n",
+        first.question,
+        &first.answer,
+        &first.detail,
+    );
+    let of_answer = |Answer { question, answer, detail }: &Answer| {
+        card(question, &html!("<p class=\"found\">{}</p>\n<p>{}</p>\n", answer, detail))
+    };
+    let rests_on = match results.rests_on.as_slice() {
+        [] => Html::default(),
+        inputs => card(answers::RESTS_ON, &rests_on::chips(inputs)),
+    };
+    let cards = others.iter().map(of_answer).chain([rests_on]);
+    (opening, html!("<div class=\"column\">\n{}</div>\n", cards.collect::<Html>()))
+}
+
 /// Returns the answers of the page of a campaign, each with its question in one line.
 pub fn campaign_summary(results: &CampaignResults) -> Vec<String> {
-    let lines = answers::answers(results).into_iter().map(|Answer { question, answer, detail }| {
-        format!("{question} {answer}{}", if answer.ends_with('.') { "" } else { "." }) + " " + &detail
-    });
+    let lines = answers::answers(results).into_iter().chain(answers::inputs(results)).map(
+        |Answer { question, answer, detail }| {
+            format!("{question} {answer}{}", if answer.ends_with('.') { "" } else { "." }) + " " + &detail
+        },
+    );
     lines.map(|line| line.trim_end().replace('\u{a0}', " ")).collect()
 }
 
@@ -157,7 +183,7 @@ mod tests {
         let mut results = judged();
         let (vibrating, which) = answer(&results, "How many vibrate?");
         assert!(vibrating == "3 of 6" && which.starts_with("Members 1 to 3."), "{vibrating} {which}");
-        let (place, why) = answer(&results, "Where does it change?");
+        let (place, why) = answer(&results, "Where does the verdict change?");
         assert_eq!(place, "Between damping ratio 0.05 and 0.2");
         assert!(
             why.starts_with("Up to damping ratio 0.05 all members vibrate; from 0.2 on no member vibrates."),
@@ -171,7 +197,7 @@ mod tests {
         }
         let values = results.keys.iter_mut().map(|key| key.unit.clear()).count();
         results.members.iter_mut().for_each(|member| member.values = vec![InputValue::Integer(1); values]);
-        let found = answer(&results, "Where does it change?");
+        let found = answer(&results, "Where does the verdict change?");
         let why = "All members with scan 0.x3p vibrate. No member with scan 1.x3p vibrates.";
         assert_eq!(found, ("With the scan".into(), why.into()));
     }
@@ -181,8 +207,8 @@ mod tests {
         // 0.85 at a damping ratio of 0.05 and 0.7 at 0.2, at both hardnesses.
         let mut results = campaign();
         let (most, others) = answer(&results, "What changes the probability of vibration?");
-        assert_eq!(most, "Damping ratio matters: 85 % at 0.05, 70 % at 0.2");
-        assert!(others.starts_with("Hardness has no effect: 82 % at 100 MPa, 82 % at 150 MPa."), "{others}");
+        assert_eq!(most, "Damping ratio matters: 85 % vibrate at 0.05, 70 % at 0.2");
+        assert!(others.starts_with("Hardness has no effect: 82 % vibrate at 100 MPa, 82 % at 150 MPa."), "{others}");
         // One value alone, with intervals that are wider than its effect, or narrower.
         results.members.retain(|member| !member.failed && number(&member.values[1]) == Some(1e8));
         for (half, words) in [(0.2, "has no resolved effect"), (0.01, "matters")] {
@@ -191,7 +217,7 @@ mod tests {
                 member.answers.probability_interval = Some([own - half, own + half]);
             }
             let found = answer(&results, "What changes the probability of vibration?");
-            assert_eq!(found, (format!("Damping ratio {words}: 85 % at 0.05, 70 % at 0.2"), String::new()));
+            assert_eq!(found, (format!("Damping ratio {words}: 85 % vibrate at 0.05, 70 % at 0.2"), String::new()));
         }
         let answers = answers(&results);
         assert!(answers.iter().all(|answer| answer.question != "How many vibrate?"), "{answers:?}");
@@ -206,17 +232,20 @@ mod tests {
             value: InputValue::Number(value),
             unit: String::new(),
             kind,
+            range: (kind == InputKind::Unknown).then_some([0.85, 0.95]),
         };
         results.rests_on = vec![
             input("surface.file", 2.0, InputKind::Measured),
             input("vibration.stribeck", 4.2, InputKind::Default),
             input("vibration.kinetic_share", 0.9, InputKind::Unknown),
         ];
-        let (first, others) = answer(&results, "What does it rest on, beside the values that differ?");
+        let Answer { answer: first, detail: others, .. } = answers::inputs(&results).unwrap();
         assert_eq!(first, "Surface: 2 scans");
-        let unknown = "Unknown: kinetic over static friction 0.9.";
+        let unknown = "Unknown, with 90 % ranges: kinetic over static friction 0.900 (0.850–0.950).";
         let default = "Not stated: Stribeck coefficient 4.2 (default, not measured).";
-        assert_eq!(others, format!("{unknown} {default}"));
+        assert_eq!(others.replace('\u{a0}', " "), format!("{unknown} {default}"));
+        let html = render_campaign(&CampaignRun { results, ..CampaignRun::default() }).html;
+        assert!(html.contains("<li class=\"chip measured\">surface: 2 scans</li>"), "{html}");
     }
 
     #[test]
@@ -296,7 +325,7 @@ mod tests {
         assert!(html.contains("It is small. (members 1, 2, 4)"));
         assert_eq!(
             answer(&results, "How probable is vibration?").0,
-            "Below 5 % in 4, above 95 % in 1, not determined in 1"
+            "Below 5 % in 4, above 95 % in 1, not determined in 1 of 6 members"
         );
     }
 

@@ -170,6 +170,9 @@ pub struct RestsOn {
     pub unit: String,
     /// Origin of the value.
     pub kind: InputKind,
+    /// 5 % and 95 % quantile of an uncertain or unknown value.
+    #[serde(default)]
+    pub range: Option<Pair>,
 }
 
 /// Value of an input.

@@ -17,15 +17,18 @@ use crate::words::{named, unbroken};
 const SMALL: f64 = 0.05;
 /// Largest number of names in a sentence.
 const MOST_NAMES: usize = 4;
+/// Question after the values in common.
+pub(super) const RESTS_ON: &str = "What does it rest on, beside the values that differ?";
 
+/// Returns the answers, the most important first.
 pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
     // Beside probabilities, the verdicts on central values would be other answers to the same question.
     let found = match results.members.iter().any(|member| member.answers.probability.is_some()) {
-        true => [probabilities(results), certainty(results), effects(results)],
-        false => [verdicts(results), change(results), None],
+        true => [effects(results), probabilities(results), certainty(results)],
+        false => [change(results), verdicts(results), None],
     };
     let stops = remedies(results).or_else(|| limits(results));
-    let found = found.into_iter().chain([stops, friction(results), inputs(results)]);
+    let found = found.into_iter().chain([stops, friction(results)]);
     let on_one_line = |found: Answer| Answer {
         answer: unbroken(&found.answer),
         detail: unbroken(&found.detail),
@@ -114,7 +117,7 @@ fn change(results: &CampaignResults) -> Option<Answer> {
             "The table has the members of each verdict together if it is sorted by it.".into(),
         ),
     };
-    Some(Answer { question: "Where does it change?", answer, detail })
+    Some(Answer { question: "Where does the verdict change?", answer, detail })
 }
 
 /// Returns how far a number decides: all members on one side of it vibrate, or none on the other.
@@ -270,7 +273,7 @@ fn effect(
     };
     let [from, to] = ends;
     let (low, high) = (probability(from.probability), probability(to.probability));
-    Some((size, format!("{what} {matters}: {low} at {}, {high} at {}", from.name, to.name)))
+    Some((size, format!("{what} {matters}: {low} vibrate at {}, {high} at {}", from.name, to.name)))
 }
 
 /// Returns the probability of a member; that of a machine of exact values is 0 or 1.
@@ -300,7 +303,7 @@ fn probabilities(results: &CampaignResults) -> Option<Answer> {
         ([_], Some([(_, low), (_, high)])) => format!("{} to {}", probability(*low), probability(*high)),
         (groups, _) => {
             let words = groups.iter().map(|(words, members)| format!("{words} in {}", count(members.len())));
-            capitalised(words.collect::<Vec<_>>().join(", "))
+            format!("{} of {} members", capitalised(words.collect::<Vec<_>>().join(", ")), count(results.members.len()))
         }
     };
     let detail = match extremes {
@@ -417,11 +420,11 @@ fn friction(results: &CampaignResults) -> Option<Answer> {
 }
 
 /// Answers on which values in common the answers of the members rest.
-fn inputs(results: &CampaignResults) -> Option<Answer> {
+pub(super) fn inputs(results: &CampaignResults) -> Option<Answer> {
     let lines: Vec<String> = by_origin(&results.rests_on).into_iter().map(|(_, line)| capitalised(line)).collect();
     let (first, others) = lines.split_first()?;
     Some(Answer {
-        question: "What does it rest on, beside the values that differ?",
+        question: RESTS_ON,
         answer: first.clone(),
         detail: others.iter().map(|line| format!("{line}.")).collect::<Vec<_>>().join(" "),
     })

@@ -37,7 +37,7 @@ impl Machine<'_> {
             Html::from_markup(self.json.replace('<', "\\u003c")),
         );
         let place = sections.iter().position(|section| section.id == "vibration").map_or(sections.len(), |at| at + 1);
-        sections.insert(place, Section::of_html("move", "Try it", lead, list));
+        sections.insert(place, Section::of_html("move", "Try it", lead, Vec::new(), list));
     }
 }
 

@@ -45,9 +45,15 @@ impl Section {
         (!items.is_empty()).then(|| Self { id, title, lead: lead.into(), list, ..Self::default() })
     }
 
-    /// Returns a section of HTML.
-    pub(crate) fn of_html(id: &'static str, title: &'static str, lead: impl Into<String>, list: Html) -> Self {
-        Self { id, title, lead: lead.into(), list, ..Self::default() }
+    /// Returns a section of figures and HTML.
+    pub(crate) fn of_html(
+        id: &'static str,
+        title: &'static str,
+        lead: impl Into<String>,
+        figures: Vec<CaptionedFigure>,
+        list: Html,
+    ) -> Self {
+        Self { id, title, lead: lead.into(), figures, list, ..Self::default() }
     }
 
     /// Returns the section of the references.

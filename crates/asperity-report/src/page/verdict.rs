@@ -58,7 +58,7 @@ pub(super) fn first_screen(run: &Run, verdict: &VerdictResult, chain: &Html) -> 
     )
 }
 
-fn card(title: &str, content: &Html) -> Html {
+pub(crate) fn card(title: &str, content: &Html) -> Html {
     html!("<section class=\"card\">\n<h2>{}</h2>\n{}</section>\n", title, content)
 }
 

@@ -333,8 +333,8 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
         "none from 0.001 to 0.1",
         "surface: 3 scans",
         "stated: normal force",
-        "unknown: shear strength 40 MPa",
-        "uncertain: damping ratio 0.0155",
+        "unknown, with 90 % ranges: shear strength 40.0 MPa (32.0–48.0)",
+        "uncertain, with 90 % ranges: damping ratio 0.0155 (0.0124–0.0186)",
         "not stated: Stribeck coefficient 4.2 (default, not measured)",
         "For squeal choose the model of two coupled modes.",
     ] {
@@ -503,7 +503,7 @@ fn names_and_values_of_inputs_are_escaped() {
         InputKind::Example,
     ] {
         let value = InputValue::Name(EVIL.into());
-        verdict.rests_on.push(RestsOn { input: EVIL.into(), value, unit: EVIL.into(), kind });
+        verdict.rests_on.push(RestsOn { input: EVIL.into(), value, unit: EVIL.into(), kind, range: Some([0.0, 1.0]) });
     }
     let mut run = full_run();
     run.results.verdict = Some(verdict);

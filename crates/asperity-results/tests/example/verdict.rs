@@ -34,6 +34,7 @@ pub(crate) fn verdict() -> VerdictResult {
         value: InputValue::Number(value),
         unit: unit.into(),
         kind,
+        range: matches!(kind, InputKind::Uncertain | InputKind::Unknown).then_some([0.8 * value, 1.2 * value]),
     };
     let inputs = [("vibration.stribeck", 0.6), ("material.shear_strength", 0.25), ("vibration.damping_ratio", 0.15)];
     VerdictResult {
@@ -131,6 +132,7 @@ pub(crate) fn verdict() -> VerdictResult {
                 value: InputValue::Name("stribeck".into()),
                 unit: String::new(),
                 kind: InputKind::Default,
+                range: None,
             },
         ],
         assumed: vec![Assumed {

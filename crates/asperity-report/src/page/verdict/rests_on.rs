@@ -1,16 +1,16 @@
 //! The card of the inputs of the verdict, by origin.
 
-use asperity_results::{InputKind, InputValue, MachineModel, RestsOn};
+use asperity_results::{InputKind, InputValue, MachineModel, Quantiles, RestsOn};
 
 use crate::format::Dimension;
 use crate::markup::{Html, html};
 use crate::page::data_table::DataTable;
-use crate::words::{in_words, named};
+use crate::words::{between, in_words, named};
 
 /// Text of an input.
 type Words<'a> = &'a dyn Fn(&RestsOn) -> String;
 
-/// Returns the inputs as chips, one for each origin; scans first.
+/// Returns the inputs as chips, and what the model covers.
 pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
     let machine = match model {
         MachineModel::StickSlip => {
@@ -20,15 +20,17 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
             "This model covers squeal by two coupled modes. For groan and judder choose the model of one mass."
         }
     };
+    let chips = match inputs {
+        [] => html!("<p>The results of an earlier version do not list the inputs.</p>\n"),
+        inputs => chips(inputs),
+    };
+    html!("{}<p class=\"note\">{}</p>\n", chips, machine)
+}
+
+/// Returns a chip for each origin of inputs; scans first.
+pub(crate) fn chips(inputs: &[RestsOn]) -> Html {
     let chip = |(class, text): (&str, String)| html!("<li class=\"chip {}\">{}</li>\n", class, text);
-    let chips: Vec<Html> = by_origin(inputs).into_iter().map(chip).collect();
-    if chips.is_empty() {
-        return html!(
-            "<p>The results of an earlier version do not list the inputs.</p>\n<p class=\"note\">{}</p>\n",
-            machine
-        );
-    }
-    html!("<ul class=\"chips\">\n{}</ul>\n<p class=\"note\">{}</p>\n", chips.into_iter().collect::<Html>(), machine)
+    html!("<ul class=\"chips\">\n{}</ul>\n", by_origin(inputs).into_iter().map(chip).collect::<Html>())
 }
 
 /// Returns a line for the scans of each body and for the inputs of each other origin, with the class of its chip.
@@ -36,10 +38,12 @@ pub(crate) fn by_origin(inputs: &[RestsOn]) -> Vec<(&'static str, String)> {
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
     let mut lines: Vec<_> = of(InputKind::Measured).map(|input| ("measured", scans(input))).collect();
     let with_value = |input: &RestsOn| format!("{} {}", named(&input.input), value(input));
+    let ranges = |kind| if of(kind).any(|input| input.range.is_some()) { ", with 90 % ranges" } else { "" };
+    let (uncertain, unknown) = (ranges(InputKind::Uncertain), ranges(InputKind::Unknown));
     let origins: [(InputKind, &str, &str, Words<'_>); 5] = [
         (InputKind::Stated, "stated", "stated", &|input| named(&input.input)),
-        (InputKind::Uncertain, "uncertain", "uncertain", &with_value),
-        (InputKind::Unknown, "guessed", "unknown", &with_value),
+        (InputKind::Uncertain, "uncertain", &format!("uncertain{uncertain}"), &with_value),
+        (InputKind::Unknown, "guessed", &format!("unknown{unknown}"), &with_value),
         (InputKind::Example, "guessed", "example values, not yours", &with_value),
         (InputKind::Default, "guessed", "not stated", &default),
     ];
@@ -61,11 +65,16 @@ fn scans(input: &RestsOn) -> String {
     }
 }
 
-/// Formats the value of an input.
+/// Formats the value of an input, with its 90 % range if it has one.
 fn value(input: &RestsOn) -> String {
     match &input.value {
         InputValue::Integer(number) => number.to_string(),
-        InputValue::Number(number) => Dimension::of_unit(&input.unit).show(*number),
+        InputValue::Number(number) => {
+            let dimension = Dimension::of_unit(&input.unit);
+            let Some([q05, q95]) = input.range else { return dimension.show(*number) };
+            let (central, range) = between(dimension, Quantiles { q05, q50: *number, q95 });
+            format!("{}{range}", central.trim_end())
+        }
         InputValue::Name(name) => match name.as_str() {
             "stribeck" => "Stribeck".into(),
             "bowden_tabor" => "Bowden–Tabor".into(),

@@ -168,7 +168,7 @@ fn mark_examples(file: &StudyFile, inputs: &mut [RestsOn]) {
 }
 
 fn entry(name: &str, value: InputValue, unit: &str, kind: InputKind) -> RestsOn {
-    RestsOn { input: name.into(), value, unit: unit.into(), kind }
+    RestsOn { input: name.into(), value, unit: unit.into(), kind, range: None }
 }
 
 /// Returns whether an input is that of a key or an element of its list.
@@ -181,7 +181,8 @@ fn uncertain<'a>(study: &'a VerdictStudy, name: &'a str) -> impl Iterator<Item =
     study.inputs.inputs().iter().zip(&study.places).filter(move |(input, _)| is_of(input.name(), name)).map(
         |(input, place)| {
             let kind = if input.is_unknown() { InputKind::Unknown } else { InputKind::Uncertain };
-            entry(input.name(), InputValue::Number(input.central()), place.key().unit, kind)
+            let range = Some([0.05, 0.95].map(|probability| input.quantile(probability)));
+            RestsOn { range, ..entry(input.name(), InputValue::Number(input.central()), place.key().unit, kind) }
         },
     )
 }
