@@ -86,7 +86,10 @@ fn first_screen(answers: &[Answer], results: &CampaignResults) -> (Html, Html) {
     };
     let rests_on = match results.rests_on.as_slice() {
         [] => Html::default(),
-        inputs => card(answers::RESTS_ON, &rests_on::chips(inputs)),
+        inputs => {
+            let ranges = rests_on::ranges(inputs);
+            card(answers::RESTS_ON, &html!("{}<p class=\"note\">{}</p>\n", rests_on::chips(inputs), ranges))
+        }
     };
     let cards = others.iter().map(of_answer).chain([rests_on]);
     (opening, html!("<div class=\"column\">\n{}</div>\n", cards.collect::<Html>()))
@@ -241,7 +244,7 @@ mod tests {
         ];
         let Answer { answer: first, detail: others, .. } = answers::inputs(&results).unwrap();
         assert_eq!(first, "Surface: 2 scans");
-        let unknown = "Unknown, with 90 % ranges: kinetic over static friction 0.900 (0.850–0.950).";
+        let unknown = "Unknown: kinetic over static friction 0.900 (0.850–0.950).";
         let default = "Not stated: Stribeck coefficient 4.2 (default, not measured).";
         assert_eq!(others.replace('\u{a0}', " "), format!("{unknown} {default}"));
         let html = render_campaign(&CampaignRun { results, ..CampaignRun::default() }).html;

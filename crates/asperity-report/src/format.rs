@@ -137,22 +137,26 @@ impl Dimension {
 
     /// Formats a value with its interval, all in one unit: `1.02 µm [0.98, 1.06]`. Zero has the unit of its interval.
     pub(crate) fn show_interval(self, value: f64, interval: Option<(f64, f64)>) -> String {
-        match interval {
-            Some((low, high)) => {
-                let unit = self.unit(if value == 0.0 { high } else { value });
-                let (value, low, high) = (value / unit.si, low / unit.si, high / unit.si);
-                let number = match shown_decimals(low, high) {
-                    // A value far smaller than its interval is not rounded to 0.
-                    Some(decimals) if value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) => {
-                        significant(value, 2)
-                    }
-                    Some(decimals) => rounded(value, decimals),
-                    None => significant(value, 4),
-                };
-                format!("{} {}", attach(&number, &unit), show_range(low, high))
+        let shown = self.show_within(value, interval);
+        let Some((low, high)) = interval else { return shown };
+        let unit = self.unit(if value == 0.0 { high } else { value });
+        format!("{shown} {}", show_range(low / unit.si, high / unit.si))
+    }
+
+    /// Formats a value as [`Dimension::show_interval`] does, without its interval.
+    pub(crate) fn show_within(self, value: f64, interval: Option<(f64, f64)>) -> String {
+        let Some((low, high)) = interval else { return self.show(value) };
+        let unit = self.unit(if value == 0.0 { high } else { value });
+        let value = value / unit.si;
+        let number = match shown_decimals(low / unit.si, high / unit.si) {
+            // A value far smaller than its interval is not rounded to 0.
+            Some(decimals) if value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32)) => {
+                significant(value, 2)
             }
-            None => self.show(value),
-        }
+            Some(decimals) => rounded(value, decimals),
+            None => significant(value, 4),
+        };
+        attach(&number, &unit)
     }
 }
 

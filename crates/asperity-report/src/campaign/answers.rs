@@ -28,7 +28,9 @@ pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
         false => [change(results), verdicts(results), None],
     };
     let stops = remedies(results).or_else(|| limits(results));
-    let found = found.into_iter().chain([stops, friction(results)]);
+    // Where there is a verdict, the friction coefficients are in the table.
+    let friction = friction(results).filter(|_| found.iter().all(Option::is_none));
+    let found = found.into_iter().chain([stops, friction]);
     let on_one_line = |found: Answer| Answer {
         answer: unbroken(&found.answer),
         detail: unbroken(&found.detail),

@@ -52,7 +52,7 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     let measure = if drivers.iter().any(|driver| driver.shapley.is_some()) {
         "Shapley effects"
     } else {
-        "Total Sobol’ indices"
+        "total Sobol’ indices"
     };
     let margin = match verdict.model {
         MachineModel::StickSlip => "damping ratio − limit",
@@ -60,16 +60,16 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
     };
     let is_unknown = |driver: &Driver| verdict.guesses.iter().any(|guess| guess.input == driver.input);
     let note = match (verdict.guesses.is_empty(), drivers.len()) {
-        (false, _) if !is_unknown(drivers[0]) => ". What varies from part to part is changed, not measured".to_owned(),
-        (_, count) if count > SHOWN => format!(": fractions of its variance; {} more in the details", count - SHOWN),
-        _ => ": fractions of its variance".to_owned(),
+        (false, _) if !is_unknown(drivers[0]) => " What varies from part to part is changed, not measured.".to_owned(),
+        (_, count) if count > SHOWN => format!(" {} more values are in the details.", count - SHOWN),
+        _ => String::new(),
     };
     html!(
-        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">{} of the margin, {}{}.</p>\n",
+        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">Bars: shares of the variance of the margin, {} ({}).{}</p>\n",
         bars.collect::<Html>(),
         next(verdict),
-        measure,
         margin,
+        measure,
         note,
     )
 }

@@ -1,7 +1,7 @@
 //! The margin as a picture: the limit of the damping ratio over the uncertain values, and the damping ratio of the machine.
 
 use asperity_results::keys::DAMPING_RATIO;
-use asperity_results::{MachineModel, Quantiles, VerdictResult};
+use asperity_results::{MachineModel, Quantiles, Reach, VerdictResult};
 
 use crate::Run;
 use crate::cells::shown;
@@ -210,19 +210,22 @@ impl Limits {
         );
         let damping = mark(x(self.central), "", if self.coupled { "limit" } else { "yours" }, LOWER);
         let remedied = self.remedied(verdict).filter(|(value, _)| (range.0..=range.1).contains(value));
-        let line = remedied.map(|(value, _)| mark(x(value), " limit", &significant(value, 3), INSIDE));
+        let line = remedied.map(|(value, reach)| {
+            let text = Dimension::None.show_within(value, reach.value_interval.map(Into::into));
+            mark(x(value), " limit", &text, INSIDE)
+        });
         let caption = self.caption(verdict)
-            + &remedied.map_or_else(String::new, |(_, probability)| {
-                unbroken(&format!(" Dashed: {} vibrate.", percent(probability)))
+            + &remedied.map_or_else(String::new, |(_, reach)| {
+                unbroken(&format!(" Dashed: {} vibrate.", percent(reach.probability)))
             });
         picture(&label, &[areas, damping].into_iter().chain(line).chain([scale(&axis)]).collect(), &caption)
     }
 
-    /// Returns the damping ratio of the first target, with the probability there.
-    fn remedied(&self, verdict: &VerdictResult) -> Option<(f64, f64)> {
+    /// Returns the damping ratio that reaches the first target.
+    fn remedied<'a>(&self, verdict: &'a VerdictResult) -> Option<(f64, &'a Reach)> {
         let damping = verdict.remedies.iter().find(|remedy| remedy.input == DAMPING_RATIO && !self.coupled)?;
         let first = damping.reach.first()?;
-        Some((first.value.filter(|value| *value != damping.now)?, first.probability))
+        Some((first.value.filter(|value| *value != damping.now)?, first))
     }
 
     /// Draws the damping ratio and its limit, or the friction coefficient and the critical one, for exact values.

@@ -66,9 +66,12 @@ pub(super) fn sentence(verdict: &VerdictResult) -> Html {
         return html!("{}", not_reached(&verdict.remedies, wanted));
     };
     let dimension = Dimension::of_unit(&remedy.unit);
-    let [now, then] = [Some(remedy.now), reach.value]
-        .map(|value| value.map_or_else(|| DASH.into(), |value| dimension.show_short(value)));
-    if now == then {
+    let then = reach
+        .value
+        .map_or_else(|| DASH.into(), |value| dimension.show_within(value, reach.value_interval.map(Into::into)));
+    let short = |value: f64| dimension.show_short(value);
+    let now = short(remedy.now);
+    if reach.value.is_some_and(|value| short(value) == now) {
         let target = target(wanted);
         return html!(
             "The {} of {} hardly needs to change: {} is about {} probable.",

@@ -24,7 +24,12 @@ pub(super) fn card(inputs: &[RestsOn], model: MachineModel) -> Html {
         [] => html!("<p>The results of an earlier version do not list the inputs.</p>\n"),
         inputs => chips(inputs),
     };
-    html!("{}<p class=\"note\">{}</p>\n", chips, machine)
+    html!("{}<p class=\"note\">{}{}</p>\n", chips, ranges(inputs), machine)
+}
+
+/// Returns what the ranges of uncertain and unknown inputs are.
+pub(crate) fn ranges(inputs: &[RestsOn]) -> &'static str {
+    if inputs.iter().any(|input| input.range.is_some()) { "Ranges hold 90 %. " } else { "" }
 }
 
 /// Returns a chip for each origin of inputs; scans first.
@@ -38,12 +43,10 @@ pub(crate) fn by_origin(inputs: &[RestsOn]) -> Vec<(&'static str, String)> {
     let of = |kind: InputKind| inputs.iter().filter(move |input| input.kind == kind);
     let mut lines: Vec<_> = of(InputKind::Measured).map(|input| ("measured", scans(input))).collect();
     let with_value = |input: &RestsOn| format!("{} {}", named(&input.input), value(input));
-    let ranges = |kind| if of(kind).any(|input| input.range.is_some()) { ", with 90 % ranges" } else { "" };
-    let (uncertain, unknown) = (ranges(InputKind::Uncertain), ranges(InputKind::Unknown));
     let origins: [(InputKind, &str, &str, Words<'_>); 5] = [
         (InputKind::Stated, "stated", "stated", &|input| named(&input.input)),
-        (InputKind::Uncertain, "uncertain", &format!("uncertain{uncertain}"), &with_value),
-        (InputKind::Unknown, "guessed", &format!("unknown{unknown}"), &with_value),
+        (InputKind::Uncertain, "uncertain", "uncertain", &with_value),
+        (InputKind::Unknown, "guessed", "unknown", &with_value),
         (InputKind::Example, "guessed", "example values, not yours", &with_value),
         (InputKind::Default, "guessed", "not stated", &default),
     ];
