@@ -15,6 +15,8 @@ const ORDER: usize = 120;
 /// σ up to 6.
 const REACH: i32 = 20 * STEPS_PER_UNIT;
 const STEPS_PER_UNIT: i32 = 64;
+/// Nodes that are computed at once.
+const LANES: usize = 8;
 /// Tail of the series below which it is rounding error.
 const NEGLIGIBLE: f64 = 1e-15;
 
@@ -42,15 +44,22 @@ impl Translation {
         let step = 1.0 / f64::from(STEPS_PER_UNIT);
         let mut coefficients = vec![0.0; ORDER + 1];
         let roots: Vec<f64> = (0..=ORDER + 1).map(|n| (n as f64).sqrt()).collect();
-        for node in -REACH..=REACH {
-            let g = f64::from(node) * step;
-            let root_density = standard_normal_pdf(g).sqrt();
-            let weighted = step * root_density * (marginal.translate(g) - mean) / std;
+        let nodes: Vec<i32> = (-REACH..=REACH).collect();
+        // The recurrences of several nodes at once hide their latency; the terms are added in the order of the nodes.
+        for nodes in nodes.chunks(LANES) {
+            let (mut g, mut weighted, mut before, mut here) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+            for (lane, node) in nodes.iter().enumerate() {
+                g[lane] = f64::from(*node) * step;
+                here[lane] = standard_normal_pdf(g[lane]).sqrt();
+                weighted[lane] = step * here[lane] * (marginal.translate(g[lane]) - mean) / std;
+            }
             // h_{n+1} = (g h_n − √n h_{n−1})/√(n+1), times √φ so that high orders stay bounded.
-            let (mut before, mut here) = (0.0, root_density);
             for (coefficient, root) in coefficients.iter_mut().zip(roots.windows(2)) {
-                *coefficient += weighted * here;
-                (before, here) = (here, (g * here - root[0] * before) / root[1]);
+                for lane in 0..LANES {
+                    *coefficient += weighted[lane] * here[lane];
+                    let next = (g[lane] * here[lane] - root[0] * before[lane]) / root[1];
+                    (before[lane], here[lane]) = (here[lane], next);
+                }
             }
         }
         let mut fractions: Vec<f64> = coefficients[1..].iter().map(|c| c * c).collect();

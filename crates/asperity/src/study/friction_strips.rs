@@ -31,20 +31,21 @@ pub(super) fn strip_problem(study: &FrictionStudy) -> Result<(StripProblem, Opti
     Ok((problem, mean_compliance_m_per_pa))
 }
 
-/// Solves a few strips at one level and returns the moments of friction at the mean load; `None` if they have no solution. All surfaces
-/// are drawn from the same random numbers.
+/// Solves a few strips at one level and returns the moments of friction at the mean load, `with_stiffness` or without that of the contact;
+/// `None` if they have no solution. All surfaces are drawn from the same random numbers.
 pub(super) fn solve_level(
     study: &FrictionStudy,
     model: &CompositeModel,
     level: LevelControl,
     (realisations, pitch_factor): (usize, f64),
+    with_stiffness: bool,
     seed: u64,
     monitor: &dyn Monitor,
 ) -> Result<Option<MomentReplicates>, StudyError> {
     let (problem, _) = strip_problem(study)?;
     let generated = model.strip(problem.grid(), problem.is_periodic(), XiOrder::Wavevector)?;
-    let strips =
-        Strips { stiff_level: Some(0), pitch_factor, ..problem.strips(generated.surface.as_ref(), realisations, seed) };
+    let strips = problem.strips(generated.surface.as_ref(), realisations, seed);
+    let strips = Strips { stiff_level: with_stiffness.then_some(0), pitch_factor, ..strips };
     let solved = strips.solve(&[level.contact(|probability| model.height_quantile_m(probability))], monitor)?;
     let step_m = problem.window.step_m();
     Ok(solved.into_iter().flatten().next().map(|level| MomentReplicates::from_mean_load(&level, step_m)))

@@ -23,7 +23,7 @@ use crate::study::result::AreaAsOne;
 pub(super) const ROWS: usize = 5;
 /// Machines of each number of windows if friction fluctuates, and the number of them after which sampling ends if all have the same
 /// answer.
-pub(super) const FLUCTUATING: usize = 256;
+pub(super) const FLUCTUATING: usize = 128;
 const FIRST: usize = 64;
 /// Machines of each number of windows if friction does not fluctuate.
 pub(super) const CONSTANT: usize = 1024;

@@ -39,16 +39,21 @@ impl ContactPoints<'_> {
             let pairs = errors.iter_mut().flatten().zip(unit.iter().flatten());
             pairs.for_each(|(error, unit)| *error += normal * unit);
         }
-        self.solve_with_errors(point, errors)
+        self.solve_with_errors(point, errors, true)
     }
 
     /// Returns ln μ at the central values, of bodies whose scans had statistics with these errors.
     pub(super) fn ln_friction(&self, errors: BodyErrors) -> Result<f64, StudyError> {
-        let solved = self.solve_with_errors(self.central, errors)?;
+        let solved = self.solve_with_errors(self.central, errors, false)?;
         Ok(solved.map_or(LevelMoments::NONE, |solved| solved.all).mean.ln())
     }
 
-    fn solve_with_errors(&self, point: &Point, errors: BodyErrors) -> Result<Option<MomentReplicates>, StudyError> {
+    fn solve_with_errors(
+        &self,
+        point: &Point,
+        errors: BodyErrors,
+        with_stiffness: bool,
+    ) -> Result<Option<MomentReplicates>, StudyError> {
         if self.monitor.cancelled() {
             return Err(Cancelled.into());
         }
@@ -80,7 +85,7 @@ impl ContactPoints<'_> {
             OperatingLevel::Deepest => LevelControl::Nominal(vibration.machine.nominal_contact().pressure_pa),
         };
         let strips = (strips_per_point(friction.realisations), self.mean_errors.pitch_factor);
-        solve_level(friction, &model, level, strips, own.seed(), &Quiet(self.monitor))
+        solve_level(friction, &model, level, strips, with_stiffness, own.seed(), &Quiet(self.monitor))
     }
 }
 
@@ -196,7 +201,7 @@ mod tests {
             let surface = surface_stage::without_tables(study.surface.as_ref().unwrap(), folder.path()).unwrap();
             let friction = study.friction.as_ref().unwrap();
             let level = LevelControl::Nominal(20e6);
-            let solved = solve_level(friction, &surface.model, level, (4, 1.0), 1, &Silent).unwrap().unwrap().all;
+            let solved = solve_level(friction, &surface.model, level, (4, 1.0), true, 1, &Silent).unwrap().unwrap().all;
             (solved, friction.law.proportional_to())
         };
         let ((one, input), (other, _)) = (solve(100.0), solve(130.0));
