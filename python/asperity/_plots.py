@@ -96,7 +96,8 @@ def field(values: Values, dx_m: float, dy_m: float, *, name: str, unit: str, ax:
     ny, nx = values.shape
     length, length_unit = scaled("m", [nx * dx_m, ny * dy_m])
     factor, value_unit = scaled(unit, values)
-    extent = (0.0, nx * dx_m * length, 0.0, ny * dy_m * length)
+    # y rises with the row, as in `to_xarray`.
+    extent = (0.0, nx * dx_m * length, ny * dy_m * length, 0.0)
     image = ax.imshow(factor * values, extent=extent, origin="upper", interpolation="nearest")
     bar = ax.figure.colorbar(image, ax=ax, shrink=0.8)
     bar.set_label(_label(name, value_unit))

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.surface import HeightMap
 
@@ -60,6 +61,10 @@ def from_xarray(array: xarray.DataArray) -> HeightMap:
     if set(array.dims) != {"y", "x"}:
         raise ValueError(f"found the dimensions {', '.join(map(str, array.dims))}; a map has y and x")
     _check_metre(array, "the heights")
+    for axis in ("x", "y"):
+        positions = _positions_m(array, axis)
+        if positions.size > 1 and positions[0] > positions[-1]:
+            array = array.isel({axis: slice(None, None, -1)})
     return HeightMap.from_array(
         array.transpose("y", "x").to_numpy(), dx_m=_pitch_m(array, "x"), dy_m=_pitch_m(array, "y")
     )
@@ -71,12 +76,20 @@ def _check_metre(array: xarray.DataArray, name: str) -> None:
         raise ValueError(f"{name} are in {unit}; convert them to m")
 
 
-def _pitch_m(array: xarray.DataArray, axis: str) -> float:
-    """Return the distance between the points of an axis."""
+def _positions_m(array: xarray.DataArray, axis: str) -> NDArray[np.float64]:
+    """Return the coordinates of an axis."""
     if axis not in array.coords:
         raise ValueError(f"{axis} has no coordinates; assign them in metre")
     _check_metre(array[axis], f"the coordinates {axis}")
-    position_m = array[axis].to_numpy().astype(np.float64)
+    positions = array[axis].to_numpy()
+    if positions.dtype.kind not in "fiu":
+        raise ValueError(f"the coordinates {axis} are of the type {positions.dtype}; assign numbers in metre")
+    return positions.astype(np.float64)
+
+
+def _pitch_m(array: xarray.DataArray, axis: str) -> float:
+    """Return the distance between the points of an axis."""
+    position_m = _positions_m(array, axis)
     steps = np.arange(position_m.size)
     # The coordinates of `to_xarray` give the distance without rounding.
     pitch_m = 2 * position_m[0]
@@ -84,7 +97,7 @@ def _pitch_m(array: xarray.DataArray, axis: str) -> float:
         pitch_m = (position_m[-1] - position_m[0]) / (position_m.size - 1)
     offset_m = position_m - position_m[0] - steps * pitch_m
     if not (pitch_m > 0 and np.abs(offset_m).max() <= _EQUAL_STEPS * pitch_m):
-        raise ValueError(f"the coordinates {axis} do not rise in equal steps; sort them, or interpolate to such a grid")
+        raise ValueError(f"the coordinates {axis} do not rise or fall in equal steps; sort them, or interpolate to such a grid")
     return float(pitch_m)
 
 

@@ -139,6 +139,37 @@ class HeightMap:
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.heights, dtype, copy=copy)
 
+    def __getitem__(self, place: tuple[slice, slice]) -> HeightMap:
+        """Return the map of some rows and columns; steps multiply the distances between points.
+
+        Raises
+        ------
+        TypeError
+            `place` is not one slice of the rows and one of the columns.
+        ValueError
+            No rows or columns are left, or a step is negative.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> scan = asperity.HeightMap.from_array(np.zeros((6, 8)), dx_m=1e-6)
+        >>> scan[:, 2:8:2]
+        HeightMap(3 × 6 points, 2e-06 × 1e-06 m, 0 missing)
+        """
+        match place:
+            case (slice() as rows, slice() as columns):
+                steps = [part.indices(count)[2] for part, count in zip(place, self.shape, strict=True)]
+            case _:
+                raise TypeError(
+                    f"found [{place!r}], expected slices of rows and columns, such as [10:50, :]; "
+                    "single heights are in `heights`"
+                )
+        heights = self.heights[rows, columns]
+        if min(steps) < 0 or heights.size == 0:
+            raise ValueError(f"found [{rows}, {columns}], expected rising slices inside {self.shape}")
+        dy_m, dx_m = steps[0] * self.dy_m, steps[1] * self.dx_m
+        return HeightMap._of(np.ascontiguousarray(heights), dx_m, dy_m, self._history)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, HeightMap):
             return NotImplemented
@@ -190,6 +221,28 @@ class HeightMap:
         return HeightMap._of(heights, *pitch_m)
 
     @staticmethod
+    def channels(path: str | os.PathLike[str]) -> list[str]:
+        """Return the names of the maps of a file; empty for formats with a single map.
+
+        Raises
+        ------
+        OSError
+            The file cannot be read.
+        FormatError
+            The file is damaged, or of a format that is not read.
+
+        Examples
+        --------
+        >>> import asperity, pathlib, tempfile
+        >>> scan = asperity.HeightMap([[0.0, 1e-6], [1e-6, 0.0]], dx_m=1e-6, dy_m=1e-6)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     scan.write(path := pathlib.Path(folder, "scan.gwy"))
+        ...     asperity.HeightMap.channels(path)
+        ['Height']
+        """
+        return _core.map_names(path)
+
+    @staticmethod
     def from_array(z: ArrayLike, *, dx_m: float, dy_m: float | None = None) -> HeightMap:
         """Create a map from heights in metre, shape (ny, nx). NaN, infinite and masked heights are missing.
 
@@ -206,8 +259,9 @@ class HeightMap:
     def from_xarray(array: xarray.DataArray) -> HeightMap:
         """Create a map from an array with the dimensions y and x, such as that of `to_xarray`.
 
-        The row with the smallest y is row 0. The coordinates rise in equal steps; their distance is the pixel size.
-        Heights and coordinates are in metre; an attribute ``units`` other than ``m`` is an error.
+        The row with the smallest y is row 0, and the column with the smallest x column 0. The coordinates rise or fall in
+        equal steps; their distance is the pixel size. Heights and coordinates are in metre; an attribute ``units`` other
+        than ``m`` is an error.
         """
         from asperity import interop
 
@@ -390,7 +444,7 @@ class HeightMap:
         return RadialSpectrum.from_dict(_core.psd(self.heights, self.dx_m, self.dy_m))
 
     def to_xarray(self) -> xarray.DataArray:
-        """Return the heights with the coordinates of the cell centres."""
+        """Return the heights with the coordinates of the cell centres; y rises with the row, as in `plot`."""
         return field_to_xarray(self.heights, self.dx_m, self.dy_m, name="height", unit="m")
 
     def to_surfacetopography(self, *, periodic: bool = False) -> Topography:

@@ -57,7 +57,7 @@ def test_a_map_has_its_extent_its_unit_and_its_first_row_at_the_top():
     heights[0, 0] = 2e-6
     ax = asperity.HeightMap.from_array(heights, dx_m=1e-6, dy_m=2e-6).plot()
     (image,) = ax.get_images()
-    assert image.get_extent() == pytest.approx([0, 5, 0, 6])
+    assert image.get_extent() == pytest.approx([0, 5, 6, 0])
     assert image.origin == "upper"
     assert image.get_array()[0, 0] == pytest.approx(2)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x (µm)", "y (µm)")

@@ -54,6 +54,14 @@ pub(crate) fn read_map<'py>(
     Ok((PyArray2::from_owned_array(py, map.into_heights_m()), pitch_m, warnings))
 }
 
+/// Returns the names of the height maps of a file.
+#[pyfunction]
+pub(crate) fn map_names(py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
+    // Names do not depend on the unit; heights of files that state none would otherwise be refused.
+    let options = ReadOptions { height_unit: "m".parse().ok(), ..ReadOptions::default() };
+    Ok(long::run(py, None, move |_| read_with(&path, &options).raise())?.channels)
+}
+
 /// Writes a height map to a file, in the format of its extension.
 #[pyfunction]
 pub(crate) fn write_map(

@@ -76,11 +76,13 @@ pub(in crate::study) fn cost(whole: &Study, threads: usize) -> Option<StageEstim
     } else {
         machines += parts * area::ROWS * samples.min(area::CONSTANT) + of_ends;
     }
-    let values = axis::contact_places(study).len() + scans;
-    let contact = friction.filter(|_| values > 0);
-    let solutions = contact.map_or(0, |friction| {
-        (expansion::solved_points(values) + scans * SCAN_POINTS) * points::strips_per_point(friction.realisations)
-    });
+    // The errors of the scans of plastic contact are usually factors of friction.
+    let is_plastic = friction.is_some_and(|friction| friction.material.hardness_pa.is_some());
+    let values = axis::contact_places(study).len() + if is_plastic { 0 } else { scans };
+    let expanded = if values > 0 { expansion::solved_points(values) } else { 0 };
+    let contact = friction.filter(|_| values + scans > 0);
+    let solutions = contact
+        .map_or(0, |friction| (expanded + scans * SCAN_POINTS) * points::strips_per_point(friction.realisations));
     let cells = contact.map_or(0, |friction| friction.points[0].saturating_mul(friction.points[1]));
     let longer = study.duration_s / vibration.duration_s();
     Some(StageEstimate {

@@ -38,6 +38,7 @@ pub(super) fn expand_friction(
     if !window.mean_errors.cut_off.is_empty() {
         places.retain(|place| place.name() != CUT_OFF);
     }
+    places.retain(|place| !points.scan.is_factor(*place));
     if places.is_empty() {
         return Ok(None);
     }

@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::dynamics::Dynamics;
 use super::replicates::{REPLICATES, designs};
 use super::responses::FrictionResponses;
+use super::scan::is_change;
 use super::sharing::Sharing;
 use crate::chaos::{Design, InputError, UncertainInput, UncertainInputs};
 use crate::distribution::Marginal;
@@ -62,6 +63,8 @@ pub(super) struct Machines<'a> {
     between_parts: Option<Place>,
     /// Place of the shortest wave, if the scan leaves it unknown.
     cut_off: Option<Place>,
+    /// Places of the changes of ln μ by errors of the scans that are factors of friction.
+    changes_by_scans: Vec<Place>,
     /// Windows that share the load; `None` for those of the study.
     sharing: Option<Sharing>,
     /// Factor of the mean friction coefficient.
@@ -100,6 +103,13 @@ impl<'a> Machines<'a> {
                 .iter()
                 .copied()
                 .find(|place| place.name() == CUT_OFF && !window.mean_errors.cut_off.is_empty()),
+            changes_by_scans: study
+                .places
+                .iter()
+                .copied()
+                .filter(|place| is_change(*place))
+                .filter(|place| responses.is_none_or(|own| own.axes.iter().all(|axis| axis.place != *place)))
+                .collect(),
             sharing: None,
             friction_factor: 1.0,
             changes: Vec::new(),
@@ -263,7 +273,8 @@ impl<'a> Machines<'a> {
             inputs.upscaling = Upscaling::Area;
             window.variance_reduction = sharing.variance_reduction(&window);
         }
-        let mut factors = [self.friction_factor; 2];
+        let by_scans: f64 = self.changes_by_scans.iter().filter_map(|place| place.value_in(&point)).sum();
+        let mut factors = [self.friction_factor * by_scans.exp(); 2];
         if let Some(normal) = part {
             // A lognormal factor of mean 1.
             let reduction = if inputs.upscaling == Upscaling::Area { window.variance_reduction } else { 1.0 };

@@ -35,9 +35,9 @@ impl ContactPoints<'_> {
     pub(super) fn solve(&self, point: &Point) -> Result<Option<MomentReplicates>, StudyError> {
         let mut errors = BodyErrors::default();
         for (place, _, unit) in &self.scan.inputs {
-            let normal = place.value_in(point).unwrap_or(0.0);
+            let change = place.value_in(point).unwrap_or(0.0);
             let pairs = errors.iter_mut().flatten().zip(unit.iter().flatten());
-            pairs.for_each(|(error, unit)| *error += normal * unit);
+            pairs.for_each(|(error, unit)| *error += change * unit);
         }
         self.solve_with_errors(point, errors, true)
     }

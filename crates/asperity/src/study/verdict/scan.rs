@@ -1,8 +1,8 @@
 //! Uncertainty of friction due to the limited scans of both bodies.
 //!
 //! Errors of the statistics of a scan have a joint distribution ([`JointErrors`]). Of all their combinations only the one counts
-//! that changes friction: the errors are taken at their expected values given the change of ln μ, so that one standard normal variable
-//! stands for all of them. Differences between scans are projected in the same way. The scans of the surface and of the counterface have
+//! that changes friction: the errors are taken at their expected values given the change of ln μ, so that this change stands for all of
+//! them. Differences between scans are projected in the same way. The scans of the surface and of the counterface have
 //! independent errors, so each body has its own variables.
 
 mod body;
@@ -32,6 +32,9 @@ const BETWEEN_SCANS: &str = "between_scans";
 pub(super) const POINTS: usize = 6;
 /// Change of ln μ below which an uncertain value has no effect.
 const NEGLIGIBLE: f64 = 1e-9;
+/// Standard deviation of ln μ up to which the errors of the scans are a factor of the friction coefficient, whatever the other values are.
+/// Terms of second order are its square.
+const FACTOR: f64 = 0.005;
 /// Confidence level of the pooled change, of which only the standard errors are used.
 const LEVEL: f64 = 0.95;
 
@@ -44,7 +47,17 @@ pub(super) fn is_in_mean(whole: &Study, study: &VerdictStudy) -> bool {
     study.places.is_empty() && scans == 1 && others == 0
 }
 
+/// Returns whether a value is the change of ln μ by the errors of scans, or by differences between them.
+pub(super) fn is_change(place: Place) -> bool {
+    [SCAN, BETWEEN_SCANS].contains(&place.key().name)
+}
+
 impl ScanErrors {
+    /// Returns whether a value is a small change of ln μ by the errors of the scans, which needs no solved points.
+    pub(super) fn is_factor(&self, place: Place) -> bool {
+        self.inputs.iter().any(|(own, input, _)| *own == place && input.marginal().std() <= FACTOR)
+    }
+
     /// Solves strips of bodies with other statistics, and finds what the scans leave uncertain.
     ///
     /// # Errors
@@ -101,9 +114,10 @@ impl ScanErrors {
         for (key, std, unknown) in [(SCAN, scan_std, true), (BETWEEN_SCANS, between_std, false)] {
             let name = format!("{}.{key}", body.section());
             if let Some(place) = Place::latent(&name).filter(|_| std > NEGLIGIBLE) {
-                let input = UncertainInput::new(&name, Marginal::STANDARD_NORMAL, unknown);
+                let marginal = Marginal::Normal { mean: 0.0, std };
+                let input = UncertainInput::new(&name, marginal, unknown);
                 let input = input.map_err(|error| StudyError::Verdict(error.to_string()))?;
-                self.inputs.push((place, input, body.alone(unit.map(|error| error * std))));
+                self.inputs.push((place, input, body.alone(unit)));
             }
         }
         output.assumptions.push(body.sentence(scans.len(), scan_std, between_std));
@@ -245,8 +259,8 @@ mod tests {
             let [(at, input, errors)] = &found.inputs[..] else { panic!("{found:?}") };
             assert_eq!((at.name().as_str(), input.name(), input.is_unknown()), (name, name, true));
             // Friction changes by the error of the slopes, and the other body not at all.
-            let std = joint[1][1].sqrt();
-            assert!((errors[place][1].abs() / std - 1.0).abs() < 1e-9, "{errors:?}");
+            assert!((input.marginal().std() / joint[1][1].sqrt() - 1.0).abs() < 1e-9, "{input:?}");
+            assert!((errors[place][1] + 1.0).abs() < 1e-9, "{errors:?}");
             assert!((errors[place][0] / errors[place][1] - joint[0][1] / joint[1][1]).abs() < 1e-9, "{errors:?}");
             assert_eq!(errors[1 - place], [0.0; 3]);
             let section = name.split_once('.').unwrap().0;
@@ -263,7 +277,7 @@ mod tests {
         assert_eq!(names, [("counterface.scan", true), ("counterface.between_scans", false)]);
         // Two values that differ by ln 1.5 and by their errors.
         let error = scans.each_ref().map(|(_, scan)| scan.statistics.estimates.joint.unwrap()[1][1].sqrt());
-        let std = found.inputs[1].2[1][1].abs();
+        let std = found.inputs[1].1.marginal().std();
         assert!((std - 1.5_f64.ln() / 2.0_f64.sqrt()).abs() < 2.0 * error[0].hypot(error[1]), "{std} {error:?}");
         assert!(output.assumptions[0].contains("counterfaces differ by"), "{:?}", output.assumptions);
     }

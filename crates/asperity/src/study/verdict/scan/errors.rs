@@ -41,7 +41,7 @@ impl Measured {
     }
 }
 
-/// Uncertain values that stand for the errors of the scans, with the errors at one standard deviation.
+/// Changes of ln μ that stand for the errors of the scans, with the errors that change it by 1.
 #[derive(Debug, Clone, Default)]
 pub(in super::super) struct ScanErrors {
     pub(in super::super) inputs: Vec<(Place, UncertainInput, BodyErrors)>,
