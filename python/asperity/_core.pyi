@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -191,6 +191,11 @@ def level(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: Supp
 def limit_cycle(oscillator: Oscillator) -> Any:
     """
     Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.
+    """
+
+def map_names(path: str | PathLike[str]) -> list[str]:
+    """
+    Returns the names of the height maps of a file.
     """
 
 def module_program(library: str | PathLike[str]) -> Any:

@@ -102,6 +102,24 @@ def _parameters(name: str, values: Any, unit: str) -> Any:
     return [stated(own, unit if places is None or place in places else "") for place, own in enumerate(values)]
 
 
+def stated_study(study: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a study as a dictionary in which distributions, maps and paths have the form of a study file."""
+    return {key: _inner(value, key) for key, value in study.items()}
+
+
+def _inner(value: Any, name: str) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _inner(own, f"{name}.{key}") for key, own in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_inner(own, f"{name}[{place}]") for place, own in enumerate(value)]
+    if not (isinstance(value, (HeightMap, os.PathLike)) or is_distribution(value)):
+        return value
+    try:
+        return stated(value)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
 class Section:
     """Inputs of a study. What is None is left out, so that its default counts.
 

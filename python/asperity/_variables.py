@@ -22,6 +22,8 @@ _CONTINUOUS = 1e-6
 _UNRESOLVED = 1e-4
 # Least probability of which a standard normal quantile is taken.
 _LEAST = float(np.finfo(float).tiny)
+# Standard normal variable with this probability.
+_FARTHEST = float(_NORMAL.quantile(np.array([_LEAST]), True)[0])
 
 
 class Variable:
@@ -113,6 +115,9 @@ def arguments(samples: Numbers, variables: list[Variable] | None) -> Numbers:
             raise ValueError(f"variable {place} is {beyond[0]:g}, outside its support from {own.low:g} to {own.high:g}")
         if not own.bounded:
             found[:, place] = own.normal(values)
+            far = values[np.abs(found[:, place]) >= _FARTHEST]
+            if len(far):
+                raise ValueError(f"variable {place} is {far[0]:g}, too far in the tail of its distribution")
     return found
 
 
@@ -123,6 +128,12 @@ def _functions(distribution: Any) -> tuple[_Function, _Function, tuple[float, fl
         return own.quantile, own.probability, own.support()
     if hasattr(distribution, "computeQuantile"):
         return _of_openturns(distribution)
+    if hasattr(distribution, "iccdf"):
+        return (
+            lambda p, upper: distribution.iccdf(p) if upper else distribution.icdf(p),
+            lambda x, upper: distribution.ccdf(x) if upper else distribution.cdf(x),
+            distribution.support(),
+        )
     if hasattr(distribution, "ppf"):
         return (
             lambda p, upper: distribution.isf(p) if upper else distribution.ppf(p),

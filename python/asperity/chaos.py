@@ -16,6 +16,7 @@ from asperity._variables import Variable, arguments, nodes_of, variables_of
 from asperity.errors import warn
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.axes import Axes
 
 Sampler = Literal["monte_carlo", "latin_hypercube", "maximin_latin_hypercube", "sobol"]
@@ -157,6 +158,16 @@ class SobolIndices(Curves):
     def variable(self) -> NDArray[np.int64]:
         """Numbers of the variables, counted from 0."""
         return np.arange(len(self.total))
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the indices and their intervals over the numbers of the variables, those of pairs over both."""
+        import xarray
+
+        own, pair = ("variable",), ("variable", "other")
+        axes = {"first_order": own, "total": own, "second_order": pair}
+        limits = {f"{name}_interval": (*axis, "limit") for name, axis in axes.items()}
+        numbers = {"variable": self.variable, "other": self.variable, "limit": ["low", "high"]}
+        return xarray.Dataset({name: (axis, getattr(self, name)) for name, axis in (axes | limits).items()}, numbers)
 
     def plot(self, names: Sequence[str] | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the indices; `names` are those of the variables."""
@@ -309,7 +320,13 @@ class Expansion(Made):
         return Expansion._fit(xi, values, degree, sparse, own)
 
     def evaluate(self, xi: ArrayLike) -> NDArray[np.float64]:
-        """Return the values at samples of shape (samples, variables); values beyond the bounds are a ValueError."""
+        """Return the values at samples of shape (samples, variables).
+
+        Raises
+        ------
+        ValueError
+            A sample is beyond the bounds of its variable, or so far in a tail that no double has its probability.
+        """
         values: NDArray[np.float64] = self._own.evaluate(arguments(numbers(xi), self._variables))
         return values
 

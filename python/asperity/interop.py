@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,13 +96,17 @@ def _pitch_m(array: xarray.DataArray, axis: str) -> float:
         pitch_m = (position_m[-1] - position_m[0]) / (position_m.size - 1)
     offset_m = position_m - position_m[0] - steps * pitch_m
     if not (pitch_m > 0 and np.abs(offset_m).max() <= _EQUAL_STEPS * pitch_m):
-        raise ValueError(f"the coordinates {axis} do not rise or fall in equal steps; sort them, or interpolate to such a grid")
+        raise ValueError(f"the coordinates {axis} have no equal steps; sort them, or interpolate to such a grid")
     return float(pitch_m)
 
 
 def is_distribution(value: Any) -> bool:
-    """Return whether a value is a frozen distribution of SciPy or a distribution of OpenTURNS."""
-    return _is_frozen(value) or hasattr(value, "computeQuantile")
+    """Return whether a value is a distribution of SciPy, frozen or with parameters, or one of OpenTURNS."""
+    return _is_frozen(value) or _has_parameters(value) or hasattr(value, "computeQuantile")
+
+
+def _has_parameters(value: Any) -> bool:
+    return hasattr(value, "iccdf")
 
 
 def _is_frozen(value: Any) -> bool:
@@ -119,9 +122,10 @@ def uncertain(distribution: Any, *, unit: str = "", unknown: bool = False) -> di
     Parameters
     ----------
     distribution
-        Of SciPy a frozen ``norm``, ``uniform``, ``triang``, ``beta``, or a ``lognorm`` with ``loc`` = 0; of OpenTURNS
-        ``Normal``, ``Uniform``, ``Triangular``, ``Beta``, or a ``LogNormal`` with the location γ = 0. The median of a
-        ``LogNormal`` of OpenTURNS is rounded, because OpenTURNS stores its logarithm; all other parameters are exact.
+        Of SciPy a ``Normal`` or ``Uniform``, or a frozen ``norm``, ``uniform``, ``triang``, ``beta``, or a ``lognorm``
+        with ``loc`` = 0; of OpenTURNS ``Normal``, ``Uniform``, ``Triangular``, ``Beta``, or a ``LogNormal`` with the
+        location γ = 0. The median of a ``LogNormal`` of OpenTURNS is rounded, because OpenTURNS stores its logarithm;
+        all other parameters are exact.
     unit
         Unit of the numbers of the distribution, such as ``"GPa"``. Left out, the value is a number without a unit.
     unknown
@@ -145,7 +149,12 @@ def uncertain(distribution: Any, *, unit: str = "", unknown: bool = False) -> di
     """
     if not (is_distribution(distribution) or hasattr(distribution, "getImplementation")):
         raise TypeError(f"found {distribution!r}, expected a frozen distribution of SciPy or one of OpenTURNS")
-    name, parameters = _of_scipy(distribution) if _is_frozen(distribution) else _of_openturns(distribution)
+    if _is_frozen(distribution):
+        name, parameters = _of_scipy(distribution)
+    elif _has_parameters(distribution):
+        name, parameters = _of_new_scipy(distribution)
+    else:
+        name, parameters = _of_openturns(distribution)
 
     def stated(value: float) -> float | str:
         return f"{value!r} {unit}" if unit else value
@@ -183,6 +192,17 @@ def _of_scipy(frozen: Any) -> tuple[str, list[float]]:
             return f"{name} with loc = {loc}", []
 
 
+def _of_new_scipy(distribution: Any) -> tuple[str, list[float]]:
+    """Return the name of a distribution with parameters in a study, and its parameters there."""
+    match type(distribution).__name__:
+        case "Normal" | "StandardNormal":
+            return "normal", [float(distribution.mu), float(distribution.sigma)]
+        case "Uniform":
+            return "uniform", [float(distribution.a), float(distribution.b)]
+        case name:
+            return name, []
+
+
 def _of_openturns(distribution: Any) -> tuple[str, list[float]]:
     """Return the name of a distribution of OpenTURNS in a study, and its parameters there."""
     import openturns
@@ -195,21 +215,3 @@ def _of_openturns(distribution: Any) -> tuple[str, list[float]]:
             return name.lower(), parameters
         case _:
             return str(distribution), []
-
-
-def with_stated_distributions(study: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a study in which distributions of SciPy and OpenTURNS have the form of a study file."""
-    return {key: _stated(value, key) for key, value in study.items()}
-
-
-def _stated(value: Any, name: str) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _stated(inner, f"{name}.{key}") for key, inner in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_stated(inner, f"{name}[{place}]") for place, inner in enumerate(value)]
-    if not is_distribution(value):
-        return value
-    try:
-        return uncertain(value)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None

@@ -1998,6 +1998,8 @@ class RestsOn(Record):
     """SI unit of the value; empty for a number or a name."""
     kind: InputKind
     """Origin of the value."""
+    range: list[float] | None
+    """5 % and 95 % quantile of an uncertain or unknown value."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from asperity import _core, _plots, inputs
 from asperity._progress import Progress, callback
 from asperity._record import ByValue, equal
-from asperity._section import Section, with_folder
+from asperity._section import Section, stated_study, with_folder
 from asperity.errors import warn
 from asperity.friction import FrictionProcess
 from asperity.inputs import Friction, Material, Pressure, Sections, Surface, Vibration
-from asperity.interop import with_stated_distributions
 from asperity.results import CampaignResults, FrictionResult, PressureResult, Results, VerdictResult
 from asperity.surface import HeightMap, field_to_xarray
 
@@ -157,7 +156,7 @@ class Study(Sections):
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any]) -> Study:
         """Create a study from dictionaries, one for each section."""
-        _core.check_inputs(with_stated_distributions(sections))
+        _core.check_inputs(stated_study(sections))
         own: dict[str, Any] = {
             key: _SECTIONS[key](**value) if key in _SECTIONS else value for key, value in sections.items()
         }
@@ -251,8 +250,9 @@ def run_study(
     ----------
     study
         A `Study`, a study file, or its content as a dictionary, in which quantities are texts with units, such as
-        ``"210 GPa"``. Paths in a file are relative to it, those in a dictionary to the working directory. An uncertain
-        number may be a distribution of SciPy or OpenTURNS, an uncertain quantity the result of `asperity.uncertain`.
+        ``"210 GPa"``. Paths in a file are relative to it, those in a dictionary or a `Study` to the working folder
+        when it runs. In a dictionary a scan may be a `HeightMap` and a file a `pathlib.Path`; an uncertain number may
+        be a distribution of SciPy or OpenTURNS, an uncertain quantity the result of `asperity.uncertain`.
     only
         Compute this stage and the stages that it needs.
     seed
@@ -336,7 +336,7 @@ def request(
     """Return what the compiled module is asked for."""
     if isinstance(source, Study):
         source = source.to_dict()
-    given: Any = with_stated_distributions(source) if isinstance(source, Mapping) else os.fspath(source)
+    given: Any = stated_study(source) if isinstance(source, Mapping) else os.fspath(source)
     return {"source": given, "only": only, "seed": seed, "library": _core.__file__}
 
 

@@ -259,9 +259,9 @@ class HeightMap:
     def from_xarray(array: xarray.DataArray) -> HeightMap:
         """Create a map from an array with the dimensions y and x, such as that of `to_xarray`.
 
-        The row with the smallest y is row 0, and the column with the smallest x column 0. The coordinates rise or fall in
-        equal steps; their distance is the pixel size. Heights and coordinates are in metre; an attribute ``units`` other
-        than ``m`` is an error.
+        The row with the smallest y is row 0, and the column with the smallest x column 0. The coordinates rise or fall
+        in equal steps; their distance is the pixel size. Heights and coordinates are in metre; an attribute ``units``
+        other than ``m`` is an error.
         """
         from asperity import interop
 

@@ -318,3 +318,24 @@ def test_a_density_with_gaps_is_warned_about():
     gap = stats.rv_histogram(([1, 0, 0, 1], [0, 1, 2, 3, 4]), density=True)
     with pytest.warns(asperity.AsperityWarning, match="the density has gaps or steps"):
         asperity.Expansion.of(lambda x: x[0], distributions=[gap], degree=2, samples=64, seed=1)
+
+
+def test_values_beyond_all_probabilities_are_refused():
+    points = asperity.design("sobol", samples=64, variables=1, seed=1, distributions=["normal:3,2"])
+    found = asperity.Expansion.fit(points, points[:, 0], degree=1, distributions=["normal:3,2"])
+    assert found.evaluate([[3.0 + 2.0 * 37]]) == pytest.approx(77.0)
+    for far in (3.0 + 2.0 * 39, -1e9):
+        with pytest.raises(ValueError, match=r"variable 0 is .*, too far in the tail"):
+            found.evaluate([[far]])
+
+
+def test_indices_of_pairs_are_in_the_data_set():
+    pytest.importorskip("xarray")
+    points = asperity.design("sobol", samples=256, variables=3, seed=1)
+    values = points[:, 0] + 2 * points[:, 1] * points[:, 2]
+    indices = asperity.Expansion.fit(points, values, degree=2).sobol_indices()
+    found = indices.to_xarray()
+    assert float(found.second_order.sel(variable=1, other=2)) == pytest.approx(0.8, abs=1e-9)
+    assert found.total.dims == ("variable",) and found.second_order_interval.shape == (3, 3, 2)
+    low, high = (float(found.first_order_interval.sel(variable=0, limit=limit)) for limit in ("low", "high"))
+    assert low <= 0.2 <= high or (low, high) == pytest.approx((0.2, 0.2))

@@ -133,6 +133,9 @@ def test_a_map_returns_from_xarray(corner):
         back = HeightMap.from_xarray(own)
         assert np.array_equal(back.heights, corner.heights, equal_nan=True)
         assert (back.dx_m, back.dy_m) == (corner.dx_m, corner.dy_m)
+    # Coordinates may fall: y of images often does.
+    falling = array.isel(y=slice(None, None, -1), x=slice(None, None, -1))
+    assert HeightMap.from_xarray(falling) == corner
     window = HeightMap.from_xarray(array.isel(x=slice(2, None)))
     assert np.array_equal(window.heights, corner.heights[:, 2:], equal_nan=True)
     assert (window.dx_m, window.dy_m) == pytest.approx((0.7e-6, 0.3e-6), rel=1e-15, abs=0)
@@ -142,8 +145,10 @@ def test_arrays_that_are_no_map_are_refused(corner):
     package("xarray")
     array = corner.to_xarray()
     for wrong, message in [
-        (array.isel(y=slice(None, None, -1)), "coordinates y do not rise"),
-        (array.isel(x=[0, 1, 3]), "coordinates x do not rise"),
+        (array.isel(x=[0, 1, 3]), "coordinates x have no equal steps"),
+        (array.isel(y=[1, 0, 2]), "coordinates y have no equal steps"),
+        (array.assign_coords(x=[str(x) for x in range(array.sizes["x"])]), "coordinates x are of the type <U1"),
+        (array.assign_coords(y=np.arange(array.sizes["y"]).astype("datetime64[s]")), "y are of the type datetime64"),
         (array.isel(x=[2]), "at least 2 × 2"),
         (array.rename(x="length"), "dimensions y, length"),
         (array.drop_vars("x"), "x has no coordinates"),
@@ -232,3 +237,21 @@ def test_distributions_without_a_form_are_refused():
     study = {**STUDY, "vibration": {**STUDY["vibration"], "normal_force": openturns.Normal(2500.0, 100.0)}}
     with pytest.raises(ValueError, match=r"normal_force: `2500\.0` has no unit"):
         asperity.run_study(study)
+
+
+def test_distributions_of_scipy_with_parameters_are_stated():
+    stats = package("scipy.stats")
+    if not hasattr(stats, "Normal"):
+        pytest.skip("an older SciPy has frozen distributions alone")
+    assert asperity.uncertain(stats.Normal(mu=2.0, sigma=0.25), unit="GPa") == {"normal": ["2.0 GPa", "0.25 GPa"]}
+    assert asperity.uncertain(stats.Uniform(a=0.1, b=0.3)) == {"uniform": [0.1, 0.3]}
+    with pytest.raises(ValueError, match="no form for ShiftedScaledDistribution"):
+        asperity.uncertain(2 * stats.Uniform(a=0.1, b=0.3))
+    own, frozen = [stats.Normal(mu=1.0, sigma=2.0)], [stats.norm(1.0, 2.0)]
+    points = asperity.design("sobol", samples=64, variables=1, seed=1, distributions=own)
+    np.testing.assert_allclose(
+        points, asperity.design("sobol", samples=64, variables=1, seed=1, distributions=frozen), rtol=1e-14
+    )
+    found = asperity.Expansion.fit(points, points[:, 0] ** 2, degree=2, distributions=own)
+    # Mean and variance of x² for a normal x: m² + s², 2s⁴ + 4m²s².
+    assert (found.mean, found.variance) == pytest.approx((5.0, 48.0), rel=1e-9)

@@ -178,3 +178,15 @@ def test_sections_are_objects_and_maps_are_as_measured():
         Surface(file=[scan.level("plane")])
     with pytest.raises(TypeError, match="found 3, expected a frozen distribution"):
         asperity.uncertain(3)
+
+
+def test_dictionaries_take_maps_and_paths(tmp_path):
+    scan = asperity.HeightMap.from_array(np.random.default_rng(2).standard_normal((64, 64)) * 1e-6, dx_m=1e-6)
+    scan.write(tmp_path / "scan.gwy")
+    found = [
+        asperity.run_study({"seed": 1, "surface": {"file": own}}, only="surface", progress=False)
+        for own in (scan, tmp_path / "scan.gwy", str(tmp_path / "scan.gwy"), [scan])
+    ]
+    assert len({own.surface.covariance.std_m for own in found}) == 1
+    with pytest.raises(TypeError, match="found bytes"):
+        asperity.run_study({"seed": 1, "surface": {"file": b"scan.gwy"}}, only="surface", progress=False)

@@ -211,3 +211,30 @@ def test_a_filled_map_is_that_of_the_command_line(program, tmp_path, rough):
     assert np.array_equal(found.heights[present], heights[present])
     assert np.isfinite(found.heights).all()
     assert scan.fill(seed=4) != found
+
+
+def test_slices_are_maps_with_their_pitch(rough):
+    scan = HeightMap(rough, 1e-6, 2e-6)
+    part = scan[4:20, 3:31:3]
+    assert np.array_equal(part.heights, rough[4:20, 3:31:3])
+    assert (part.dx_m, part.dy_m) == (3e-6, 2e-6)
+    assert scan[:, :] == scan
+    assert scan.level("plane")[:32, :].is_prepared
+    for wrong in (3, slice(None), (slice(None), 3), (slice(None),) * 3):
+        with pytest.raises(TypeError, match="expected slices of rows and columns"):
+            scan[wrong]
+    for wrong in ((slice(None, None, -1), slice(None)), (slice(3, 3), slice(None))):
+        with pytest.raises(ValueError, match="expected rising slices inside"):
+            scan[wrong]
+
+
+def test_the_maps_of_a_file_are_listed(tmp_path, rough):
+    first, second = rough, 2 * rough
+    np.savez(tmp_path / "two.npz", first=first, second=second)
+    assert HeightMap.channels(tmp_path / "two.npz") == ["first", "second"]
+    found = [HeightMap.read(tmp_path / "two.npz", channel=name, dx_m=1e-6) for name in ("second", 2)]
+    assert found[0] == found[1] and np.array_equal(found[0].heights, second)
+    np.save(tmp_path / "one.npy", first)
+    assert HeightMap.channels(tmp_path / "one.npy") == []
+    with pytest.raises(FileNotFoundError):
+        HeightMap.channels(tmp_path / "none.npy")
