@@ -233,7 +233,8 @@ def test_the_maps_of_a_file_are_listed(tmp_path, rough):
     np.savez(tmp_path / "two.npz", first=first, second=second)
     assert HeightMap.channels(tmp_path / "two.npz") == ["first", "second"]
     found = [HeightMap.read(tmp_path / "two.npz", channel=name, dx_m=1e-6) for name in ("second", 2)]
-    assert found[0] == found[1] and np.array_equal(found[0].heights, second)
+    assert found[0] == found[1]
+    assert np.array_equal(found[0].heights, second)
     np.save(tmp_path / "one.npy", first)
     assert HeightMap.channels(tmp_path / "one.npy") == []
     with pytest.raises(FileNotFoundError):
