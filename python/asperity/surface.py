@@ -104,7 +104,8 @@ class RadialSpectrum(Curves):
 class HeightMap:
     """Heights on a regular grid; missing heights are NaN.
 
-    `read` and `from_array` create maps. ``numpy.asarray`` of a map returns its heights.
+    `read` and `from_array` create maps. ``numpy.asarray`` of a map returns its heights, and ``scan[10:50, :]`` the map
+    of some rows and columns.
     """
 
     heights: NDArray[np.float64]
