@@ -48,7 +48,7 @@ assert found.fractal_dimension is None
 figure, panels = plt.subplots(1, 4, figsize=(9, 2.6), layout="constrained")
 shown = {"scan": surface.heights[100:228, 100:228]} | {labels[name]: maps[0].heights for name, maps in drawn.items()}
 for axes, (name, heights) in zip(panels, shown.items(), strict=True):
-    image = axes.imshow(heights * 1e6, extent=(0, 256, 0, 256), vmin=-2.5, vmax=2.5)
+    image = axes.imshow(heights * 1e6, extent=(0, 256, 256, 0), vmin=-2.5, vmax=2.5)
     axes.set_title(name, fontsize="medium")
     axes.set_xlabel("x (µm)")
     axes.tick_params(labelleft=axes is panels[0])
