@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -226,6 +226,11 @@ def read_map(path: str | PathLike[str], channel: str | None, dx_m: SupportsFloat
 def read_study(path: str | PathLike[str]) -> Any:
     """
     Returns the content of a study file, which is checked.
+    """
+
+def rescaled_law(law: dict, factor: SupportsFloat | SupportsIndex) -> Any:
+    """
+    Returns a velocity law in a unit of velocity that is larger by a factor.
     """
 
 def results_schema() -> str:

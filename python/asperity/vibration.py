@@ -13,7 +13,7 @@ from asperity import _core
 from asperity._arrays import numbers
 from asperity._progress import Progress, callback
 from asperity.errors import warn
-from asperity.laws import Parameters, Tabulated
+from asperity.laws import Forcing, Numbers, Parameters, Tabulated, VelocityLaw
 from asperity.vibration_results import CriticalDamping, Ensemble, Kind, LimitCycle, StabilityMap
 
 Axis = tuple[float, float, int]
@@ -53,6 +53,76 @@ class Oscillator(Parameters):
 
     _checked: _core.Oscillator = field(init=False, repr=False, compare=False)
 
+    @classmethod
+    def from_si(
+        cls,
+        *,
+        mass_kg: Numbers,
+        natural_frequency_rad_per_s: Numbers,
+        normal_force_n: Numbers,
+        belt_velocity_m_per_s: Numbers,
+        static_friction: Numbers,
+        law: VelocityLaw,
+        damping_ratio: Numbers,
+        forcing: Forcing | None = None,
+    ) -> Oscillator:
+        """Return the oscillator of values in SI; each may be an array.
+
+        Results are in its units: time in 1/ω₀, displacement in N/c with the spring c = mω₀², and velocity in N/(mω₀).
+
+        Parameters
+        ----------
+        mass_kg, natural_frequency_rad_per_s, normal_force_n
+            Mass m, natural angular frequency ω₀ and normal force N, all positive.
+        belt_velocity_m_per_s
+            Velocity v_b of the belt.
+        static_friction, damping_ratio
+            μ_st and ζ = d/(2mω₀).
+        law
+            Velocity law of velocities in m/s: `decay` and `slope` in s/m, `stribeck_velocity` and the velocities of
+            `points` in m/s.
+        forcing
+            Harmonic force with its amplitude in N and its frequency in rad/s.
+
+        Raises
+        ------
+        ValueError
+            A number is out of its range, or the unit of velocity of a `Tabulated` law is an array.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> machine = asperity.Oscillator.from_si(
+        ...     mass_kg=15,
+        ...     natural_frequency_rad_per_s=628.3,
+        ...     normal_force_n=10e3,
+        ...     belt_velocity_m_per_s=0.02,
+        ...     static_friction=0.38,
+        ...     law=asperity.Stribeck(kinetic=0.38, decay=0.3),
+        ...     damping_ratio=0.03,
+        ... )
+        >>> round(machine.law.decay, 4), round(machine.belt_velocity, 5)
+        (0.3183, 0.01885)
+        """
+        scales = (
+            ("mass_kg", mass_kg),
+            ("natural_frequency_rad_per_s", natural_frequency_rad_per_s),
+            ("normal_force_n", normal_force_n),
+        )
+        mass, frequency, force = (_positive(name, _numbers(value)) for name, value in scales)
+        velocity = force / (mass * frequency)
+        if forcing is not None:
+            forcing = Forcing(
+                amplitude=_numbers(forcing.amplitude) / force, frequency=_numbers(forcing.frequency) / frequency
+            )
+        return cls(
+            static_friction=static_friction,
+            law=_dimensionless(law, velocity),
+            damping_ratio=damping_ratio,
+            belt_velocity=_numbers(belt_velocity_m_per_s) / velocity,
+            forcing=forcing,
+        )
+
     def __post_init__(self) -> None:
         self._check()
         for message in self._checked.warnings():
@@ -84,6 +154,31 @@ class Oscillator(Parameters):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._check()
+
+
+def _dimensionless(law: VelocityLaw, velocity: Numbers) -> VelocityLaw:
+    """Return a law of velocities in m/s as one of multiples of a unit of velocity."""
+    kind = type(law).__name__.lower()
+    if isinstance(law, Tabulated):
+        if np.ndim(velocity):
+            raise ValueError("the points of a table are those of all machines, which need one unit of velocity N/(mω₀)")
+        return Tabulated(**_core.rescaled_law({kind: vars(law)}, velocity)[kind])
+    # Each parameter is proportional to a power of the unit.
+    doubled = _core.rescaled_law({kind: dict.fromkeys(vars(law), 1.0)}, 2.0)[kind]
+    powers = {name: round(np.log2(value)) for name, value in doubled.items()}
+    return dataclasses.replace(
+        law, **{name: _numbers(value) * velocity ** powers[name] for name, value in vars(law).items()}
+    )
+
+
+def _numbers(value: Numbers) -> Numbers:
+    return numbers(value) if np.ndim(value) else float(value)
+
+
+def _positive(name: str, value: Numbers) -> Numbers:
+    if not (np.isfinite(value).all() and np.min(value) > 0):
+        raise ValueError(f"{name} is {value}, expected a positive number")
+    return value
 
 
 def _owned(value: Any) -> Any:

@@ -288,3 +288,56 @@ def test_points_of_a_law_are_copied_and_lists_are_arrays():
     law = asperity.Stribeck(kinetic=0.1, decay=4.2)
     machines = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=[0.1, 0.3], belt_velocity=0.003)
     assert list(asperity.limit_cycle(machines).limit_cycle) == [True, False]
+
+
+SI = ["--mass", "15kg", "--natural-frequency", "100Hz", "--normal-force", "10kN"]
+
+
+@pytest.mark.parametrize(
+    ("law", "options"),
+    [
+        (asperity.Stribeck(kinetic=0.38, decay=0.3), ["--stribeck", "0.3s/m"]),
+        (asperity.Linear(kinetic=0.38, slope=0.1), ["--linear-weakening", "0.1s/m"]),
+        (
+            asperity.Exponential(kinetic=0.38, high_speed=0.3, stribeck_velocity=0.5),
+            ["--stribeck-velocity", "0.5m/s", "--high-speed-friction", "0.3"],
+        ),
+    ],
+)
+def test_an_oscillator_of_si_values_is_that_of_the_command_line(program, law, options):
+    own = asperity.Oscillator.from_si(
+        mass_kg=15,
+        natural_frequency_rad_per_s=2 * np.pi * 100,
+        normal_force_n=10e3,
+        belt_velocity_m_per_s=0.02,
+        static_friction=0.38,
+        law=law,
+        damping_ratio=0.03,
+    )
+    line = ["vibration", "cycle", *SI, *options, "--belt-velocity", "20mm/s"]
+    expected = program(*line, "--static-friction", "0.38", "--damping-ratio", "0.03")
+    found = asperity.limit_cycle(own)
+    assert found.kind == expected["kind"]
+    assert found.period == pytest.approx(expected["period"], rel=1e-12)
+
+
+def test_si_values_may_be_arrays_and_forces_and_tables_have_their_units():
+    table = asperity.Tabulated(points=[(0.0, 0.38), (0.5, 0.3)])
+    common = {"natural_frequency_rad_per_s": 600.0, "normal_force_n": 3e3, "static_friction": 0.38}
+    common |= {"belt_velocity_m_per_s": 0.1, "damping_ratio": 0.03}
+    force = asperity.Forcing(amplitude=30.0, frequency=300.0)
+    own = asperity.Oscillator.from_si(mass_kg=10, law=table, forcing=force, **common)
+    # N/(mω₀) = 0.5 m/s.
+    assert own.belt_velocity == pytest.approx(0.2)
+    np.testing.assert_allclose(own.law.points, [(0.0, 0.38), (1.0, 0.3)], rtol=1e-15)
+    assert (own.forcing.amplitude, own.forcing.frequency) == pytest.approx((0.01, 0.5))
+    law = asperity.Stribeck(kinetic=0.38, decay=0.3)
+    many = asperity.Oscillator.from_si(mass_kg=np.array([10.0, 20.0]), law=law, **common)
+    for place, mass in enumerate([10.0, 20.0]):
+        single = asperity.Oscillator.from_si(mass_kg=mass, law=law, **common)
+        assert (many.belt_velocity[place], many.law.decay[place]) == (single.belt_velocity, single.law.decay)
+    with pytest.raises(ValueError, match="one unit of velocity"):
+        asperity.Oscillator.from_si(mass_kg=np.array([10.0, 20.0]), law=table, **common)
+    for wrong in (0.0, -1.0, float("nan"), [1.0, 0.0]):
+        with pytest.raises(ValueError, match="mass_kg is"):
+            asperity.Oscillator.from_si(mass_kg=wrong, law=law, **common)

@@ -6,7 +6,7 @@ use asperity::choice::{ByName, Choice, SchemaGenerator};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
 use asperity::study::clipping_warning;
 use asperity::vibration::{
-    self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VibrationError,
+    self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VelocityLaw, VibrationError,
     clipped_to_positive, limit_damping, smallest_kick,
 };
 use asperity_results::tidy;
@@ -139,6 +139,12 @@ pub(crate) fn vibration_schema() -> String {
 #[pyfunction]
 pub(crate) fn parameters_schema() -> String {
     SchemaGenerator::default().into_root_schema_for::<Parameters>().to_value().to_string()
+}
+
+/// Returns a velocity law in a unit of velocity that is larger by a factor.
+#[pyfunction]
+pub(crate) fn rescaled_law<'py>(py: Python<'py>, law: &Bound<'py, PyDict>, factor: f64) -> PyResult<Bound<'py, PyAny>> {
+    to_python(py, &from_python::<VelocityLaw>(law)?.rescaled(factor))
 }
 
 /// Finds the vibration that develops from a start in stick, with the keys of `asperity vibration cycle --json`.

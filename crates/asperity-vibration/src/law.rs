@@ -292,8 +292,8 @@ impl VelocityLaw {
     }
 
     /// Returns the law μ(f|v|), f > 0. It is the same law in SI when the unit of velocity N/(mω₀) grows by the factor
-    /// f, for example under another load.
-    pub(super) fn rescaled(&self, factor: f64) -> Self {
+    /// f, for example under another load. The factor N/(mω₀) in m/s makes a law of velocities in m/s dimensionless.
+    pub fn rescaled(&self, factor: f64) -> Self {
         with_law!(self, law => law.rescaled(factor).into())
     }
 
