@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -161,6 +161,11 @@ def distribution_nodes() -> Incomplete:
 def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
     """
     Simulates many trajectories over a random friction fluctuation.
+    """
+
+def ensembles(oscillator: Oscillator, stds: SupportsGetItem[int, SupportsFloat | SupportsIndex], lengths: SupportsGetItem[int, SupportsFloat | SupportsIndex], fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
+    """
+    Simulates an ensemble of each machine of an array, with its own fluctuation, of which `stds` and `lengths` are columns. All have the same seed.
     """
 
 def fill(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, options: dict) -> Incomplete:

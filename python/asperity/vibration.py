@@ -52,6 +52,7 @@ class Oscillator(Parameters):
     """
 
     _checked: _core.Oscillator = field(init=False, repr=False, compare=False)
+    _shape: tuple[int, ...] | None = field(init=False, repr=False, compare=False)
 
     @classmethod
     def from_si(
@@ -146,10 +147,11 @@ class Oscillator(Parameters):
             shapes = ", ".join(f"{name} {column.shape}" for name, column in columns.items())
             raise ValueError(f"arrays of these shapes cannot be broadcast together: {shapes}") from None
         broadcast = [(name, np.broadcast_to(column, shape).ravel()) for name, column in columns.items()]
-        self.__dict__["_checked"] = _core.Oscillator(parameters, broadcast, shape if columns else None)
+        self.__dict__["_shape"] = shape if columns else None
+        self.__dict__["_checked"] = _core.Oscillator(parameters, broadcast, self._shape)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_checked"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_checked", "_shape")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -248,8 +250,8 @@ def critical_damping(oscillator: Oscillator) -> CriticalDamping:
 def ensemble(
     oscillator: Oscillator,
     *,
-    friction_std: float,
-    correlation_length: float,
+    friction_std: Numbers,
+    correlation_length: Numbers,
     marginal: str,
     trajectories: int,
     duration: float,
@@ -260,10 +262,15 @@ def ensemble(
 ) -> Ensemble:
     """Simulate many trajectories over a random fluctuation of friction.
 
+    Of arrays, which are broadcast together, the numbers of the result are arrays of their shape, with the bits of one
+    call for each machine: intervals have a last axis of two, numbers are NaN where a single call gives None, and what
+    is undefined for all machines is None. The samples are empty; ``failures`` have the indices of their ``machine``. If
+    some ensembles fail, their numbers are NaN, and a warning names the first of them.
+
     Parameters
     ----------
     oscillator
-        The machine.
+        The machine, or an array of machines.
     friction_std
         Standard deviation of the friction coefficient.
     correlation_length
@@ -282,9 +289,36 @@ def ensemble(
         Allow more than 5 % of the friction values to be clipped to stay positive.
     progress
         See `run_study`.
+
+    Raises
+    ------
+    ValueError
+        A number is out of its range, or more than 5 % of the friction values would be clipped.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> law = asperity.Stribeck(kinetic=0.1, decay=4.2)
+    >>> machines = asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=[0.1, 0.3], belt_velocity=0.003)
+    >>> fluctuation = {"friction_std": 0.001, "correlation_length": 0.01, "marginal": "normal"}
+    >>> found = asperity.ensemble(machines, **fluctuation, trajectories=8, duration=300, seed=1)
+    >>> found.passages.late_share.mean
+    array([1., 0.])
     """
-    fluctuation = _fluctuation(friction_std, correlation_length, marginal, allow_clipping)
-    found = _core.ensemble(oscillator._checked, fluctuation, trajectories, duration, seed, drive, callback(progress))
+    stds, lengths = _numbers(friction_std), _numbers(correlation_length)
+    shape = np.broadcast_shapes(oscillator._shape or (), np.shape(stds), np.shape(lengths))
+    settings = (trajectories, duration, seed, drive, callback(progress))
+    if oscillator._shape is None and not (np.ndim(stds) or np.ndim(lengths)):
+        fluctuation = _fluctuation(stds, lengths, marginal, allow_clipping)
+        return Ensemble.from_dict(_core.ensemble(oscillator._checked, fluctuation, *settings))
+    if oscillator._shape != shape:
+        ratios = np.broadcast_to(oscillator.damping_ratio, shape)
+        oscillator = dataclasses.replace(oscillator, damping_ratio=ratios)
+    of_std, of_length = (np.broadcast_to(own, shape).ravel().tolist() for own in (stds, lengths))
+    fluctuation = _fluctuation(0.0, 0.0, marginal, allow_clipping)
+    found = _core.ensembles(oscillator._checked, of_std, of_length, fluctuation, *settings)
+    for name in ("reattachments", "releases", "periods"):
+        found[name]["sample"] = np.empty((*shape, 0))
     return Ensemble.from_dict(found)
 
 
@@ -340,7 +374,7 @@ def stability_map(
 
 
 def _fluctuation(
-    friction_std: float, correlation_length: float, marginal: str, allow_clipping: bool
+    friction_std: Numbers, correlation_length: Numbers, marginal: str, allow_clipping: bool
 ) -> dict[str, object]:
     return {
         "friction_std": friction_std,

@@ -218,9 +218,9 @@ def test_refused_machines_and_shapes_are_named():
     with pytest.raises(ValueError, match=r"kinetic \(3,\), damping_ratio \(2,\)"):
         dataclasses.replace(paper(np.array([0.1, 0.2])), law=law)
     with pytest.raises(ValueError, match="single oscillator"):
-        asperity.ensemble(
+        asperity.stability_map(
             paper(np.array([0.1])), friction_std=1e-3, correlation_length=0.01, marginal="normal", trajectories=2,
-            duration=9, seed=1,
+            duration=9, seed=1, damping_ratios=(0.1, 0.2, 2), belt_velocities=(0.1, 0.2, 2),
         )  # fmt: skip
     with pytest.warns(AsperityWarning, match=r"damping ratio 2 .*\(2 of 3 machines\)"):
         paper(np.array([0.1, 2.0, 3.0]))
@@ -341,3 +341,40 @@ def test_si_values_may_be_arrays_and_forces_and_tables_have_their_units():
     for wrong in (0.0, -1.0, float("nan"), [1.0, 0.0]):
         with pytest.raises(ValueError, match="mass_kg is"):
             asperity.Oscillator.from_si(mass_kg=wrong, law=law, **common)
+
+
+def flat(found, path=""):
+    """Return the numbers of a result by their paths."""
+    for name, value in found.items():
+        if isinstance(value, dict):
+            yield from flat(value, f"{path}{name}.")
+        elif name not in ("sample", "failures", "first_exits"):
+            yield f"{path}{name}", value
+
+
+def test_ensembles_of_arrays_have_the_bits_of_single_ones():
+    settings = {"marginal": "normal", "trajectories": 8, "duration": 200.0, "seed": 3}
+    law = asperity.Stribeck(kinetic=0.1, decay=4.2)
+    common = {"static_friction": 0.1, "law": law, "belt_velocity": 0.003}
+    damping, stds = np.array([0.1, 0.2, 0.3]), np.array([[0.001], [0.004]])
+    many = asperity.ensemble(
+        Oscillator(damping_ratio=damping, **common), friction_std=stds, correlation_length=0.01, **settings
+    )
+    assert many.difference_interval.shape == (2, 3, 2)
+    arrays = dict(flat(many.to_dict()))
+    for row, column in np.ndindex(2, 3):
+        machine = Oscillator(damping_ratio=float(damping[column]), **common)
+        single = asperity.ensemble(
+            machine, friction_std=float(stds[row, 0]), correlation_length=0.01, **settings
+        ).to_dict()
+        for path, value in flat(single):
+            # An undefined estimate has no numbers of its own.
+            owns = [own for name, own in arrays.items() if name == path or name.startswith(f"{path}.")]
+            assert owns, path
+            for own in owns:
+                found = np.nan if own is None else np.asarray(own, dtype=float)[row, column]
+                np.testing.assert_array_equal(found, np.nan if value is None else value, path)
+    with pytest.raises(ValueError, match="broadcast"):
+        asperity.ensemble(
+            Oscillator(damping_ratio=damping, **common), friction_std=[0.1, 0.2], correlation_length=1.0, **settings
+        )

@@ -2,6 +2,7 @@
 //!
 //! The parameters of an array cross the border as columns, the answers as an array of a row per number.
 
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity::blocks;
@@ -9,10 +10,11 @@ use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::{implausible_damping, implausible_friction};
 use asperity::vibration::{self, Parameters, VelocityLaw, VibrationError};
 use ndarray::{Array2, Axis};
-use numpy::{PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::convert::{from_python, to_python};
 use crate::errors::{Raise, value_error, warn};
@@ -29,9 +31,9 @@ const CHUNK: usize = 16;
 #[pyclass(frozen)]
 pub(crate) struct Oscillator {
     /// In C order.
-    machines: Arc<Vec<vibration::Oscillator>>,
+    pub(crate) machines: Arc<Vec<vibration::Oscillator>>,
     /// Shape of the array; `None` for a single oscillator.
-    shape: Option<Vec<usize>>,
+    pub(crate) shape: Option<Vec<usize>>,
 }
 
 #[pymethods]
@@ -192,8 +194,46 @@ fn number<'a>(parameters: &'a mut Parameters, name: &str) -> Option<&'a mut f64>
     })
 }
 
+/// Returns the answers about all machines as one structure of arrays: a number or a list of equal length of each machine becomes an array, what is
+/// undefined NaN, and lists of different lengths `None`. `answers` holds JSON values, `None` for machines without an answer.
+pub(crate) fn stacked<'py>(
+    py: Python<'py>,
+    answers: &[Option<&Value>],
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
+    let defined = || answers.iter().copied().flatten().filter(|value| !value.is_null());
+    let width = match defined().next() {
+        Some(Value::Object(_)) => {
+            let names: BTreeSet<&String> = defined().filter_map(Value::as_object).flat_map(|own| own.keys()).collect();
+            let dictionary = PyDict::new(py);
+            for name in names {
+                let inner: Vec<_> = answers.iter().map(|own| own.and_then(|own| own.get(name))).collect();
+                dictionary.set_item(name, stacked(py, &inner, shape)?)?;
+            }
+            return Ok(dictionary.into_any());
+        }
+        Some(Value::Array(first)) => Some(first.len()),
+        Some(_) => None,
+        None => return Ok(py.None().into_bound(py)),
+    };
+    let number = |value: &Value| value.as_f64().or_else(|| value.as_bool().map(|is| f64::from(u8::from(is))));
+    let mut numbers = Vec::with_capacity(answers.len() * width.unwrap_or(1));
+    for answer in answers {
+        match (answer, width) {
+            (Some(Value::Array(own)), Some(width)) if own.len() == width => {
+                numbers.extend(own.iter().map(|value| number(value).unwrap_or(f64::NAN)));
+            }
+            (Some(Value::Array(_)), Some(_)) => return Ok(py.None().into_bound(py)),
+            (_, Some(width)) => numbers.extend(std::iter::repeat_n(f64::NAN, width)),
+            (own, None) => numbers.push(own.and_then(number).unwrap_or(f64::NAN)),
+        }
+    }
+    let shape: Vec<usize> = shape.iter().copied().chain(width).collect();
+    PyArray1::from_vec(py, numbers).call_method1("reshape", (shape,))
+}
+
 /// Returns the indices along all axes of an element of an array in C order.
-fn place(index: usize, shape: &[usize]) -> Vec<usize> {
+pub(crate) fn place(index: usize, shape: &[usize]) -> Vec<usize> {
     let mut rest = index;
     let mut place: Vec<usize> = shape.iter().rev().map(|&size| (rest % size, rest /= size).0).collect();
     place.reverse();

@@ -1,9 +1,12 @@
 //! Stick-slip of a mass on a belt.
 
 use std::mem;
+use std::sync::Arc;
 
+use asperity::blocks::Task;
 use asperity::choice::{ByName, Choice, SchemaGenerator};
 use asperity::friction::process::{FrictionProcess, ProcessModel};
+use asperity::monitor::{Cancelled, Inner};
 use asperity::study::clipping_warning;
 use asperity::vibration::{
     self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VelocityLaw, VibrationError,
@@ -12,15 +15,16 @@ use asperity::vibration::{
 use asperity_results::tidy;
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::convert::{from_python, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
-use crate::machines::{Answer, Oscillator};
+use crate::machines::{Answer, Oscillator, place, stacked};
 use crate::resources::require_memory;
 
 /// Motion that develops from a start in stick. Numbers of the cycle are absent if there is none.
@@ -162,7 +166,7 @@ pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) ->
 }
 
 /// Fluctuation of the friction coefficient.
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Fluctuation {
     friction_std: f64,
@@ -219,6 +223,77 @@ pub(crate) fn ensemble<'py>(
     for (name, sample) in ["reattachments", "releases", "periods"].into_iter().zip(samples) {
         answer.get_item(name)?.set_item("sample", PyArray1::from_vec(py, sample))?;
     }
+    Ok(answer)
+}
+
+/// Simulates an ensemble of each machine of an array, with its own fluctuation, of which `stds` and `lengths` are columns. All have the same seed.
+#[pyfunction]
+#[pyo3(signature = (oscillator, stds, lengths, fluctuation, trajectories, duration, seed, drive, progress))]
+#[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
+pub(crate) fn ensembles<'py>(
+    py: Python<'py>,
+    oscillator: &Oscillator,
+    stds: Vec<f64>,
+    lengths: Vec<f64>,
+    fluctuation: &Bound<'py, PyDict>,
+    #[pyo3(from_py_with = whole)] trajectories: usize,
+    duration: f64,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    drive: &str,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (machines, shape) = (Arc::clone(&oscillator.machines), oscillator.shape.clone().unwrap_or_default());
+    let stated: Fluctuation = from_python(fluctuation)?;
+    let drive = Drive::from_name(drive).raise()?;
+    let settings = EnsembleSettings { drive, ..EnsembleSettings::new(trajectories, duration, seed) };
+    require_memory(settings.memory_bytes(rayon::current_num_threads()), "the ensembles")?;
+    let of_machine = |machine: &vibration::Oscillator, (std, length): (f64, f64)| {
+        let own = Fluctuation { friction_std: std, correlation_length: length, ..stated.clone() };
+        Ok::<_, PyErr>(clipped_to_positive(machine, own.model()?, 1.0))
+    };
+    let fluctuations = stds.into_iter().zip(lengths);
+    let models: Vec<ProcessModel> =
+        machines.iter().zip(fluctuations).map(|(machine, own)| of_machine(machine, own)).collect::<PyResult<_>>()?;
+    let clipped: Vec<f64> = models.iter().map(ProcessModel::clipped_fraction).collect();
+    stated.accept(py, clipped.iter().copied().fold(0.0, f64::max))?;
+    let found = long::run(py, progress.as_ref(), move |monitor| {
+        let task = Task::new(monitor, "ensembles", machines.len());
+        let simulate = |index: usize| {
+            let process = FrictionProcess::new(models[index].clone()).map_err(|error| error.to_string())?;
+            let found = vibration::Ensemble::simulate(&machines[index], &process, &settings, &Inner(monitor));
+            let mut found = found.map_err(|error| error.to_string())?;
+            for of in [&mut found.reattachments, &mut found.releases, &mut found.periods] {
+                of.sample.clear();
+            }
+            serde_json::to_string(&Ensemble { found, clipped_fraction: clipped[index] })
+                .map_err(|error| error.to_string())
+        };
+        task.map(machines.len(), |index| Ok::<_, Cancelled>(simulate(index))).raise()
+    })?;
+    let mut failed = Vec::new();
+    let mut of_machine = |(index, found): (usize, Result<String, String>)| match found {
+        Ok(text) => serde_json::from_str::<Value>(&text).ok(),
+        Err(reason) => {
+            failed.push((place(index, &shape), reason));
+            None
+        }
+    };
+    let mut answers: Vec<Option<Value>> = found.into_iter().enumerate().map(|own| of_machine(own)).collect();
+    if let [(first, reason), ..] = &failed[..] {
+        let (count, all) = (failed.len(), answers.len());
+        warn(py, &format!("{count} of {all} ensembles have no answer and are NaN; the first is {first:?}: {reason}"))?;
+    }
+    let failures = PyList::empty(py);
+    for (index, own) in answers.iter_mut().enumerate() {
+        let own = own.as_mut().and_then(|own| own.get_mut("failures")).map_or(Value::Null, Value::take);
+        for failure in own.as_array().into_iter().flatten() {
+            let failure = to_python(py, failure)?;
+            failure.set_item("machine", place(index, &shape))?;
+            failures.append(failure)?;
+        }
+    }
+    let answer = stacked(py, &answers.iter().map(Option::as_ref).collect::<Vec<_>>(), &shape)?;
+    answer.set_item("failures", failures)?;
     Ok(answer)
 }
 
