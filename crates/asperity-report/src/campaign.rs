@@ -292,7 +292,7 @@ mod tests {
             });
         }
         let (value, how) = answer(&results, "What would stop it?");
-        assert_eq!(value, "Normal force 4 kN to 8 kN");
+        assert_eq!(value, "Normal force of 4 kN to 8 kN, by member");
         assert!(how.starts_with("At most 5 % vibrate at this value. 4 kN in member 6 ("), "{how}");
         assert!(how.ends_with("No value in the range of the study is enough for one member."), "{how}");
         results

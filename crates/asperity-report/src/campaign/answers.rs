@@ -75,7 +75,7 @@ fn verdicts(results: &CampaignResults) -> Option<Answer> {
     (judged > 0).then(|| Answer {
         question: "How many vibrate?",
         answer: format!("{} of {}", count(vibrating.len()), count(judged)),
-        detail: format!("{which} Motion begins in stick; uncertain values are at their centres.{}", failures(failed)),
+        detail: format!("{which} Motion begins in stick.{}", failures(failed)),
     })
 }
 
@@ -224,7 +224,7 @@ fn effects(results: &CampaignResults) -> Option<Answer> {
     let answer = sentences.next()?;
     let mut detail: Vec<String> = sentences.map(|sentence| format!("{sentence}.")).collect();
     if results.members.len() > 2 && !detail.is_empty() {
-        detail.push("Probabilities are means over the members that differ in nothing else.".into());
+        detail.push("Percentages are averaged over the other values.".into());
     }
     Some(Answer { question: "What changes the probability of vibration?", answer, detail: detail.join(" ") })
 }
@@ -375,7 +375,7 @@ fn remedies(results: &CampaignResults) -> Option<Answer> {
             match low == high {
                 true => (format!("{} {low}", capitalised(named(input))), String::new()),
                 false => (
-                    format!("{} {low} to {high}", capitalised(named(input))),
+                    format!("{} of {low} to {high}, by member", capitalised(named(input))),
                     format!(" {} in {least}, {} in {largest}.", capitalised(low), capitalised(high)),
                 ),
             }

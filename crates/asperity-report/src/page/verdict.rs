@@ -117,7 +117,7 @@ fn exact_values(run: &Run, verdict: &VerdictResult) -> String {
             let [least, most] = [damping_ratio - high, damping_ratio - low].map(|limit| significant(limit, 3));
             format!(" put the limit between {least} and {most} and")
         });
-        format!(" All errors of the computation{moved} {follows} (95 %).")
+        format!(" All errors of the computation{moved} {follows}, with 95 % confidence.")
     });
     format!("No value is uncertain, so there is no probability.{computed}{sure}")
 }

@@ -465,6 +465,10 @@ fn exact_values_are_two_marks_on_an_axis() {
         turning_points: example::verdict::turning_points(),
         ..example::verdict::verdict()
     };
+    // The damping ratio of the example is not that of the user.
+    let mut example = verdict.clone();
+    example.rests_on.iter_mut().for_each(|input| input.kind = InputKind::Example);
+    assert!(plain(&page(example)).contains("Damping ratio: example 0.0155, limit 0.018"));
     let html = page(verdict);
     let words = plain(&html);
     for wanted in [

@@ -15,6 +15,8 @@ const SHOWN: usize = 3;
 const EXAMPLE: f64 = 0.03;
 /// Relative change that is none.
 const LEAST: f64 = 5e-4;
+/// Fraction below which the scatter of a value does not decide.
+const SMALL: f64 = 0.05;
 /// Fraction below which no single measurement narrows the margin.
 const LITTLE: f64 = 0.01;
 
@@ -64,13 +66,20 @@ pub(super) fn card(verdict: &VerdictResult) -> Html {
         (_, count) if count > SHOWN => format!(" {} more values are in the details.", count - SHOWN),
         _ => String::new(),
     };
+    let advised =
+        verdict.remedies.first().and_then(|remedy| drivers.iter().find(|driver| driver.input == remedy.input));
+    let scatter = match advised {
+        Some(driver) if fraction(driver) < SMALL => " A value that hardly scatters may still be worth changing.",
+        _ => "",
+    };
     html!(
-        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">Bars: shares of the variance of the margin, {} ({}).{}</p>\n",
+        "<ul class=\"bars\">\n{}</ul>\n<p>{}</p>\n<p class=\"note\">Bars: shares of the variance of the margin, {} ({}).{}{}</p>\n",
         bars.collect::<Html>(),
         next(verdict),
         margin,
         measure,
         note,
+        scatter,
     )
 }
 
@@ -149,11 +158,11 @@ pub(super) fn next(verdict: &VerdictResult) -> Html {
     }
     match most(&|_| true) {
         Some(driver) => html!(
-            "No value is unknown, so there is nothing to measure next. Parts with equal <strong>{}</strong> would shrink the margin’s range \
+            "No uncertain value is unknown, so there is nothing to measure next. Parts with equal <strong>{}</strong> would shrink the margin’s range \
              by {}.",
             named(&driver.input),
             percent(reduction(&driver)),
         ),
-        None => html!("No value is unknown, so there is nothing to measure next."),
+        None => html!("No uncertain value is unknown, so there is nothing to measure next."),
     }
 }

@@ -1,7 +1,7 @@
 //! The margin as a picture: the limit of the damping ratio over the uncertain values, and the damping ratio of the machine.
 
-use asperity_results::keys::DAMPING_RATIO;
-use asperity_results::{MachineModel, Quantiles, Reach, VerdictResult};
+use asperity_results::keys::{DAMPING_RATIO, STATIC_FRICTION};
+use asperity_results::{InputKind, MachineModel, Quantiles, Reach, RestsOn, VerdictResult};
 
 use crate::Run;
 use crate::cells::shown;
@@ -122,7 +122,14 @@ impl Limits {
         );
         let constant = if verdict.friction_fluctuates { " without fluctuation" } else { "" };
         let name = if self.coupled { "Friction coefficient" } else { "Damping ratio" };
-        format!("{name}: yours {value}, limit{constant} {limit}")
+        format!("{name}: {} {value}, limit{constant} {limit}", self.owner(verdict))
+    }
+
+    /// Returns whose value the picture marks: the user's, or that of the example.
+    fn owner(&self, verdict: &VerdictResult) -> &'static str {
+        let input = if self.coupled { STATIC_FRICTION } else { DAMPING_RATIO };
+        let is_example = |own: &RestsOn| own.input == input && own.kind == InputKind::Example;
+        if verdict.rests_on.iter().any(is_example) { "example" } else { "yours" }
     }
 
     /// Returns whether the sign of the margin decides if a machine vibrates; with fluctuating friction it may not.
@@ -208,7 +215,7 @@ impl Limits {
             &shares[0],
             &shares[1],
         );
-        let damping = mark(x(self.central), "", if self.coupled { "limit" } else { "yours" }, LOWER);
+        let damping = mark(x(self.central), "", if self.coupled { "limit" } else { self.owner(verdict) }, LOWER);
         let remedied = self.remedied(verdict).filter(|(value, _)| (range.0..=range.1).contains(value));
         let line = remedied.map(|(value, reach)| {
             let text = Dimension::None.show_within(value, reach.value_interval.map(Into::into));
@@ -258,8 +265,12 @@ impl Limits {
         );
         // The line of the smaller one starts in the upper row, to the left of the text in the lower row.
         let (upper, lower) = if value < limit { (UPPER, LOWER) } else { (LOWER, UPPER) };
-        let marks =
-            [ranges, mark(x(value), "", "yours", upper), mark(x(limit), " limit", "limit", lower), scale(&axis)];
+        let marks = [
+            ranges,
+            mark(x(value), "", self.owner(verdict), upper),
+            mark(x(limit), " limit", "limit", lower),
+            scale(&axis),
+        ];
         let brackets =
             verdict.nominal.damping_margin_interval.map_or("", |_| " Brackets: 95 % interval of the computation.");
         picture(&label, &marks.into_iter().collect(), &format!("{caption}{brackets}"))
