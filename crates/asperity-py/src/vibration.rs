@@ -278,7 +278,7 @@ pub(crate) fn ensembles<'py>(
             None
         }
     };
-    let mut answers: Vec<Option<Value>> = found.into_iter().enumerate().map(|own| of_machine(own)).collect();
+    let mut answers: Vec<Option<Value>> = found.into_iter().enumerate().map(&mut of_machine).collect();
     if let [(first, reason), ..] = &failed[..] {
         let (count, all) = (failed.len(), answers.len());
         warn(py, &format!("{count} of {all} ensembles have no answer and are NaN; the first is {first:?}: {reason}"))?;
