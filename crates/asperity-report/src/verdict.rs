@@ -323,9 +323,13 @@ pub fn not_stated(verdict: &VerdictResult) -> Vec<String> {
     let of_one = |assumed: &Assumed| {
         let key = assumed.input.rsplit('.').next().unwrap_or_default();
         let number = |value: f64| Dimension::None.show(value);
-        let [low, high] =
-            [0, 1].map(|end| format!("{} at {}", answer_at(verdict, assumed, end), number(assumed.range[end])));
-        format!("{} ({key}), assumed {}: {low}, {high}", named(&assumed.input), number(assumed.value))
+        let [low, high] = [0, 1].map(|end| answer_at(verdict, assumed, end));
+        let [from, to] = assumed.range.map(number);
+        let effect = match low == high {
+            true => format!("{low} at {from} and at {to}"),
+            false => format!("{low} at {from}, {high} at {to}"),
+        };
+        format!("{} ({key}), assumed {}: {effect}", named(&assumed.input), number(assumed.value))
     };
     verdict.assumed.iter().filter(|_| !verdict.friction_unresolved).map(of_one).collect()
 }

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use asperity_results::keys::DAMPING_RATIO;
 use asperity_results::{CampaignResults, InputKind, InputValue, MemberRemedy, MemberResult, Pair};
 
 use crate::campaign::words::{
@@ -25,7 +26,7 @@ pub(super) fn answers(results: &CampaignResults) -> Vec<Answer> {
     // Beside probabilities, the verdicts on central values would be other answers to the same question.
     let found = match results.members.iter().any(|member| member.answers.probability.is_some()) {
         true => [effects(results), probabilities(results), certainty(results)],
-        false => [change(results), verdicts(results), None],
+        false => [limits_of_members(results).or_else(|| change(results)), verdicts(results), None],
     };
     let stops = remedies(results).or_else(|| limits(results));
     // Where there is a verdict, the friction coefficients are in the table.
@@ -75,7 +76,10 @@ fn verdicts(results: &CampaignResults) -> Option<Answer> {
     (judged > 0).then(|| Answer {
         question: "How many vibrate?",
         answer: format!("{} of {}", count(vibrating.len()), count(judged)),
-        detail: format!("{which} Motion begins in stick.{}", failures(failed)),
+        detail: format!(
+            "{which} Each is started from standstill. No value is uncertain, so there is no probability.{}",
+            failures(failed)
+        ),
     })
 }
 
@@ -268,7 +272,7 @@ fn effect(
         ends.swap(0, 1);
     }
     let matters = match size {
-        size if size + error < SMALL && size <= error => "has no effect",
+        size if size + error < SMALL && size <= error => "has no effect beyond the errors",
         size if size <= error => "has no resolved effect",
         size if size < SMALL => "hardly matters",
         _ => "matters",
@@ -385,29 +389,53 @@ fn remedies(results: &CampaignResults) -> Option<Answer> {
     Some(Answer { question: "What would stop it?", answer, detail: format!("{is_met}{detail}{unreached}") })
 }
 
+/// Damping ratios at which the vibration of the members ends, of exact values.
+struct Limits {
+    low: f64,
+    high: f64,
+    /// Sentence with the members of both.
+    sentence: String,
+}
+
+impl Limits {
+    fn new(results: &CampaignResults) -> Option<Self> {
+        let of = |member: &MemberResult| member.answers.limit_damping_ratio;
+        let [(least, low), (largest, high)] = extremes_by(results, of, with_values_but_damping)?;
+        let sentence = match low < high {
+            true => {
+                format!("Vibration ends at {} {least} and at {} {largest}.", significant(low, 3), significant(high, 3))
+            }
+            false => "Vibration ends there.".into(),
+        };
+        (high > 0.0).then_some(Self { low, high, sentence })
+    }
+
+    /// Returns `a damping ratio of 0.04 to 0.06`.
+    fn span(&self) -> String {
+        let [low, high] = [self.low, self.high].map(|limit| significant(limit, 3));
+        if low == high { format!("a damping ratio of {high}") } else { format!("a damping ratio of {low} to {high}") }
+    }
+}
+
+/// Answers where the verdict changes by the damping ratios at which vibration ends, if the members differ in the damping ratio.
+fn limits_of_members(results: &CampaignResults) -> Option<Answer> {
+    let damping = results.keys.iter().position(|key| key.key == DAMPING_RATIO)?;
+    let limits = Limits::new(results).filter(|_| differs(results, damping))?;
+    let (answer, detail) = (format!("At {}", limits.span()), limits.sentence);
+    Some(Answer { question: "Where does the verdict change?", answer, detail })
+}
+
 /// Answers what would stop vibration: the damping ratios at which it ends. Beside probabilities these are no safe values.
 fn limits(results: &CampaignResults) -> Option<Answer> {
-    let [(least, low), (largest, high)] = extremes(results, |member| member.answers.limit_damping_ratio)?;
-    if high <= 0.0 {
-        return None;
-    }
-    let [low_text, high_text] = [low, high].map(|limit| significant(limit, 3));
-    let detail = match low < high {
-        true => format!("Vibration ends at {low_text} in {least} and at {high_text} in {largest}."),
-        false => "Vibration ends there.".into(),
-    };
+    let limits = Limits::new(results)?;
     if results.members.iter().all(|member| member.answers.probability.is_none()) {
-        let answer = format!("A damping ratio above {high_text}");
-        return Some(Answer { question: "What would stop it?", answer, detail });
+        let answer = format!("A damping ratio above {}", significant(limits.high, 3));
+        return Some(Answer { question: "What would stop it?", answer, detail: "Every member is quiet there.".into() });
     }
     Some(Answer {
         question: "Where does it end with all values at their centres?",
-        answer: if low < high {
-            format!("At a damping ratio of {low_text} to {high_text}")
-        } else {
-            format!("At a damping ratio of {high_text}")
-        },
-        detail: detail + " Values that vary need more damping.",
+        answer: format!("At {}", limits.span()),
+        detail: limits.sentence + " Values that vary need more damping.",
     })
 }
 
@@ -434,10 +462,27 @@ pub(super) fn inputs(results: &CampaignResults) -> Option<Answer> {
 
 /// Returns the members with the least and the largest answer, and these answers.
 fn extremes(results: &CampaignResults, answer: impl Fn(&MemberResult) -> Option<f64>) -> Option<[(String, f64); 2]> {
+    extremes_by(results, answer, member_in_words)
+}
+
+/// Returns the words of the members with the least and the largest answer, and these answers.
+fn extremes_by(
+    results: &CampaignResults,
+    answer: impl Fn(&MemberResult) -> Option<f64>,
+    words: fn(&CampaignResults, usize) -> String,
+) -> Option<[(String, f64); 2]> {
     let found = || results.members.iter().enumerate().filter_map(|(index, member)| Some((index, answer(member)?)));
     let least = found().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let largest = found().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some([least, largest].map(|(index, value)| (member_in_words(results, index), value)))
+    Some([least, largest].map(|(index, value)| (words(results, index), value)))
+}
+
+/// Returns the values of a member without its damping ratio, `with hardness 100 MPa`, or the member if it has no other.
+fn with_values_but_damping(results: &CampaignResults, index: usize) -> String {
+    let (member, damping) = (&results.members[index], results.keys.iter().position(|key| key.key == DAMPING_RATIO));
+    let values = values_in_words(results, member, damping);
+    let words: Vec<String> = member.scan.iter().cloned().chain(values).take(MOST_NAMES).collect();
+    if words.is_empty() { format!("in member {}", index + 1) } else { format!("with {}", words.join(", ")) }
 }
 
 /// Returns a member with its first values: `member 5 (damping ratio 0.2, a.x3p)`.

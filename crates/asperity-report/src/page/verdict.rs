@@ -119,7 +119,7 @@ fn exact_values(run: &Run, verdict: &VerdictResult) -> String {
         });
         format!(" All errors of the computation{moved} {follows}, with 95 % confidence.")
     });
-    format!("No value is uncertain, so there is no probability.{computed}{sure}")
+    format!("The study states no uncertain value, so there is no probability.{computed}{sure}")
 }
 
 /// Returns how many machines vibrate for at least half of the time in a sentence; `None` if friction does not fluctuate.
@@ -175,12 +175,12 @@ fn computed_to(verdict: &VerdictResult) -> String {
     let (below, above) = (p - low, high - p);
     let symmetric = below.min(above) > 0.7 * below.max(above);
     if symmetric && (0.05..0.95).contains(&p) {
-        format!("Computed to ±{} percentage points.", significant(100.0 * below.max(above), 2))
+        format!("Computed to ±{} percentage points (95 % interval).", significant(100.0 * below.max(above), 2))
     } else {
         // Two digits do not separate ends that are both near 1.
         let is_near_one = |p: f64| low > 0.9 && p < 0.999;
         let end = |p: f64| if is_near_one(p) { format!("{} %", significant(100.0 * p, 3)) } else { percent(p) };
-        format!("Computed to between {} and {}.", end(low), end(high))
+        format!("Computed to between {} and {} (95 % interval).", end(low), end(high))
     }
 }
 

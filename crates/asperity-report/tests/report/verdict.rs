@@ -324,7 +324,7 @@ fn the_first_screen_is_the_verdict_with_four_cards_and_the_chain() {
     for wanted in [
         "Stick-slip at 312 Hz is uncertain: 22 % to 91 % of machines like this one vibrate, once started from standstill, depending on the unknown \
          Stribeck coefficient; 64 % on average.",
-        "Computed to ±3 percentage points. Largest of 2 errors of the probability: the number of machines, up to 2.6 percentage points; to \
+        "Computed to ±3 percentage points (95 % interval). Largest of 2 errors of the probability: the number of machines, up to 2.6 percentage points; to \
          reduce it, lower half_width and, if needed, raise evaluations in [verdict]. Started from steady sliding: 12 %.",
         "If it vibrates: 312 Hz (298–325), with amplitudes of 46.0 mm/s (31.0–60.0) and 23.0 µm (16.0–31.0)",
         "Not stated: Stribeck coefficient (stribeck), assumed 4.2: 21 % at 2.1, more than 99.4 % at 8.4.",
