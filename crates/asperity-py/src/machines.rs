@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use asperity::blocks;
 use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::{implausible_damping, implausible_friction};
-use asperity::vibration::{self, Parameters, VelocityLaw, VibrationError};
+use asperity::vibration::{self, Parameters, VibrationError};
 use ndarray::{Array2, Axis};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -176,22 +176,14 @@ fn answers<A: Answer<N>, const N: usize>(
 /// Returns a number of the parameters by the name that Python has for it.
 fn number<'a>(parameters: &'a mut Parameters, name: &str) -> Option<&'a mut f64> {
     let Parameters { static_friction, law, damping_ratio, belt_velocity, forcing } = parameters;
-    Some(match (name, law, forcing) {
-        ("static_friction", ..) => static_friction,
-        ("damping_ratio", ..) => damping_ratio,
-        ("belt_velocity", ..) => belt_velocity,
-        ("amplitude", _, Some(force)) => &mut force.amplitude,
-        ("frequency", _, Some(force)) => &mut force.frequency,
-        ("kinetic", VelocityLaw::Stribeck(law), _) => &mut law.kinetic,
-        ("decay", VelocityLaw::Stribeck(law), _) => &mut law.decay,
-        ("kinetic", VelocityLaw::Coulomb(law), _) => &mut law.kinetic,
-        ("kinetic", VelocityLaw::Linear(law), _) => &mut law.kinetic,
-        ("slope", VelocityLaw::Linear(law), _) => &mut law.slope,
-        ("kinetic", VelocityLaw::Exponential(law), _) => &mut law.kinetic,
-        ("high_speed", VelocityLaw::Exponential(law), _) => &mut law.high_speed,
-        ("stribeck_velocity", VelocityLaw::Exponential(law), _) => &mut law.stribeck_velocity,
-        _ => return None,
-    })
+    match (name, forcing) {
+        ("static_friction", _) => Some(static_friction),
+        ("damping_ratio", _) => Some(damping_ratio),
+        ("belt_velocity", _) => Some(belt_velocity),
+        ("amplitude", Some(force)) => Some(&mut force.amplitude),
+        ("frequency", Some(force)) => Some(&mut force.frequency),
+        _ => law.number_mut(name),
+    }
 }
 
 /// Returns the answers about all machines as one structure of arrays: a number or a list of equal length of each machine becomes an array, what is

@@ -48,6 +48,11 @@ pub(crate) trait Law: Sized {
     /// Returns the law with `map` applied to its friction coefficients. Weakening rates and velocities stay equal.
     fn with_coefficients(&self, map: impl Fn(f64) -> f64) -> Result<Self, VibrationError>;
 
+    /// Returns the parameters that are numbers, by their names.
+    fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        Vec::new()
+    }
+
     /// Returns the weakening rate as a parameter of the law.
     fn rate(&self) -> Option<f64> {
         None
@@ -286,6 +291,12 @@ impl VelocityLaw {
         with_law!(self, law => law.with_coefficients(map).map(Self::from))
     }
 
+    /// Returns a parameter that is a number, by its name; `None` for any other name.
+    pub fn number_mut(&mut self, name: &str) -> Option<&mut f64> {
+        let numbers = with_law!(self, law => law.numbers_mut());
+        numbers.into_iter().find(|(own, _)| *own == name).map(|(_, number)| number)
+    }
+
     /// Describes the law with its parameters.
     pub fn describe(&self) -> String {
         with_law!(self, law => law.describe())
@@ -361,6 +372,19 @@ impl VelocityLaw {
 mod tests {
     use super::*;
     use curve::{CurveShape, Recurrence};
+
+    #[test]
+    fn every_number_of_a_law_is_found_by_its_name() {
+        for mut law in examples() {
+            let stored = serde_json::to_value(&law).unwrap();
+            let (_, parameters) = stored.as_object().unwrap().iter().next().unwrap();
+            let numbers = parameters.as_object().unwrap().iter().filter_map(|(name, own)| Some((name, own.as_f64()?)));
+            for (name, value) in numbers {
+                assert_eq!(law.number_mut(name).copied(), Some(value), "{name} of {law:?}");
+            }
+            assert_eq!(law.number_mut("damping_ratio"), None);
+        }
+    }
 
     #[test]
     fn every_law_is_what_its_methods_say() {

@@ -32,6 +32,10 @@ impl Law for Coulomb {
         self.kinetic
     }
 
+    fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        vec![("kinetic", &mut self.kinetic)]
+    }
+
     fn rescaled(&self, _: f64) -> Self {
         *self
     }

@@ -53,6 +53,14 @@ impl Law for Exponential {
         self.kinetic
     }
 
+    fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        vec![
+            ("kinetic", &mut self.kinetic),
+            ("high_speed", &mut self.high_speed),
+            ("stribeck_velocity", &mut self.stribeck_velocity),
+        ]
+    }
+
     fn rescaled(&self, factor: f64) -> Self {
         Self { stribeck_velocity: self.stribeck_velocity / factor, ..*self }
     }

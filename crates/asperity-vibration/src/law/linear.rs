@@ -47,6 +47,10 @@ impl Law for Linear {
         self.kinetic
     }
 
+    fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        vec![("kinetic", &mut self.kinetic), ("slope", &mut self.slope)]
+    }
+
     fn rescaled(&self, factor: f64) -> Self {
         Self { slope: self.slope * factor, ..*self }
     }

@@ -49,6 +49,10 @@ impl Law for Stribeck {
         self.kinetic
     }
 
+    fn numbers_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        vec![("kinetic", &mut self.kinetic), ("decay", &mut self.decay)]
+    }
+
     fn rescaled(&self, factor: f64) -> Self {
         Self { decay: self.decay * factor, ..*self }
     }
