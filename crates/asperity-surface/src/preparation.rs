@@ -96,8 +96,9 @@ impl Preparation {
             outliers = filtered.rejected;
             if outliers > 0 {
                 // The form is fitted to the remaining heights and subtracted from the measured ones.
-                let mut kept = map.heights_m().clone();
-                kept.zip_mut_with(filtered.map.heights_m(), |z, left| *z = if left.is_nan() { f64::NAN } else { *z });
+                drop(levelled);
+                let mut kept = filtered.map.into_heights_m();
+                kept.zip_mut_with(map.heights_m(), |left, z| *left = if left.is_nan() { f64::NAN } else { *z });
                 let kept = HeightMap::new(map.grid(), kept).map_err(|e| PreparationError::Outliers(e.into()))?;
                 levelled = remove_form(&kept, self.level)?;
             }

@@ -100,18 +100,19 @@ impl GaussianFilter {
         let heights: Vec<f64> = map.heights_m().iter().map(|z| if z.is_nan() { 0.0 } else { z - mean_m }).collect();
         let present: Vec<f64> = map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect();
         let mut windows = Windows::new(grid, self.cutoff_m);
-        let mut search = Search { heights: &heights, present: &present, weights: present.clone(), iterations: 0 };
-        let smooth = if self.robust {
+        let (mut smooth, iterations) = if self.robust {
+            let mut search = Search { heights: &heights, present: &present, weights: present.clone(), iterations: 0 };
             // Beside an outlier at an edge a quadratic overshoots and downweights valid heights. A mean does not.
             search.settle(&mut windows, Regression::Constant)?;
-            search.settle(&mut windows, self.regression)?
+            (search.settle(&mut windows, self.regression)?, search.iterations)
         } else {
-            windows.regress(&heights, &present, self.regression)
+            // Missing heights are 0, as their weights are.
+            (windows.regress(heights, present, self.regression), 0)
         };
-        let iterations = search.iterations;
-        let of_points = |(z, w): (&f64, &f64)| if z.is_nan() { f64::NAN } else { w + mean_m };
-        let values: Vec<f64> = map.heights_m().iter().zip(&smooth).map(of_points).collect();
-        let smooth = HeightMap::new(grid, array(grid, &values))?;
+        for (w, z) in smooth.iter_mut().zip(map.heights_m()) {
+            *w = if z.is_nan() { f64::NAN } else { *w + mean_m };
+        }
+        let smooth = HeightMap::new(grid, array(grid, smooth))?;
         let lost = smooth.missing_points() - map.missing_points();
         Ok(Smoothed { map: smooth, lost, iterations })
     }
@@ -121,9 +122,10 @@ impl GaussianFilter {
     /// # Errors
     /// The errors of [`GaussianFilter::smooth`].
     pub fn roughness(&self, map: &HeightMap) -> Result<Smoothed, FilterError> {
-        let smoothed = self.smooth(map)?;
-        let rough = map.heights_m() - smoothed.map.heights_m();
-        Ok(Smoothed { map: HeightMap::new(map.grid(), rough)?, ..smoothed })
+        let Smoothed { map: smooth, lost, iterations } = self.smooth(map)?;
+        let mut rough = smooth.into_heights_m();
+        rough.zip_mut_with(map.heights_m(), |w, z| *w = z - *w);
+        Ok(Smoothed { map: HeightMap::new(map.grid(), rough)?, lost, iterations })
     }
 }
 
@@ -139,7 +141,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Alternates between Tukey's biweights and the smooth surface until the scale of the residuals converges.
     fn settle(&mut self, windows: &mut Windows, regression: Regression) -> Result<Vec<f64>, FilterError> {
-        let mut smooth = windows.regress(self.heights, &self.weights, regression);
+        let mut smooth = self.regress(windows, regression);
         let mut scale = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let before = std::mem::replace(&mut scale, BIWEIGHT * median_distance(self.heights, &smooth, self.present));
@@ -153,15 +155,20 @@ impl Search<'_> {
                 // A point without a smooth height has no residual and gets no weight.
                 *weight = if distance.abs() < 1.0 { present * (1.0 - distance * distance).powi(2) } else { 0.0 };
             }
-            smooth = windows.regress(self.heights, &self.weights, regression);
+            smooth = self.regress(windows, regression);
             self.iterations += 1;
         }
         Err(FilterError::NotConverged { iterations: self.iterations })
     }
+
+    fn regress(&self, windows: &mut Windows, regression: Regression) -> Vec<f64> {
+        let weighted = self.heights.iter().zip(&self.weights).map(|(z, w)| z * w).collect();
+        windows.regress(weighted, self.weights.clone(), regression)
+    }
 }
 
-fn array(grid: Grid, values: &[f64]) -> Array2<f64> {
-    Array2::from_shape_fn(grid.shape(), |(row, column)| values[row * grid.nx() + column])
+fn array(grid: Grid, values: Vec<f64>) -> Array2<f64> {
+    Array2::from_shape_vec(grid.shape(), values).expect("one value of each point")
 }
 
 fn median_distance(heights: &[f64], smooth: &[f64], present: &[f64]) -> f64 {
@@ -217,20 +224,22 @@ impl Windows {
     }
 
     /// Returns Σ f(x′) ((x′ − x)/λ)^a ((y′ − y)/λ)^b w(x′ − x) for the given moments.
-    fn sums(&mut self, values: &[f64], moments: &[(usize, usize)]) -> Vec<Vec<f64>> {
+    fn sums(&mut self, values: Vec<f64>, moments: &[(usize, usize)]) -> Vec<Vec<f64>> {
         let (ny, nx) = self.grid.shape();
         let mut transform = self.fft.spectrum();
-        self.fft.forward_padded(values, ny, nx, &mut transform, &mut self.work);
+        self.fft.forward_padded(&values, ny, nx, &mut transform, &mut self.work);
+        drop(values);
         let rows = self.fft.ny();
-        let mut product = self.fft.spectrum();
+        let last = moments.len() - 1;
         moments
             .iter()
-            .map(|&(a, b)| {
-                for ((out, input), x) in
-                    product.chunks_exact_mut(rows).zip(transform.chunks_exact(rows)).zip(&self.along_x[a])
-                {
-                    for ((out, value), y) in out.iter_mut().zip(input).zip(&self.along_y[b]) {
-                        *out = value * x * y;
+            .enumerate()
+            .map(|(place, &(a, b))| {
+                // The last product may take the memory of the transform.
+                let mut product = if place == last { std::mem::take(&mut transform) } else { transform.clone() };
+                for (product, x) in product.chunks_exact_mut(rows).zip(&self.along_x[a]) {
+                    for (value, y) in product.iter_mut().zip(&self.along_y[b]) {
+                        *value = *value * x * y;
                     }
                 }
                 let mut sums = vec![0.0; nx * ny];
@@ -240,15 +249,16 @@ impl Windows {
             .collect()
     }
 
-    /// Returns the constant term of the weighted regression around every point; NaN if all weights are zero.
-    fn regress(&mut self, heights: &[f64], weights: &[f64], regression: Regression) -> Vec<f64> {
-        let weighted: Vec<f64> = heights.iter().zip(weights).map(|(z, w)| z * w).collect();
+    /// Returns the constant term of the weighted regression around every point; NaN if all weights are zero. `weighted` are the heights times
+    /// their weights.
+    fn regress(&mut self, weighted: Vec<f64>, weights: Vec<f64>, regression: Regression) -> Vec<f64> {
         let (of_weights, of_heights) = match regression {
             Regression::Constant => (1, 1),
             Regression::Quadratic => (MOMENTS.len(), TERMS),
         };
+        let points = weights.len();
         let matrix = self.sums(weights, &MOMENTS[..of_weights]);
-        let right = self.sums(&weighted, &MOMENTS[..of_heights]);
+        let right = self.sums(weighted, &MOMENTS[..of_heights]);
         let value = |point: usize| {
             let sum = matrix[0][point];
             if sum < LEAST_WEIGHT {
@@ -261,7 +271,7 @@ impl Windows {
                 Regression::Quadratic => quadratic(&matrix, &right, point).unwrap_or(mean),
             }
         };
-        let mut values = vec![0.0; heights.len()];
+        let mut values = vec![0.0; points];
         blocks::for_each(values.chunks_mut(POINTS_AT_ONCE).enumerate(), |(chunk, values)| {
             (chunk * POINTS_AT_ONCE..).zip(values).for_each(|(point, out)| *out = value(point));
         });
@@ -328,7 +338,7 @@ mod tests {
 
     fn rough(grid: Grid, index: u64) -> HeightMap {
         let values = random::standard_normal(&mut random::stream(12, "gaussian filter", index), grid.points());
-        HeightMap::new(grid, array(grid, &values)).unwrap()
+        HeightMap::new(grid, array(grid, values)).unwrap()
     }
 
     fn with_holes(map: &HeightMap) -> HeightMap {

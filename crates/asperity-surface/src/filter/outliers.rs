@@ -2,7 +2,7 @@
 
 use super::FilterError;
 use asperity_base::map::HeightMap;
-use asperity_base::stats::{Moments, quantile_sorted, sorted_present};
+use asperity_base::stats::{Moments, quantile_sorted};
 
 /// Standard deviation of a normal distribution over its median absolute deviation, 1/Φ⁻¹(¾).
 const STD_OVER_MAD: f64 = 1.482_602_218_505_602;
@@ -36,8 +36,12 @@ pub fn reject_outliers(map: &HeightMap, standard_deviations: f64) -> Result<Filt
     if !(standard_deviations > 0.0 && standard_deviations.is_finite()) {
         return Err(FilterError::Threshold { found: standard_deviations });
     }
-    let median_m = quantile_sorted(&sorted_present(map.present_m()), 0.5);
-    let mad_m = quantile_sorted(&sorted_present(map.present_m().map(|z| (z - median_m).abs())), 0.5);
+    let mut heights_m = Vec::with_capacity(map.grid().points() - map.missing_points());
+    heights_m.extend(map.present_m());
+    let median_m = median(&mut heights_m);
+    heights_m.iter_mut().for_each(|z| *z = (*z - median_m).abs());
+    let mad_m = median(&mut heights_m);
+    drop(heights_m);
     let scale_m =
         if mad_m > 0.0 { STD_OVER_MAD * mad_m } else { Moments::from_values(map.heights_m().iter().copied()).std };
     let limit_m = standard_deviations * scale_m;
@@ -45,6 +49,19 @@ pub fn reject_outliers(map: &HeightMap, standard_deviations: f64) -> Result<Filt
     let left = HeightMap::new(map.grid(), heights_m)?;
     let rejected = left.missing_points() - map.missing_points();
     Ok(Filtered { map: left, rejected, median_m, scale_m })
+}
+
+/// Returns the median, the mean of two if there are two; NaN without values. The values are reordered.
+fn median(values: &mut [f64]) -> f64 {
+    let count = values.len();
+    if count == 0 {
+        return f64::NAN;
+    }
+    let (below, upper, _) = values.select_nth_unstable_by(count / 2, f64::total_cmp);
+    match below.iter().copied().reduce(f64::max).filter(|_| count.is_multiple_of(2)) {
+        Some(lower) => quantile_sorted(&[lower, *upper], 0.5),
+        None => *upper,
+    }
 }
 
 #[cfg(test)]
@@ -61,6 +78,17 @@ mod tests {
 
     fn map(heights: Array2<f64>) -> HeightMap {
         HeightMap::new(Grid::new(64, 64, 1e-6, 1e-6).unwrap(), heights).unwrap()
+    }
+
+    #[test]
+    fn the_median_is_that_of_sorted_values() {
+        for count in 0..7 {
+            let values: Vec<f64> = (0..count).map(|i| f64::from((i * 5 + 3) % 7) * 0.3).collect();
+            let mut sorted = values.clone();
+            sorted.sort_by(f64::total_cmp);
+            let (found, wanted) = (median(&mut values.clone()), quantile_sorted(&sorted, 0.5));
+            assert!(found == wanted || found.is_nan() && count == 0, "{count}: {found}, {wanted}");
+        }
     }
 
     #[test]
