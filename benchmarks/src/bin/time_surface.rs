@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok(profile_spectrum(&map, Axis::Y).map(drop)?)
     })?;
     time("structure functions and Hurst exponent", &|| Ok(fractal::scaling(&map, None).map(drop)?))?;
-    let prepared = Preparation { level: Level::None, ..Preparation::default() }.apply(&map)?;
+    let prepared = Preparation { level: Level::None, ..Preparation::default() }.apply(map.clone())?;
     let (values, uncertainty) =
         (Values::new(&areal::parameters(&map)?, &Autocorrelation::estimate(&map)?), Uncertainty::default());
     time("intervals of the statistics", &|| Ok(uncertainty.of(&map, &values).map(drop)?))?;

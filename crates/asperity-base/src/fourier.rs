@@ -21,7 +21,7 @@ use asperity_fft::{ComplexToReal, Fft, RealToComplex, complex_f64, real_forward,
 #[doc(hidden)]
 pub use convolution::{Convolution, ConvolutionWork, ROWS_OF_SLAB};
 #[doc(hidden)]
-pub use products::{autocorrelation_sums, lag_sums_of_power, power, real_transform, summed_power};
+pub use products::{autocorrelation_sums, even_spectrum, lag_sums_of_power, power, real_transform, summed_power};
 use transpose::{BLOCK, TILE, gather};
 
 use crate::blocks;
@@ -51,7 +51,7 @@ impl fmt::Debug for RealFft2 {
 #[doc(hidden)]
 #[derive(Debug, Clone)]
 pub struct Workspace {
-    /// Transformed rows, before the columns.
+    /// Transformed rows, before the columns; empty before the first forward transform.
     rows: Vec<Complex64>,
     scratch: ThreadScratch,
 }
@@ -104,7 +104,7 @@ impl RealFft2 {
 
     /// Returns a workspace for one caller.
     pub fn workspace(&self) -> Workspace {
-        Workspace { rows: self.spectrum(), scratch: self.thread_scratch() }
+        Workspace { rows: Vec::new(), scratch: self.thread_scratch() }
     }
 
     fn thread_scratch(&self) -> ThreadScratch {
@@ -161,12 +161,30 @@ impl RealFft2 {
         spectrum: &mut [Complex64],
         work: &mut Workspace,
     ) {
-        assert!(rows <= self.ny && columns <= self.nx && map.len() == rows * columns, "map does not fit the plan");
+        assert!(map.len() == rows * columns, "map does not fit the plan");
+        let fill = |row: usize, out: &mut [f64]| out.copy_from_slice(&map[row * columns..(row + 1) * columns]);
+        self.forward_rows(rows, columns, fill, spectrum, work);
+    }
+
+    /// Transforms a map as [`RealFft2::forward_padded`] does; `fill` writes one of its rows.
+    ///
+    /// # Panics
+    /// If the spectrum has the wrong length, or the map is larger than the plan.
+    pub fn forward_rows(
+        &self,
+        rows: usize,
+        columns: usize,
+        fill: impl Fn(usize, &mut [f64]) + Sync,
+        spectrum: &mut [Complex64],
+        work: &mut Workspace,
+    ) {
+        assert!(rows <= self.ny && columns <= self.nx, "map does not fit the plan");
         assert_eq!(spectrum.len(), self.spectrum_len(), "spectrum has the wrong length");
         let stored = self.stored_kx();
         let Workspace { rows: transformed, scratch } = work;
+        transformed.resize(transformed.len().max(rows * stored), Complex64::default());
         self.for_chunks(&mut transformed[..rows * stored], stored, scratch, &|thread, row, out| {
-            thread.real_row[..columns].copy_from_slice(&map[row * columns..(row + 1) * columns]);
+            fill(row, &mut thread.real_row[..columns]);
             thread.real_row[columns..].fill(0.0);
             let scratch = &mut thread.scratch[..self.row_forward.get_scratch_len()];
             let done = self.row_forward.process_with_scratch(&mut thread.real_row, out, scratch);

@@ -4,7 +4,7 @@ use crate::pyramid::{Pyramid, PyramidWork};
 use crate::slabs::Slabs;
 use crate::substrate::PointLoad;
 use crate::{Boundary, ContactError, Substrate};
-use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, RealFft2, good_length, signed_index};
+use asperity_base::fourier::{Convolution, ConvolutionWork, ROWS_OF_SLAB, good_length, signed_index};
 use asperity_base::map::Grid;
 
 /// A linear elastic half-space of contact modulus E* = E/(1−ν²), or a layered one, discretised in cells of constant
@@ -19,9 +19,8 @@ pub struct HalfSpace {
     /// The compliance in m/Pa; its symbol is real, because the kernel is even.
     exact: Convolution<f64>,
     compliance: Vec<f64>,
-    /// The compliance in single precision, over `unit_m_per_pa`, for the steps of a solver.
+    /// In single precision, over `unit_m_per_pa`, for the steps of a solver.
     quick: Convolution<f32>,
-    quick_compliance: Vec<f32>,
     unit_m_per_pa: f64,
     /// Compliance under the mean pressure, and its inverse.
     mean: MeanMode,
@@ -36,7 +35,7 @@ pub struct HalfSpace {
 enum Stiffness {
     /// Approximation for square cells that can be halved.
     Pyramid(Pyramid),
-    Spectral(Convolution<f32>, Vec<f32>),
+    Spectral(Convolution<f32>, Vec<f64>),
 }
 
 impl Stiffness {
@@ -200,8 +199,6 @@ impl HalfSpace {
         let points = (exact.nx() * exact.ny()) as f64;
         // The constant term of a periodic half-space is infinite here and replaced on use.
         let unit_m_per_pa = points * compliance.iter().filter(|c| c.is_finite()).fold(0.0_f64, |a, c| a.max(c.abs()));
-        let scale = |c: &f64| if c.is_finite() { (c / unit_m_per_pa) as f32 } else { 0.0 };
-        let quick_compliance = compliance.iter().map(scale).collect();
 
         let (stiffness, unit_pa_per_m) = Stiffness::new(&substrate, grid, boundary, stiffness_torus);
         let halved = |n: usize| n.is_multiple_of(2) && n / 2 >= COARSEST;
@@ -218,7 +215,6 @@ impl HalfSpace {
             exact,
             compliance,
             quick,
-            quick_compliance,
             unit_m_per_pa,
             mean,
             stiffness,
@@ -320,7 +316,7 @@ impl HalfSpace {
             *transforms = Transforms::default();
         }
         let work = transforms.exact.get_or_insert_with(|| self.exact.work());
-        self.exact.forward(&self.compliance, constant, slabs, fill, work);
+        self.exact.forward(&self.compliance, 1.0, constant, slabs, fill, work);
         self.exact.backward(slabs, take, work);
         if is_large {
             transforms.exact = None;
@@ -350,7 +346,7 @@ impl HalfSpace {
     ) -> f64 {
         let constant = self.quick.factor(mean.compliance / self.unit_m_per_pa);
         let work = transforms.quick.get_or_insert_with(|| self.quick.work());
-        self.quick.forward(&self.quick_compliance, constant, slabs, fill, work)
+        self.quick.forward(&self.compliance, self.unit_m_per_pa, constant, slabs, fill, work)
     }
 
     /// Passes the displacement to `take`, over the unit of the pressures and [`HalfSpace::compliance_unit_m_per_pa`];
@@ -391,7 +387,7 @@ impl HalfSpace {
                 pyramid.apply(mean, slabs, fill, take, work);
             }
             (Stiffness::Spectral(plan, symbol), StiffnessWork::Spectral(work)) => {
-                plan.forward(symbol, plan.factor(mean), slabs, fill, work);
+                plan.forward(symbol, 1.0, plan.factor(mean), slabs, fill, work);
                 plan.backward(slabs, take, work);
             }
             _ => panic!("the workspace belongs to another half-space"),
@@ -430,32 +426,28 @@ fn love_symbol(
     layer: Option<&PointLoad>,
 ) -> Result<Vec<f64>, ContactError> {
     let (rows, columns) = (plan.ny(), plan.nx());
-    let mut kernel = vec![0.0; rows * columns];
     let (nx, ny) = (grid.nx() as f64, grid.ny() as f64);
     let added = layer.map(|layer| layer.coefficients_m_per_pa(grid));
-    for row in 0..rows {
+    let coefficient = |cells_x: f64, cells_y: f64| {
+        let (x_m, y_m) = (cells_x * grid.dx_m(), cells_y * grid.dy_m());
+        let added = added.as_ref().map_or(0.0, |added| added[cells_y as usize * grid.nx() + cells_x as usize]);
+        love_coefficient(x_m, y_m, grid.dx_m(), grid.dy_m(), modulus_pa) + added
+    };
+    // The cropped convolution does not read lags beyond the patch.
+    let fill = |row: usize, out: &mut [f64]| {
         let cells_y = signed_index(row, rows).abs();
-        for column in 0..columns {
+        for (column, value) in out.iter_mut().enumerate() {
             let cells_x = signed_index(column, columns).abs();
-            // The cropped convolution does not read lags beyond the patch.
-            if cells_x < nx && cells_y < ny {
-                let (x_m, y_m) = (cells_x * grid.dx_m(), cells_y * grid.dy_m());
-                let added = added.as_ref().map_or(0.0, |added| added[cells_y as usize * grid.nx() + cells_x as usize]);
-                kernel[row * columns + column] =
-                    love_coefficient(x_m, y_m, grid.dx_m(), grid.dy_m(), modulus_pa) + added;
-            }
+            *value = if cells_x < nx && cells_y < ny { coefficient(cells_x, cells_y) } else { 0.0 };
         }
-    }
-    let left = kernel[0] / love_coefficient(0.0, 0.0, grid.dx_m(), grid.dy_m(), modulus_pa);
+    };
+    let left = coefficient(0.0, 0.0) / love_coefficient(0.0, 0.0, grid.dx_m(), grid.dy_m(), modulus_pa);
     if left.is_nan() || left < LEAST_LEFT {
         let (parameter, unit) = ("compliance of a cell on the layer over that on a half-space", "(relative)");
         let wanted = "above 1e-8: the layer is too thin, or its material too incompressible, for cells of this size";
         return Err(ContactError::Parameter { parameter, value: left, unit, wanted });
     }
-    let fft = RealFft2::new(columns, rows);
-    let mut spectrum = fft.spectrum();
-    fft.forward(&kernel, &mut spectrum, &mut fft.workspace());
-    Ok(spectrum.iter().map(|value| value.re / (rows * columns) as f64).collect())
+    Ok(plan.symbol_of_kernel(fill))
 }
 
 /// Returns the displacement at (x, y) of a unit pressure on the rectangle of sides `dx_m` × `dy_m` about the origin, in

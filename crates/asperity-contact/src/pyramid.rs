@@ -31,7 +31,7 @@ pub(super) struct Pyramid {
     wraps: bool,
     stencils: &'static [(f32, f32)],
     coarsest: Convolution<f32>,
-    symbol: Vec<f32>,
+    symbol: Vec<f64>,
 }
 
 /// Scratch memory of one caller for one [`Pyramid`].
@@ -203,7 +203,7 @@ impl Pyramid {
         let take = |slab: &mut &mut [f32], row: usize, values: &[f32]| {
             slab[row % ROWS_OF_SLAB * stride + 1..][..columns].copy_from_slice(values);
         };
-        self.coarsest.forward(&self.symbol, self.coarsest.factor(mean), &mut slabs, fill, work);
+        self.coarsest.forward(&self.symbol, 1.0, self.coarsest.factor(mean), &mut slabs, fill, work);
         self.coarsest.backward(&mut slabs, take, work);
         self.continue_beyond(product);
     }

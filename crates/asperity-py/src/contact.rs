@@ -106,6 +106,7 @@ pub(crate) fn solve_contact<'py>(
         let problem = ContactProblem::new(&half_space, &heights_m, control, settings.hardness_pa).raise()?;
         let solution = solver.solve_from(&problem, start_pa.as_ref(), &mut half_space.workspace(), monitor).raise()?;
         require_convergence(&solution, solver.tolerance)?;
+        drop((half_space, heights_m));
         let (numbers, iterations) = (numbers(&solution), solution.iterations());
         let (gap_m, plastic_displacement_m) = (solution.gap_m(), solution.plastic_displacement_m());
         let (pressure_pa, displacement_m) = solution.into_fields();

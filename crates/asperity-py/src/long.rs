@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asperity::map::HeightMap;
 use asperity::monitor::{Monitor, Silent};
@@ -27,6 +27,8 @@ use crate::pool;
 const TICK: Duration = Duration::from_millis(50);
 /// Time that a cancelled computation gets to end.
 const GRACE: Duration = Duration::from_millis(300);
+/// Time after which a computation may have freed much memory.
+const LONG: Duration = Duration::from_millis(100);
 /// Stack of the computation in bytes, as on the main thread.
 const STACK: usize = 8 << 20;
 
@@ -113,12 +115,16 @@ pub(crate) fn run<T: Send + 'static>(
     let started = thread::Builder::new().name("asperity".into()).stack_size(STACK).spawn(computation);
     started.map_err(|error| refused("cannot start a thread", &error))?;
     let receiver = &mut receiver;
+    let start = Instant::now();
     loop {
         let channel = &mut *receiver;
         match py.detach(move || channel.recv_timeout(TICK)) {
             Ok(Ok(found)) => {
                 if found.is_ok() {
                     shared.report(progress)?;
+                }
+                if start.elapsed() > LONG {
+                    py.detach(return_free_memory);
                 }
                 return found;
             }
@@ -134,5 +140,15 @@ pub(crate) fn run<T: Send + 'static>(
                 }
             }
         }
+    }
+}
+
+/// Returns memory to the system that glibc keeps for the threads of a computation.
+fn return_free_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    #[expect(unsafe_code, reason = "a function of libc that takes no pointer")]
+    // SAFETY: malloc_trim may be called at any time, from any thread.
+    unsafe {
+        libc::malloc_trim(0);
     }
 }

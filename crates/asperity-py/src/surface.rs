@@ -163,7 +163,7 @@ pub(crate) fn level<'py>(
     let preparation = Preparation { level, outliers, s_filter_m, l_filter_m, robust };
     let py = heights_m.py();
     let Prepared { map, outliers, lost, radius_m, level } =
-        long::run_on_map(py, map, move |map| preparation.apply(&map).raise())?;
+        long::run_on_map(py, map, move |map| preparation.apply(map).raise())?;
     let history = History { level, outliers, lost, radius_m };
     Ok((PyArray2::from_owned_array(py, map.into_heights_m()), to_python(py, &history)?))
 }

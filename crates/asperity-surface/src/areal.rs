@@ -157,17 +157,19 @@ pub fn parameters(map: &HeightMap) -> Result<ArealParameters, ArealError> {
 pub fn analyse(map: &HeightMap) -> Result<Analysis, ArealError> {
     let textures = Textures::of(map)?;
     let parameters = textures.parameters(map);
-    Ok(Analysis { parameters, spectrum: textures.spectrum.radial(), correlation: textures.correlation })
+    Ok(Analysis { parameters, spectrum: textures.radial, correlation: textures.correlation })
 }
 
-/// Moments, correlation and spectrum of a map.
+/// Moments, and what follows from correlation and spectrum of a map.
 struct Textures {
     moments: Moments,
     mean_absolute_m: f64,
     extent: Extent,
     decay: Decay,
     correlation: Autocorrelation,
-    spectrum: AreaSpectrum,
+    radial: RadialSpectrum,
+    std_rad: Option<f64>,
+    ssw_m: Option<f64>,
 }
 
 impl Textures {
@@ -192,7 +194,9 @@ impl Textures {
             let spectrum = spectrum.unwrap_or_else(|| AreaSpectrum::from_correlation(&correlation));
             (decay, correlation, spectrum)
         };
-        Ok(Self { moments, mean_absolute_m, extent, decay, correlation, spectrum })
+        let (radial, std_rad) = (spectrum.radial(), spectrum.angular().map(|angular| angular.direction_rad()));
+        let ssw_m = spectrum.dominant_wavelength_m();
+        Ok(Self { moments, mean_absolute_m, extent, decay, correlation, radial, std_rad, ssw_m })
     }
 
     fn parameters(&self, map: &HeightMap) -> ArealParameters {
@@ -217,8 +221,8 @@ impl Textures {
             sdr: hybrid.developed_area_ratio,
             sal_m: self.decay.shortest_m,
             str_ratio: self.decay.aspect_ratio(),
-            std_rad: self.spectrum.angular().map(|angular| angular.direction_rad()),
-            ssw_m: self.spectrum.dominant_wavelength_m(),
+            std_rad: self.std_rad,
+            ssw_m: self.ssw_m,
             core,
             core_secant,
             sxp_m: ratio.height_m(0.025) - ratio.height_m(0.5),

@@ -96,6 +96,10 @@ impl<S: RandomSurface + ?Sized> RandomSurface for Box<S> {
         (**self).generate(xi)
     }
 
+    fn generate_from(&self, xi: Vec<f64>) -> HeightMap {
+        (**self).generate_from(xi)
+    }
+
     fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
         (**self).xi_response(weights)
     }

@@ -60,6 +60,14 @@ pub trait RandomSurface: Send + Sync {
     /// If ξ has another length or a value that is not finite.
     fn generate(&self, xi: &[f64]) -> HeightMap;
 
+    /// Generates a map as [`RandomSurface::generate`], and frees ξ as soon as it can.
+    ///
+    /// # Panics
+    /// If ξ has another length or a value that is not finite.
+    fn generate_from(&self, xi: Vec<f64>) -> HeightMap {
+        self.generate(&xi)
+    }
+
     /// Returns the response of the weighted sum Σ w z of heights to each normal variable at ξ = 0, in metre; `weights`
     /// has shape `[ny, nx]`.
     ///

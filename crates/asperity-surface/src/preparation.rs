@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::filter::{FilterError, GaussianFilter, reject_outliers};
-use super::level::{Level, LevelError, remove_form};
+use super::level::{Level, LevelError, Levelled, remove_form};
 use asperity_base::map::{Grid, HeightMap};
 
 /// Steps that turn a measured map into roughness, in this order. The form is removed. Outliers become missing. The form
@@ -87,24 +87,10 @@ impl Preparation {
     ///
     /// # Errors
     /// A form that is not determined, invalid thresholds or cutoffs, or no band between the filters.
-    pub fn apply(&self, map: &HeightMap) -> Result<Prepared, PreparationError> {
+    pub fn apply(&self, map: HeightMap) -> Result<Prepared, PreparationError> {
         self.check(map.grid())?;
-        let mut levelled = remove_form(map, self.level)?;
-        let mut outliers = 0;
-        if let Some(limit) = self.outliers {
-            let filtered = reject_outliers(&levelled.map, limit).map_err(PreparationError::Outliers)?;
-            outliers = filtered.rejected;
-            if outliers > 0 {
-                // The form is fitted to the remaining heights and subtracted from the measured ones.
-                drop(levelled);
-                let mut kept = filtered.map.into_heights_m();
-                kept.zip_mut_with(map.heights_m(), |left, z| *left = if left.is_nan() { f64::NAN } else { *z });
-                let kept = HeightMap::new(map.grid(), kept).map_err(|e| PreparationError::Outliers(e.into()))?;
-                levelled = remove_form(&kept, self.level)?;
-            }
-        }
-        let mut prepared =
-            Prepared { map: levelled.map, outliers, lost: 0, radius_m: levelled.radius_m, level: self.level };
+        let (map, radius_m, outliers) = self.level(map)?;
+        let mut prepared = Prepared { map, outliers, lost: 0, radius_m, level: self.level };
         if let Some(cutoff_m) = self.s_filter_m {
             prepared.map =
                 GaussianFilter::linear(cutoff_m).smooth(&prepared.map).map_err(PreparationError::SFilter)?.map;
@@ -115,6 +101,25 @@ impl Preparation {
             (prepared.map, prepared.lost) = (rough.map, rough.lost);
         }
         Ok(prepared)
+    }
+
+    /// Removes form and outliers. Returns the map, the radius of the form and the number of outliers.
+    fn level(&self, map: HeightMap) -> Result<(HeightMap, Option<f64>, usize), PreparationError> {
+        let Levelled { map: rough, radius_m, .. } = remove_form(&map, self.level)?;
+        let Some(limit) = self.outliers else { return Ok((rough, radius_m, 0)) };
+        let filtered = reject_outliers(&rough, limit).map_err(PreparationError::Outliers)?;
+        if filtered.rejected == 0 {
+            return Ok((rough, radius_m, 0));
+        }
+        drop(rough);
+        // The form is fitted to the remaining heights and subtracted from the measured ones.
+        let mut kept = filtered.map.into_heights_m();
+        kept.zip_mut_with(map.heights_m(), |left, z| *left = if left.is_nan() { f64::NAN } else { *z });
+        let grid = map.grid();
+        drop(map);
+        let kept = HeightMap::new(grid, kept).map_err(|error| PreparationError::Outliers(error.into()))?;
+        let Levelled { map, radius_m, .. } = remove_form(&kept, self.level)?;
+        Ok((map, radius_m, filtered.rejected))
     }
 }
 
@@ -138,7 +143,7 @@ mod tests {
         let grid = Grid::new(640, 200, 1e-6, 1e-6).unwrap();
         let map = HeightMap::new(grid, waves(grid)).unwrap();
         let preparation = Preparation { s_filter_m: Some(12e-6), l_filter_m: Some(80e-6), ..Preparation::default() };
-        let prepared = preparation.apply(&map).unwrap();
+        let prepared = preparation.apply(map.clone()).unwrap();
         // Transmissions exp(−ln 2 (λc/λ)²): S transmits 2e−3, 0.940, 0.996 of the three waves, then L 1, 0.94, 0.16.
         let pass = |cutoff: f64, length: f64| (-std::f64::consts::LN_2 * (cutoff / length).powi(2)).exp();
         let expected = |x: f64| {
@@ -162,7 +167,7 @@ mod tests {
         let spoilt = heights.iter().zip(clean.heights_m()).filter(|(a, b)| a != b).count();
         let map = HeightMap::new(grid, heights).unwrap();
         let preparation = Preparation { outliers: Some(8.0), ..Preparation::default() };
-        let (found, wanted) = (preparation.apply(&map).unwrap(), preparation.apply(&clean).unwrap());
+        let (found, wanted) = (preparation.apply(map.clone()).unwrap(), preparation.apply(clean.clone()).unwrap());
         assert_eq!((found.outliers, wanted.outliers), (spoilt, 0));
         let distance = (found.map.heights_m() - wanted.map.heights_m())
             .iter()
@@ -177,8 +182,8 @@ mod tests {
         let grid = Grid::new(64, 64, 1e-6, 1e-6).unwrap();
         let map = HeightMap::new(grid, waves(grid)).unwrap();
         let preparation = Preparation { s_filter_m: Some(8e-6), l_filter_m: Some(8e-6), ..Preparation::default() };
-        assert!(matches!(preparation.apply(&map), Err(PreparationError::EmptyBand { .. })));
+        assert!(matches!(preparation.apply(map.clone()), Err(PreparationError::EmptyBand { .. })));
         let beyond = Preparation { l_filter_m: Some(1.0), ..Preparation::default() };
-        assert!(matches!(beyond.apply(&map), Err(PreparationError::LFilter(FilterError::Cutoff { .. }))));
+        assert!(matches!(beyond.apply(map.clone()), Err(PreparationError::LFilter(FilterError::Cutoff { .. }))));
     }
 }

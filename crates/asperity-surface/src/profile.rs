@@ -79,12 +79,13 @@ impl Profile {
         // A sphere would bend the rows across the profile.
         let level = if preparation.level == Level::Sphere { Level::Cylinder } else { preparation.level };
         let form = Preparation { level, s_filter_m: None, l_filter_m: None, ..*preparation };
-        let Prepared { map, outliers, radius_m, level, .. } = form.apply(&self.map).map_err(|error| match error {
-            PreparationError::Level(LevelError::Undetermined { level, present }) => {
-                LevelError::Undetermined { level, present: present / ROWS }.into()
-            }
-            error => error,
-        })?;
+        let Prepared { map, outliers, radius_m, level, .. } =
+            form.apply(self.map.clone()).map_err(|error| match error {
+                PreparationError::Level(LevelError::Undetermined { level, present }) => {
+                    LevelError::Undetermined { level, present: present / ROWS }.into()
+                }
+                error => error,
+            })?;
         let (mut profile, mut lost) = (Self { map }, 0);
         if let Some(cutoff_m) = preparation.s_filter_m {
             let smooth = |map: &HeightMap| GaussianFilter::linear(cutoff_m).smooth(map);

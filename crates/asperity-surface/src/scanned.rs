@@ -179,7 +179,7 @@ mod tests {
         let xi = random::standard_normal(&mut random::stream(8, "heights", 0), field.xi_len());
         let found = |heights: &dyn Fn(&HeightMap) -> HeightMap| {
             let map = heights(&field.generate(&xi));
-            let prepared = Preparation::default().apply(&map).unwrap();
+            let prepared = Preparation::default().apply(map).unwrap();
             ScannedSurface::without_intervals(prepared).unwrap().marginal().unwrap()
         };
         let normal = found(&HeightMap::clone);

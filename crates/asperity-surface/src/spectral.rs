@@ -10,7 +10,7 @@ use ndarray::Array2;
 use super::gaussian::{check_xi, map_of, row_order};
 use super::{GaussianSurface, GeneratorError, RandomSurface};
 use asperity_base::correlation::StationaryCovariance;
-use asperity_base::fourier::{RealFft2, good_length};
+use asperity_base::fourier::{Complex64, RealFft2, good_length};
 use asperity_base::map::{Grid, HeightMap};
 
 pub(super) use modes::{FourierModes, WrappedSpectrum, wrapped_eigenvalues_m2, wrapped_spectrum};
@@ -101,6 +101,13 @@ impl SpectralField {
         Self { grid, std_m, modes, clipped_variance: spectrum.clipped }
     }
 
+    /// Returns the map of a spectrum of its modes.
+    fn map_of(&self, spectrum: Vec<Complex64>) -> HeightMap {
+        let mut heights = self.modes.inverse(spectrum, self.grid.ny(), self.grid.nx());
+        heights.iter_mut().for_each(|z| *z *= self.std_m);
+        map_of(self.grid, heights)
+    }
+
     /// Returns the fraction of the variance in negative eigenvalues on the largest domain that was tried. They are set to
     /// zero and the others scaled to conserve the variance, so the covariance deviates from the requested one by about
     /// this much.
@@ -174,11 +181,14 @@ impl RandomSurface for SpectralField {
 
     fn generate(&self, xi: &[f64]) -> HeightMap {
         check_xi(xi, self.xi_len());
-        let mut heights = self.modes.synthesise(xi, self.grid.ny(), self.grid.nx());
-        for z in &mut heights {
-            *z *= self.std_m;
-        }
-        map_of(self.grid, heights)
+        self.map_of(self.modes.excited(xi))
+    }
+
+    fn generate_from(&self, xi: Vec<f64>) -> HeightMap {
+        check_xi(&xi, self.xi_len());
+        let spectrum = self.modes.excited(&xi);
+        drop(xi);
+        self.map_of(spectrum)
     }
 
     fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {

@@ -41,7 +41,7 @@ pub struct Translated<S> {
     gaussian: S,
     marginal: Marginal,
     map: NormalToMarginal,
-    /// 1/σ_g at each point in row order.
+    /// 1/σ_g at each point in row order; one value if all are equal.
     inverse_std_per_m: Vec<f64>,
     least_variance_fraction: f64,
 }
@@ -96,8 +96,27 @@ impl<S: GaussianSurface> Translated<S> {
             least_variance_fraction = least_variance_fraction.min(fraction);
         }
         let map = NormalToMarginal::new(&marginal, offset, scale);
-        let inverse_std_per_m = std.iter().map(|s| 1.0 / s).collect();
+        let count = if std.iter().all(|s| *s == largest) { 1 } else { std.len() };
+        let inverse_std_per_m = std.iter().take(count).map(|s| 1.0 / s).collect();
         Ok(Self { gaussian, marginal, map, inverse_std_per_m, least_variance_fraction })
+    }
+
+    /// Returns 1/σ_g at each point in row order.
+    fn inverse_std_per_m(&self) -> impl Iterator<Item = f64> {
+        self.inverse_std_per_m.iter().copied().cycle().take(self.gaussian.grid().points())
+    }
+
+    /// Translates a map of the Gaussian field.
+    fn translate(&self, map: HeightMap) -> HeightMap {
+        let mut heights = map.into_heights_m().into_raw_vec_and_offset().0;
+        match self.inverse_std_per_m[..] {
+            [inverse] => heights.iter_mut().for_each(|z| *z = self.map.value(*z * inverse)),
+            _ => heights
+                .iter_mut()
+                .zip(&self.inverse_std_per_m)
+                .for_each(|(z, inverse)| *z = self.map.value(*z * inverse)),
+        }
+        map_of(self.gaussian.grid(), heights)
     }
 
     /// Returns the underlying Gaussian field.
@@ -122,9 +141,9 @@ impl<S: GaussianSurface> Translated<S> {
         let translation = asperity_base::distribution::translation::Translation::new(&self.marginal).unwrap();
         let mut correlation = self.gaussian.covariance_with_m2(row, column);
         let nx = self.gaussian.grid().nx();
-        let here = self.inverse_std_per_m[row * nx + column];
-        for (value, there) in correlation.iter_mut().zip(&self.inverse_std_per_m) {
-            *value = translation.correlation((*value * here * there).clamp(-1.0, 1.0));
+        let inverse: Vec<f64> = self.inverse_std_per_m().collect();
+        for (value, there) in correlation.iter_mut().zip(&inverse) {
+            *value = translation.correlation((*value * inverse[row * nx + column] * there).clamp(-1.0, 1.0));
         }
         correlation
     }
@@ -140,18 +159,17 @@ impl<S: GaussianSurface> RandomSurface for Translated<S> {
     }
 
     fn generate(&self, xi: &[f64]) -> HeightMap {
-        let map = self.gaussian.generate(xi);
-        let heights =
-            map.heights_m().iter().zip(&self.inverse_std_per_m).map(|(g, inverse)| self.map.value(g * inverse));
-        map_of(self.gaussian.grid(), heights.collect())
+        self.translate(self.gaussian.generate(xi))
+    }
+
+    fn generate_from(&self, xi: Vec<f64>) -> HeightMap {
+        self.translate(self.gaussian.generate_from(xi))
     }
 
     /// Every point has the same map from standardised normal heights, and so the same slope at zero.
     fn xi_response(&self, weights: &Array2<f64>) -> Option<Vec<f64>> {
-        let nx = self.gaussian.grid().nx();
-        let normal = Array2::from_shape_fn(weights.dim(), |(row, column)| {
-            weights[[row, column]] * self.inverse_std_per_m[row * nx + column]
-        });
+        let mut normal = weights.clone();
+        normal.iter_mut().zip(self.inverse_std_per_m()).for_each(|(weight, inverse)| *weight *= inverse);
         let mut response = self.gaussian.xi_response(&normal)?;
         let slope_m = (self.map.value(SLOPE_STEP) - self.map.value(-SLOPE_STEP)) / (2.0 * SLOPE_STEP);
         response.iter_mut().for_each(|value| *value *= slope_m);

@@ -119,7 +119,7 @@ impl Surface {
     pub(crate) fn from_scan(bytes: &[u8], name: String, settings: &str) -> Result<Self, Failure> {
         let settings: ScanSettings = read(settings)?;
         let scan = read_bytes_with(bytes, &settings.options()?)?;
-        let prepared = settings.preparation().apply(&HeightMap::try_from(scan.clone())?)?;
+        let prepared = settings.preparation().apply(HeightMap::try_from(scan.clone())?)?;
         let origin = Origin::Scan { scan: Box::new(scan), prepared: Box::new(prepared.clone()), settings };
         Ok(Self::new(settings_seed(&origin), name, prepared.map, origin))
     }

@@ -1,4 +1,4 @@
-//! Convolutions of real maps with even real kernels, with one pass over memory in each direction.
+//! Convolutions of real maps with real kernels that are even in x and in y, with one pass over memory in each direction.
 //!
 //! Two real rows form one complex row; their transforms are separated when the columns are gathered. Columns are
 //! transformed, multiplied and transformed back within the level-2 cache, so the spectrum of the map is never written
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use asperity_fft::{Complex, Fft, FftNum, complex_f32, complex_f64};
 
-use super::SHARED_FROM;
+use super::{SHARED_FROM, even_spectrum};
 use crate::blocks;
 use crate::wide::{Kernel, wide};
 
@@ -87,7 +87,7 @@ impl<T> fmt::Debug for Convolution<T> {
 pub struct ConvolutionWork<T> {
     /// Transformed pairs of rows.
     pairs: Vec<Complex<T>>,
-    /// Columns of half the spectrum, transformed back.
+    /// Columns of half the spectrum, transformed back, without the padding of the map.
     columns: Vec<Complex<T>>,
     scratch: ThreadScratch<T>,
 }
@@ -97,6 +97,10 @@ pub struct ConvolutionWork<T> {
 struct ThreadScratch<T> {
     rows: [Vec<T>; 2],
     slab: Vec<Complex<T>>,
+    /// [`BLOCK`] padded columns.
+    columns: Vec<Complex<T>>,
+    /// Factors of one column.
+    factors: Vec<T>,
     scratch: Vec<Complex<T>>,
 }
 
@@ -137,12 +141,34 @@ impl<T: Real> Convolution<T> {
         self.rows.div_ceil(ROWS_OF_SLAB)
     }
 
-    /// Returns the factors `symbol(kx, ky)`, with signed ky, in the layout of [`Convolution::forward`].
+    /// Returns the number of stored factors along y, ny/2 + 1: they are even.
+    fn stored_ky(&self) -> usize {
+        self.ny / 2 + 1
+    }
+
+    /// Returns the rows of the transforms of columns that are not padding, in pairs.
+    fn kept_rows(&self) -> usize {
+        2 * self.rows.div_ceil(2)
+    }
+
+    /// Returns the factors `symbol(kx, ky)`, ky ≥ 0, for [`Convolution::forward`].
     #[doc(hidden)]
-    pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<T> {
+    pub fn symbol(&self, symbol: impl Fn(usize, f64) -> f64) -> Vec<f64> {
         let scale = 1.0 / (self.nx * self.ny) as f64;
-        let columns = (0..self.stored_kx()).flat_map(|kx| (0..self.ny).map(move |ky| (kx, ky)));
-        columns.map(|(kx, ky)| T::from_double(scale * symbol(kx, super::signed_index(ky, self.ny)))).collect()
+        let columns = (0..self.stored_kx()).flat_map(|kx| (0..self.stored_ky()).map(move |ky| (kx, ky)));
+        columns.map(|(kx, ky)| scale * symbol(kx, ky as f64)).collect()
+    }
+
+    /// Returns the factors of the kernel with these values on the periodic grid for [`Convolution::forward`]; `fill`
+    /// writes a row.
+    #[doc(hidden)]
+    pub fn symbol_of_kernel(&self, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+        let scale = (self.nx * self.ny) as f64;
+        let spectrum = even_spectrum(self.nx, self.ny, fill);
+        spectrum
+            .chunks_exact(self.ny)
+            .flat_map(|column| column[..self.stored_ky()].iter().map(|value| value / scale))
+            .collect()
     }
 
     /// Returns one factor for [`Convolution::forward`].
@@ -155,7 +181,7 @@ impl<T: Real> Convolution<T> {
     pub fn work(&self) -> ConvolutionWork<T> {
         ConvolutionWork {
             pairs: vec![Complex::default(); self.rows.div_ceil(2) * (self.nx + PAD)],
-            columns: vec![Complex::default(); self.stored_kx() * (self.ny + PAD)],
+            columns: vec![Complex::default(); self.stored_kx() * (self.kept_rows() + PAD)],
             scratch: self.thread_scratch(),
         }
     }
@@ -166,6 +192,8 @@ impl<T: Real> Convolution<T> {
         ThreadScratch {
             rows: [vec![T::default(); self.columns], vec![T::default(); self.columns]],
             slab: vec![Complex::default(); ROWS_OF_SLAB / 2 * (self.nx + PAD)],
+            columns: vec![Complex::default(); BLOCK * (self.ny + PAD)],
+            factors: vec![T::default(); self.ny],
             scratch: vec![Complex::default(); scratch],
         }
     }
@@ -184,8 +212,7 @@ impl<T: Real> Convolution<T> {
         }
     }
 
-    /// Multiplies the transform of a map z by `symbol`, from [`Convolution::symbol`], and its constant term by
-    /// `constant`, and returns Σ z·(S z) with the convolution S. [`Convolution::backward`] then returns S z.
+    /// Multiplies the transform of a map z by `symbol` over its `unit`, and its constant term by `constant`, and returns Σ z·(S z) with the convolution S. [`Convolution::backward`] then returns S z.
     ///
     /// Each of `slabs` corresponds to a slab of rows; `fill` writes the rows in order into zeroed memory and returns
     /// `false` for a zero row.
@@ -195,13 +222,14 @@ impl<T: Real> Convolution<T> {
     #[doc(hidden)]
     pub fn forward<S: Send>(
         &self,
-        symbol: &[T],
+        symbol: &[f64],
+        unit: f64,
         constant: T,
         slabs: &mut [S],
         fill: impl Fn(&mut S, usize, &mut [T]) -> bool + Sync,
         work: &mut ConvolutionWork<T>,
     ) -> f64 {
-        assert_eq!(symbol.len(), self.stored_kx() * self.ny, "the symbol has the wrong length");
+        assert_eq!(symbol.len(), self.stored_kx() * self.stored_ky(), "the symbol has the wrong length");
         assert_eq!(slabs.len(), self.slabs(), "there must be one input for each slab of rows");
         let ConvolutionWork { pairs, columns, scratch } = work;
         let (nx, ny) = (self.nx, self.ny);
@@ -224,21 +252,33 @@ impl<T: Real> Convolution<T> {
         });
 
         let pairs = &*pairs;
-        let blocks = columns.chunks_mut(BLOCK * (ny + PAD)).zip(symbol.chunks(BLOCK * ny));
+        let kept = self.kept_rows();
+        let blocks = columns.chunks_mut(BLOCK * (kept + PAD)).zip(symbol.chunks(BLOCK * self.stored_ky()));
         let mut energies = vec![0.0; self.stored_kx().div_ceil(BLOCK)];
         let items = blocks.zip(&mut energies).enumerate().map(|(block, ((to, symbol), sum))| (block, to, symbol, sum));
-        self.distribute(scratch, items, |thread, (block, columns, symbol, energy)| {
+        self.distribute(scratch, items, |thread, (block, to, symbol, energy)| {
+            let ThreadScratch { columns, factors, scratch, .. } = thread;
+            let padded = to.len() / (kept + PAD) * (ny + PAD);
+            let (columns, cropped) = if kept == ny { (to, None) } else { (&mut columns[..padded], Some(to)) };
             wide::<GatherColumns, _>((self, pairs, block * BLOCK, columns));
-            for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbol.chunks_exact(ny)).enumerate() {
+            let symbols = symbol.chunks_exact(self.stored_ky());
+            for (j, (column, symbol)) in columns.chunks_exact_mut(ny + PAD).zip(symbols).enumerate() {
                 let (kx, column) = (block * BLOCK + j, &mut column[..ny]);
-                self.along_columns[0].process_with_scratch(column, &mut thread.scratch);
-                let first = if kx == 0 { constant } else { symbol[0] };
+                wide::<Mirror, _>((factors.as_mut_slice(), symbol, unit));
+                self.along_columns[0].process_with_scratch(column, scratch);
+                let first = if kx == 0 { constant } else { factors[0] };
                 let sum = (first * column[0].norm_sqr()).to_f64();
                 column[0] = column[0] * first;
-                let sum = sum + wide::<Multiply, _>((&mut column[1..], &symbol[1..]));
+                let sum = sum + wide::<Multiply, _>((&mut column[1..], &factors[1..]));
                 // A stored column also represents its opposite.
                 *energy += if kx == 0 || 2 * kx == nx { sum } else { 2.0 * sum };
-                self.along_columns[1].process_with_scratch(column, &mut thread.scratch);
+                self.along_columns[1].process_with_scratch(column, scratch);
+            }
+            if let Some(to) = cropped {
+                let most = kept.min(ny);
+                for (to, column) in to.chunks_exact_mut(kept + PAD).zip(columns.chunks_exact(ny + PAD)) {
+                    to[..most].copy_from_slice(&column[..most]);
+                }
             }
         });
         energies.into_iter().sum()
@@ -260,7 +300,7 @@ impl<T: Real> Convolution<T> {
         let columns = &*columns;
         let nx = self.nx;
         self.distribute(scratch, slabs.iter_mut().enumerate(), |thread, (slab, output)| {
-            let ThreadScratch { rows: [even, odd], slab: pairs, scratch } = thread;
+            let ThreadScratch { rows: [even, odd], slab: pairs, scratch, .. } = thread;
             let first = slab * ROWS_OF_SLAB;
             let count = (self.rows - first).min(ROWS_OF_SLAB).div_ceil(2);
             wide::<GatherRows, _>((self, columns, first, count, pairs));
@@ -319,7 +359,7 @@ impl<'a, T: Real> Kernel<(&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'
         (plan, columns, first, count, to): (&'a Convolution<T>, &'a [Complex<T>], usize, usize, &'a mut [Complex<T>]),
     ) {
         let nx = plan.nx;
-        for (k, column) in columns.chunks_exact(plan.ny + PAD).enumerate() {
+        for (k, column) in columns.chunks_exact(plan.kept_rows() + PAD).enumerate() {
             let column = &column[first..first + 2 * count];
             for ([even, odd], row) in column.as_chunks::<2>().0.iter().zip(to.chunks_exact_mut(nx + PAD)) {
                 // The other half is the conjugate of the value at −k with separated rows.
@@ -356,6 +396,24 @@ impl<'a, T: Real> Kernel<(&'a [Complex<T>], &'a mut [T], &'a mut [T])> for Part 
     fn run((row, even, odd): (&'a [Complex<T>], &'a mut [T], &'a mut [T])) {
         for ((value, even), odd) in row.iter().zip(even).zip(odd) {
             (*even, *odd) = (value.re, value.im);
+        }
+    }
+}
+
+/// Completes even factors in a unit.
+struct Mirror;
+
+impl<'a, T: Real> Kernel<(&'a mut [T], &'a [f64], f64)> for Mirror {
+    type Output = ();
+
+    #[inline(always)]
+    fn run((factors, half, unit): (&'a mut [T], &'a [f64], f64)) {
+        let (first, rest) = factors.split_at_mut(half.len());
+        for (factor, value) in first.iter_mut().zip(half) {
+            *factor = T::from_double(value / unit);
+        }
+        for (factor, opposite) in rest.iter_mut().rev().zip(&first[1..]) {
+            *factor = *opposite;
         }
     }
 }
@@ -419,7 +477,7 @@ mod tests {
         out
     }
 
-    fn apply<T: Real>(plan: &Convolution<T>, symbol: &[T], constant: T, map: &[f64]) -> (f64, Vec<f64>) {
+    fn apply<T: Real>(plan: &Convolution<T>, symbol: &[f64], constant: T, map: &[f64]) -> (f64, Vec<f64>) {
         let mut work = plan.work();
         let columns = plan.columns;
         let fill = |slab: &mut &[f64], row: usize, out: &mut [T]| {
@@ -428,7 +486,7 @@ mod tests {
             values.iter().any(|z| *z != 0.0)
         };
         let mut slabs: Vec<&[f64]> = map.chunks(ROWS_OF_SLAB * columns).collect();
-        let energy = plan.forward(symbol, constant, &mut slabs, fill, &mut work);
+        let energy = plan.forward(symbol, 1.0, constant, &mut slabs, fill, &mut work);
         let mut result = vec![0.0; map.len()];
         let mut slabs: Vec<&mut [f64]> = result.chunks_mut(ROWS_OF_SLAB * columns).collect();
         let take = |out: &mut &mut [f64], row: usize, values: &[T]| {

@@ -3,6 +3,8 @@
 //! Columns are transformed in blocks that fit the level-2 cache and reduced immediately, so that the full complex
 //! spectrum is never stored.
 
+use std::ops::Range;
+
 use asperity_fft::{complex_f64, real_forward, real_inverse};
 
 use super::transpose::{BLOCK, TILE, gather, make_real};
@@ -11,30 +13,34 @@ use crate::blocks;
 
 /// Profiles whose powers are summed per block.
 const PROFILES_PER_BLOCK: usize = 64;
+/// Points of a map from which its transforms along x are computed twice and stored by halves.
+const HALVED_FROM: usize = 1 << 21;
 
-/// Returns the half transforms along x of a map of `rows` × `columns` values zero-padded to the length `nx`, as slabs
-/// of [`TILE`] rows of nx/2 + 1 coefficients. `fill` writes a row of the map.
+/// Returns the transforms along x of a map of `rows` × `columns` values zero-padded to the length `nx`, at some of the
+/// wavenumbers 0 … nx/2, as slabs of [`TILE`] rows. `fill` writes a row of the map.
 ///
 /// Each slab is allocated separately, which is faster than one large allocation.
 fn transformed_rows(
     rows: usize,
     columns: usize,
     nx: usize,
+    wavenumbers: Range<usize>,
     fill: &(impl Fn(usize, &mut [f64]) + Sync),
 ) -> Vec<Vec<Complex64>> {
     let plan = real_forward(nx);
-    let stored = nx / 2 + 1;
+    let width = wavenumbers.len();
     blocks::map_with(
         0..rows.div_ceil(TILE),
-        || (plan.make_input_vec(), plan.make_scratch_vec()),
-        |(input, scratch), slab| {
+        || (plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec()),
+        |(input, output, scratch), slab| {
             let range = slab * TILE..((slab + 1) * TILE).min(rows);
-            let mut transformed = vec![Complex64::default(); range.len() * stored];
-            for (row, out) in range.zip(transformed.chunks_exact_mut(stored)) {
+            let mut transformed = vec![Complex64::default(); range.len() * width];
+            for (row, out) in range.zip(transformed.chunks_exact_mut(width)) {
                 fill(row, &mut input[..columns]);
                 input[columns..].fill(0.0);
-                let done = plan.process_with_scratch(input, out, scratch);
+                let done = plan.process_with_scratch(input, output, scratch);
                 debug_assert!(done.is_ok());
+                out.copy_from_slice(&output[wavenumbers.clone()]);
             }
             transformed
         },
@@ -45,21 +51,36 @@ fn transformed_rows(
 /// row of the map.
 #[doc(hidden)]
 pub fn power(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
-    let transformed = transformed_rows(ny, nx, nx, &fill);
-    let [plan, _] = complex_f64(ny);
+    of_spectrum(nx, ny, fill, |value| value.norm_sqr())
+}
+
+/// Returns the real parts of X as [`power`] does |X|²: the spectrum of a map that is even on its periodic grid.
+#[doc(hidden)]
+pub fn even_spectrum(nx: usize, ny: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    of_spectrum(nx, ny, fill, |value| value.re)
+}
+
+fn of_spectrum(
+    nx: usize,
+    ny: usize,
+    fill: impl Fn(usize, &mut [f64]) + Sync,
+    real: impl Fn(&Complex64) -> f64 + Sync,
+) -> Vec<f64> {
     let stored = nx / 2 + 1;
-    let mut power = vec![0.0; stored * ny];
+    let transformed = transformed_rows(ny, nx, nx, 0..stored, &fill);
+    let [plan, _] = complex_f64(ny);
+    let mut values = vec![0.0; stored * ny];
     blocks::for_each_with(
-        power.chunks_mut(BLOCK * ny).enumerate(),
+        values.chunks_mut(BLOCK * ny).enumerate(),
         || (vec![Complex64::default(); BLOCK * ny], vec![Complex64::default(); plan.get_inplace_scratch_len()]),
         |(columns, scratch), (block, out)| {
             let columns = &mut columns[..out.len()];
             gather(transformed.iter().map(Vec::as_slice), stored, block * BLOCK, columns, ny);
             plan.process_with_scratch(columns, scratch);
-            out.iter_mut().zip(columns).for_each(|(out, value)| *out = value.norm_sqr());
+            out.iter_mut().zip(columns).for_each(|(out, value)| *out = real(value));
         },
     );
-    power
+    values
 }
 
 /// Returns Σ z[r, c] z[r + k, c + l] of a map of `rows` × `columns` values over the pairs inside the map, for the lags
@@ -79,32 +100,15 @@ pub fn autocorrelation_sums(
     assert!(reach_x < columns && reach_y < rows, "lags up to ({reach_x}, {reach_y}) exceed {columns} × {rows} points");
     let (nx, ny) = (good_length(columns + reach_x), good_length(rows + reach_y));
     let (stored, lags_y) = (nx / 2 + 1, reach_y + 1);
-    let transformed = transformed_rows(rows, columns, nx, &fill);
-
-    // Σ_ky |X|² e^{2πi ky k/ny} for k = 0 … reach_y: the conjugate of the transform of a real sequence.
     let mut half = vec![Complex64::default(); stored * lags_y];
-    let [forward, _] = complex_f64(ny);
-    let back = real_forward(ny);
-    blocks::for_each_with(
-        half.chunks_mut(BLOCK * lags_y).enumerate(),
-        || {
-            let scratch = forward.get_inplace_scratch_len().max(back.get_scratch_len());
-            let zeros = |length: usize| vec![Complex64::default(); length];
-            (zeros(BLOCK * ny), zeros(scratch), back.make_input_vec(), back.make_output_vec())
-        },
-        |(columns, scratch, squares, lags), (block, out)| {
-            let columns = &mut columns[..out.len() / lags_y * ny];
-            gather(transformed.iter().map(Vec::as_slice), stored, block * BLOCK, columns, ny);
-            forward.process_with_scratch(columns, scratch);
-            for (column, out) in columns.chunks_exact(ny).zip(out.chunks_exact_mut(lags_y)) {
-                squares.iter_mut().zip(column).for_each(|(square, value)| *square = value.norm_sqr());
-                let done = back.process_with_scratch(squares, lags, &mut scratch[..back.get_scratch_len()]);
-                debug_assert!(done.is_ok());
-                out.iter_mut().zip(lags.iter()).for_each(|(out, value)| *out = value.conj());
-            }
-        },
-    );
-    drop(transformed);
+    // The transforms along x of a large map are stored half at a time.
+    let passes = if rows * columns < HALVED_FROM { 1 } else { 2 };
+    let per_pass = stored.div_ceil(BLOCK).div_ceil(passes) * BLOCK;
+    for (pass, half) in half.chunks_mut(per_pass * lags_y).enumerate() {
+        let wavenumbers = pass * per_pass..pass * per_pass + half.len() / lags_y;
+        let transformed = transformed_rows(rows, columns, nx, wavenumbers, &fill);
+        lag_sums_along_y(&transformed, ny, half, lags_y);
+    }
 
     let width = 2 * reach_x + 1;
     let mut sums = vec![0.0; lags_y * width];
@@ -129,6 +133,33 @@ pub fn autocorrelation_sums(
     sums
 }
 
+/// Computes Σ_ky |X|² e^{2πi ky k/ny} for k = 0 … `lags_y` − 1, the conjugate of the transform of a real sequence, from
+/// the transforms along x. `sums` has `lags_y` values for each wavenumber along x.
+fn lag_sums_along_y(transformed: &[Vec<Complex64>], ny: usize, sums: &mut [Complex64], lags_y: usize) {
+    let [forward, _] = complex_f64(ny);
+    let back = real_forward(ny);
+    let wavenumbers = sums.len() / lags_y;
+    blocks::for_each_with(
+        sums.chunks_mut(BLOCK * lags_y).enumerate(),
+        || {
+            let scratch = forward.get_inplace_scratch_len().max(back.get_scratch_len());
+            let zeros = |length: usize| vec![Complex64::default(); length];
+            (zeros(BLOCK * ny), zeros(scratch), back.make_input_vec(), back.make_output_vec())
+        },
+        |(columns, scratch, squares, lags), (block, out)| {
+            let columns = &mut columns[..out.len() / lags_y * ny];
+            gather(transformed.iter().map(Vec::as_slice), wavenumbers, block * BLOCK, columns, ny);
+            forward.process_with_scratch(columns, scratch);
+            for (column, out) in columns.chunks_exact(ny).zip(out.chunks_exact_mut(lags_y)) {
+                squares.iter_mut().zip(column).for_each(|(square, value)| *square = value.norm_sqr());
+                let done = back.process_with_scratch(squares, lags, &mut scratch[..back.get_scratch_len()]);
+                debug_assert!(done.is_ok());
+                out.iter_mut().zip(lags.iter()).for_each(|(out, value)| *out = value.conj());
+            }
+        },
+    );
+}
+
 /// Returns Σ |X|² over `profiles` of `length` values zero-padded to `padded`, for the wavenumbers 0 … padded/2. `fill`
 /// writes the profiles of a range, one after the other.
 #[doc(hidden)]
@@ -136,7 +167,7 @@ pub fn summed_power(
     profiles: usize,
     length: usize,
     padded: usize,
-    fill: impl Fn(std::ops::Range<usize>, &mut [f64]) + Sync,
+    fill: impl Fn(Range<usize>, &mut [f64]) + Sync,
 ) -> Vec<f64> {
     let plan = real_forward(padded);
     let blocks: Vec<Vec<f64>> = blocks::map_with(

@@ -97,17 +97,20 @@ impl GaussianFilter {
         let grid = map.grid();
         self.check(grid)?;
         let mean_m = map.present_m().sum::<f64>() / (grid.points() - map.missing_points()) as f64;
-        let heights: Vec<f64> = map.heights_m().iter().map(|z| if z.is_nan() { 0.0 } else { z - mean_m }).collect();
-        let present: Vec<f64> = map.heights_m().iter().map(|z| f64::from(u8::from(!z.is_nan()))).collect();
+        let present = |z: f64| f64::from(u8::from(!z.is_nan()));
+        let height = |z: f64| if z.is_nan() { 0.0 } else { z - mean_m };
         let mut windows = Windows::new(grid, self.cutoff_m);
         let (mut smooth, iterations) = if self.robust {
+            let heights: Vec<f64> = map.heights_m().iter().copied().map(height).collect();
+            let present: Vec<f64> = map.heights_m().iter().copied().map(present).collect();
             let mut search = Search { heights: &heights, present: &present, weights: present.clone(), iterations: 0 };
             // Beside an outlier at an edge a quadratic overshoots and downweights valid heights. A mean does not.
             search.settle(&mut windows, Regression::Constant)?;
             (search.settle(&mut windows, self.regression)?, search.iterations)
         } else {
+            let values = map.values_m();
             // Missing heights are 0, as their weights are.
-            (windows.regress(heights, present, self.regression), 0)
+            (windows.regress(|point| height(values[point]), |point| present(values[point]), self.regression), 0)
         };
         for (w, z) in smooth.iter_mut().zip(map.heights_m()) {
             *w = if z.is_nan() { f64::NAN } else { *w + mean_m };
@@ -162,8 +165,7 @@ impl Search<'_> {
     }
 
     fn regress(&self, windows: &mut Windows, regression: Regression) -> Vec<f64> {
-        let weighted = self.heights.iter().zip(&self.weights).map(|(z, w)| z * w).collect();
-        windows.regress(weighted, self.weights.clone(), regression)
+        windows.regress(|point| self.heights[point] * self.weights[point], |point| self.weights[point], regression)
     }
 }
 
@@ -225,11 +227,12 @@ impl Windows {
     }
 
     /// Returns Σ f(x′) ((x′ − x)/λ)^a ((y′ − y)/λ)^b w(x′ − x) for the given moments.
-    fn sums(&mut self, values: Vec<f64>, moments: &[(usize, usize)]) -> Vec<Vec<f64>> {
+    fn sums(&mut self, value: impl Fn(usize) -> f64 + Sync, moments: &[(usize, usize)]) -> Vec<Vec<f64>> {
         let (ny, nx) = self.grid.shape();
         let mut transform = self.fft.spectrum();
-        self.fft.forward_padded(&values, ny, nx, &mut transform, &mut self.work);
-        drop(values);
+        let fill = |row: usize, out: &mut [f64]| (row * nx..).zip(out).for_each(|(point, out)| *out = value(point));
+        // The rows of the forward transform are not kept.
+        self.fft.forward_rows(ny, nx, fill, &mut transform, &mut self.fft.workspace());
         let rows = self.fft.ny();
         let last = moments.len() - 1;
         moments
@@ -252,13 +255,17 @@ impl Windows {
 
     /// Returns the constant term of the weighted regression around every point; NaN if all weights are zero. `weighted` are the heights times
     /// their weights.
-    fn regress(&mut self, weighted: Vec<f64>, weights: Vec<f64>, regression: Regression) -> Vec<f64> {
+    fn regress(
+        &mut self,
+        weighted: impl Fn(usize) -> f64 + Sync,
+        weight: impl Fn(usize) -> f64 + Sync,
+        regression: Regression,
+    ) -> Vec<f64> {
         let (of_weights, of_heights) = match regression {
             Regression::Constant => (1, 1),
             Regression::Quadratic => (MOMENTS.len(), TERMS),
         };
-        let points = weights.len();
-        let matrix = self.sums(weights, &MOMENTS[..of_weights]);
+        let matrix = self.sums(weight, &MOMENTS[..of_weights]);
         let right = self.sums(weighted, &MOMENTS[..of_heights]);
         let value = |point: usize| {
             let sum = matrix[0][point];
@@ -272,7 +279,7 @@ impl Windows {
                 Regression::Quadratic => quadratic(&matrix, &right, point).unwrap_or(mean),
             }
         };
-        let mut values = vec![0.0; points];
+        let mut values = vec![0.0; self.grid.points()];
         blocks::for_each(values.chunks_mut(POINTS_AT_ONCE).enumerate(), |(chunk, values)| {
             (chunk * POINTS_AT_ONCE..).zip(values).for_each(|(point, out)| *out = value(point));
         });

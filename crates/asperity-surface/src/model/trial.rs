@@ -42,7 +42,7 @@ impl TrialMaps {
         let drawn: Result<Vec<Option<_>>, SurfaceModelError> = blocks::map(0..MAPS, |index| {
             let mut stream = random::stream(1, "trial maps", index as u64);
             let map = surface.generate(&random::standard_normal(&mut stream, surface.xi_len()));
-            let map = Preparation { level: level.as_polynomial(), ..Preparation::default() }.apply(&map)?.map;
+            let map = Preparation { level: level.as_polynomial(), ..Preparation::default() }.apply(map)?.map;
             Ok(slopes.ratio_of(&map)?.map(|ratio| (map, scale * ratio)))
         });
         let drawn: Option<Vec<(HeightMap, f64)>> = drawn?.into_iter().collect();

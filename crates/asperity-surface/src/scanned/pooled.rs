@@ -97,7 +97,7 @@ mod tests {
         let noise = random::standard_normal(&mut random::stream(seed, "pooled", 0), grid.points());
         let heights = ndarray::Array2::from_shape_fn(grid.shape(), |(row, column)| height_m(noise[row * 48 + column]));
         let map = HeightMap::new(grid, heights).unwrap();
-        MapStatistics::new(&Preparation::default().apply(&map).unwrap()).unwrap()
+        MapStatistics::new(&Preparation::default().apply(map).unwrap()).unwrap()
     }
 
     #[test]

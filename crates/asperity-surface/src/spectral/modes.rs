@@ -3,19 +3,27 @@
 use ndarray::Array2;
 
 use asperity_base::correlation::StationaryCovariance;
-use asperity_base::fourier::{Complex64, RealFft2, signed_index};
+use asperity_base::fourier::{Complex64, RealFft2, even_spectrum, signed_index};
 use asperity_base::map::Grid;
 
-/// One real mode: cos(q·x) or sin(q·x), normalised to unit L² norm, with its place in the stored spectrum.
-#[derive(Debug, Clone, Copy)]
-struct Mode {
-    /// Eigenvalue of the unit-variance covariance operator in m².
-    eigenvalue_m2: f64,
+/// One real mode: cos(q·x) or sin(q·x), normalised to unit L² norm. Twice the place of q in the stored spectrum, plus 1
+/// for the sine: a map has as many modes as points, so they are small.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Mode(u32);
+
+impl Mode {
+    fn new(place: usize, sine: bool) -> Self {
+        Self((2 * place + usize::from(sine)) as u32)
+    }
+
     /// Place of the wavevector in the spectrum.
-    place: usize,
-    /// Place of −q if the spectrum stores it too; `place` itself if q = −q.
-    mirror: Option<usize>,
-    sine: bool,
+    fn place(self) -> usize {
+        (self.0 / 2) as usize
+    }
+
+    fn sine(self) -> bool {
+        self.0 % 2 == 1
+    }
 }
 
 /// Real Fourier modes sorted by falling eigenvalue: the eigenfunctions of every periodic stationary covariance.
@@ -23,6 +31,8 @@ struct Mode {
 pub(crate) struct FourierModes {
     fft: RealFft2,
     area_m2: f64,
+    /// Eigenvalues of the unit-variance covariance operator in m² by the place of their wavevector.
+    by_place_m2: Vec<f64>,
     modes: Vec<Mode>,
 }
 
@@ -63,14 +73,13 @@ pub(crate) fn wrapped_eigenvalues_m2(covariance: &dyn StationaryCovariance, doma
             wrapped[opposite_row * nx + column] = crossed;
         }
     }
-    let mut spectrum = fft.spectrum();
-    fft.forward(&wrapped, &mut spectrum, &mut fft.workspace());
+    let spectrum = even_spectrum(nx, ny, |row, out| out.copy_from_slice(&wrapped[row * nx..(row + 1) * nx]));
     let cell = domain.cell_area_m2();
     let mirrored = |kx: usize, ky: usize| {
-        let here = spectrum[kx * ny + ky].re;
+        let here = spectrum[kx * ny + ky];
         // For the mean and Nyquist columns (k_x, −k_y) is also −k: equal for every covariance.
         let paired = mirrors || kx == 0 || 2 * kx == nx;
-        if paired { 0.5 * (here + spectrum[kx * ny + (ny - ky) % ny].re) } else { here }
+        if paired { 0.5 * (here + spectrum[kx * ny + (ny - ky) % ny]) } else { here }
     };
     let equal = |a: f64, b: f64| (a - b).abs() <= 1e-12;
     let exchanged = nx == ny && (0..ny).all(|i| (0..i).all(|j| equal(wrapped[i * nx + j], wrapped[j * nx + i])));
@@ -109,35 +118,52 @@ impl FourierModes {
     ///
     /// Ties are broken by the wavevector's place, the cosine first.
     pub(crate) fn new(domain: Grid, fft: RealFft2, eigenvalues_m2: &[f64]) -> Self {
+        assert!(2 * fft.spectrum_len() <= u32::MAX as usize, "a domain of {} points is too large", domain.points());
         let (nx, ny) = (domain.nx(), domain.ny());
         let mut modes = Vec::with_capacity(nx * ny);
         for kx in 0..fft.stored_kx() {
-            let mirrored = kx == 0 || 2 * kx == nx;
             for ky in 0..ny {
-                let opposite = (ny - ky) % ny;
+                let (place, opposite) = (kx * ny + ky, (ny - ky) % ny);
+                let mirrored = fft.multiplicity(kx) == 1.0;
                 if mirrored && opposite < ky {
                     continue;
                 }
-                let place = kx * ny + ky;
-                let mode = Mode {
-                    eigenvalue_m2: eigenvalues_m2[place],
-                    place,
-                    mirror: mirrored.then_some(kx * ny + opposite),
-                    sine: false,
-                };
-                modes.push(mode);
-                if mode.mirror != Some(place) {
-                    modes.push(Mode { sine: true, ..mode });
+                modes.push(Mode::new(place, false));
+                if !(mirrored && opposite == ky) {
+                    modes.push(Mode::new(place, true));
                 }
             }
         }
-        modes.sort_by(|a, b| b.eigenvalue_m2.total_cmp(&a.eigenvalue_m2).then(a.place.cmp(&b.place)));
-        Self { fft, area_m2: domain.area_m2(), modes }
+        let of = |mode: &Mode| eigenvalues_m2[mode.place()];
+        modes.sort_unstable_by(|a, b| of(b).total_cmp(&of(a)).then(a.cmp(b)));
+        Self { fft, area_m2: domain.area_m2(), by_place_m2: eigenvalues_m2.to_vec(), modes }
+    }
+
+    fn eigenvalue_m2(&self, mode: Mode) -> f64 {
+        self.by_place_m2[mode.place()]
+    }
+
+    /// Returns the place of −q if the spectrum stores it too; that of q if q = −q.
+    fn mirror(&self, mode: Mode) -> Option<usize> {
+        let (nx, ny, place) = (self.fft.nx(), self.fft.ny(), mode.place());
+        let nyquist = if nx.is_multiple_of(2) { nx / 2 * ny } else { usize::MAX };
+        // First place of a column that is its own mirror image.
+        let first = match place {
+            _ if place < ny => 0,
+            _ if place >= nyquist => nyquist,
+            _ => return None,
+        };
+        Some(if place == first { place } else { 2 * first + ny - place })
+    }
+
+    /// Returns whether q = −q, so that the mode is ±1/√A everywhere.
+    fn is_own_mirror(&self, mode: Mode) -> bool {
+        self.mirror(mode) == Some(mode.place())
     }
 
     /// Sorts the modes by the place of the wavevector, the cosine first, regardless of their eigenvalues.
     pub(crate) fn sort_by_place(&mut self) {
-        self.modes.sort_by_key(|mode| (mode.place, mode.sine));
+        self.modes.sort_unstable();
     }
 
     /// Keeps the first `count` modes.
@@ -150,7 +176,7 @@ impl FourierModes {
     pub(crate) fn unpaired_fraction(&self) -> f64 {
         let total: f64 = self.eigenvalues_m2().sum();
         match self.modes.last() {
-            Some(mode) if !mode.sine && mode.mirror != Some(mode.place) => mode.eigenvalue_m2 / total,
+            Some(&mode) if !mode.sine() && !self.is_own_mirror(mode) => self.eigenvalue_m2(mode) / total,
             _ => 0.0,
         }
     }
@@ -158,9 +184,9 @@ impl FourierModes {
     /// Removes the constant mode and scales the others to the whole variance.
     pub(crate) fn without_constant(&mut self) {
         let whole: f64 = self.eigenvalues_m2().sum();
-        self.modes.retain(|mode| mode.place != 0);
+        self.modes.retain(|mode| mode.place() != 0);
         let scale = whole / self.eigenvalues_m2().sum::<f64>();
-        self.modes.iter_mut().for_each(|mode| mode.eigenvalue_m2 *= scale);
+        self.by_place_m2.iter_mut().for_each(|eigenvalue_m2| *eigenvalue_m2 *= scale);
     }
 
     /// Sets the eigenvalues of waves shorter than a length in metre to zero and scales the others to the whole variance. Returns the
@@ -170,21 +196,23 @@ impl FourierModes {
         let along = |index: f64, n: usize, pitch_m: f64| index / (n as f64 * pitch_m);
         // Rounding must not remove the wave of the length itself.
         let most = (1.0 + 1e-9) / shortest_m;
-        let is_kept = |mode: &Mode| {
-            let (kx, ky) = (mode.place / ny, mode.place % ny);
+        let is_kept = |place: usize| {
+            let (kx, ky) = (place / ny, place % ny);
             let x = along(kx as f64, nx, grid.dx_m());
             x.hypot(along(signed_index(ky, ny), ny, grid.dy_m())) <= most
         };
         let whole: f64 = self.eigenvalues_m2().sum();
-        let kept: f64 = self.modes.iter().filter(|mode| is_kept(mode)).map(|mode| mode.eigenvalue_m2).sum();
-        if !self.modes.iter().any(|mode| mode.place != 0 && is_kept(mode)) {
+        let of_kept = self.modes.iter().filter(|mode| is_kept(mode.place())).map(|mode| self.eigenvalue_m2(*mode));
+        let kept: f64 = of_kept.sum();
+        if !self.modes.iter().any(|mode| mode.place() != 0 && is_kept(mode.place())) {
             return 1.0;
         }
-        for mode in &mut self.modes {
-            mode.eigenvalue_m2 = if is_kept(mode) { mode.eigenvalue_m2 * whole / kept } else { 0.0 };
+        for (place, eigenvalue_m2) in self.by_place_m2.iter_mut().enumerate() {
+            *eigenvalue_m2 = if is_kept(place) { *eigenvalue_m2 * whole / kept } else { 0.0 };
         }
         // The removed waves follow in their order.
-        self.modes.sort_by(|a, b| b.eigenvalue_m2.total_cmp(&a.eigenvalue_m2));
+        let of = |mode: &Mode| self.by_place_m2[mode.place()];
+        self.modes.sort_by(|a, b| of(b).total_cmp(&of(a)));
         kept / whole
     }
 
@@ -196,10 +224,10 @@ impl FourierModes {
     /// Returns the eigenvalues in m² of all stored wavevectors, in the order of [`RealFft2`]; zero for removed modes.
     pub(crate) fn spectrum_m2(&self) -> Vec<f64> {
         let mut spectrum = vec![0.0; self.fft.spectrum_len()];
-        for mode in &self.modes {
-            spectrum[mode.place] = mode.eigenvalue_m2;
-            if let Some(mirror) = mode.mirror {
-                spectrum[mirror] = mode.eigenvalue_m2;
+        for &mode in &self.modes {
+            spectrum[mode.place()] = self.eigenvalue_m2(mode);
+            if let Some(mirror) = self.mirror(mode) {
+                spectrum[mirror] = self.eigenvalue_m2(mode);
             }
         }
         spectrum
@@ -212,26 +240,34 @@ impl FourierModes {
 
     /// Returns the eigenvalues in m², falling.
     pub(crate) fn eigenvalues_m2(&self) -> impl Iterator<Item = f64> + '_ {
-        self.modes.iter().map(|mode| mode.eigenvalue_m2)
+        self.modes.iter().map(|mode| self.eigenvalue_m2(*mode))
     }
 
     /// Computes Σ_j √λ_j φ_j ξ_j, cropped to the first `rows` × `columns` points, in row order.
     pub(crate) fn synthesise(&self, xi: &[f64], rows: usize, columns: usize) -> Vec<f64> {
-        self.superpose(
-            self.modes.iter().zip(xi).map(|(mode, xi)| (mode, mode.eigenvalue_m2.sqrt() * xi)),
-            rows,
-            columns,
-        )
+        self.inverse(self.excited(xi), rows, columns)
+    }
+
+    /// Returns the spectrum of Σ_j √λ_j φ_j ξ_j.
+    pub(crate) fn excited(&self, xi: &[f64]) -> Vec<Complex64> {
+        self.superposed(self.modes.iter().zip(xi).map(|(&mode, xi)| (mode, self.eigenvalue_m2(mode).sqrt() * xi)))
+    }
+
+    /// Transforms a spectrum back, cropped to the first `rows` × `columns` points, in row order.
+    pub(crate) fn inverse(&self, mut spectrum: Vec<Complex64>, rows: usize, columns: usize) -> Vec<f64> {
+        let mut map = vec![0.0; rows * columns];
+        self.fft.inverse_cropped(&mut spectrum, &mut map, rows, columns, &mut self.fft.workspace());
+        map
     }
 
     /// Computes √λ_j Σ_x w(x) φ_j(x) for every j by one transform: the adjoint of [`FourierModes::synthesise`].
     pub(crate) fn analyse(&self, weights: &[f64], rows: usize, columns: usize) -> Vec<f64> {
         let mut spectrum = self.fft.spectrum();
         self.fft.forward_padded(weights, rows, columns, &mut spectrum, &mut self.fft.workspace());
-        let product = |mode: &Mode| {
-            let norm = if mode.mirror == Some(mode.place) { 1.0 } else { 2.0 };
-            let sum = spectrum[mode.place];
-            (norm * mode.eigenvalue_m2 / self.area_m2).sqrt() * if mode.sine { -sum.im } else { sum.re }
+        let product = |&mode: &Mode| {
+            let norm = if self.is_own_mirror(mode) { 1.0 } else { 2.0 };
+            let sum = spectrum[mode.place()];
+            (norm * self.eigenvalue_m2(mode) / self.area_m2).sqrt() * if mode.sine() { -sum.im } else { sum.re }
         };
         self.modes.iter().map(product).collect()
     }
@@ -239,51 +275,51 @@ impl FourierModes {
     /// Returns Σ_j λ_j φ_j(x₀) φ_j(x) for the domain's point x₀ = (`row`, `column`), cropped.
     pub(crate) fn covariance_with(&self, row: usize, column: usize, rows: usize, columns: usize) -> Vec<f64> {
         let ny = self.fft.ny();
-        let weights = self.modes.iter().map(|mode| (mode, mode.eigenvalue_m2 * self.value(mode, row, column, ny)));
-        self.superpose(weights, rows, columns)
+        let weight = |&mode: &Mode| (mode, self.eigenvalue_m2(mode) * self.value(mode, row, column, ny));
+        let weights = self.modes.iter().map(weight);
+        self.inverse(self.superposed(weights), rows, columns)
     }
 
     /// Returns Σ_j λ_j φ_j², cropped. Complete pairs of cosine and sine are uniform, so only an incomplete pair depends
     /// on the point.
     pub(crate) fn pointwise_variance(&self, rows: usize, columns: usize) -> Array2<f64> {
         let ny = self.fft.ny();
-        let cut = self.modes.last().filter(|mode| !mode.sine && mode.mirror != Some(mode.place));
+        let cut = self.modes.last().copied().filter(|mode| !mode.sine() && !self.is_own_mirror(*mode));
         let whole = self.modes.len() - usize::from(cut.is_some());
         // A mode that is its own mirror image is ±1/√A everywhere; a pair has cos² + sin² = 1.
-        let uniform = self.modes[..whole].iter().map(|mode| mode.eigenvalue_m2).sum::<f64>() / self.area_m2;
+        let uniform = self.eigenvalues_m2().take(whole).sum::<f64>() / self.area_m2;
         Array2::from_shape_fn((rows, columns), |(row, column)| {
-            uniform + cut.map_or(0.0, |mode| mode.eigenvalue_m2 * self.value(mode, row, column, ny).powi(2))
+            uniform + cut.map_or(0.0, |mode| self.eigenvalue_m2(mode) * self.value(mode, row, column, ny).powi(2))
         })
     }
 
     /// Returns φ_j at a point of the domain, in 1/m.
-    fn value(&self, mode: &Mode, row: usize, column: usize, ny: usize) -> f64 {
-        let (kx, ky) = ((mode.place / ny) as f64, signed_index(mode.place % ny, ny));
+    fn value(&self, mode: Mode, row: usize, column: usize, ny: usize) -> f64 {
+        let (kx, ky) = ((mode.place() / ny) as f64, signed_index(mode.place() % ny, ny));
         let turns = kx * column as f64 / self.fft.nx() as f64 + ky * row as f64 / ny as f64;
         let (sin, cos) = (std::f64::consts::TAU * turns).sin_cos();
-        let norm = if mode.mirror == Some(mode.place) { 1.0 } else { 2.0 };
-        (norm / self.area_m2).sqrt() * if mode.sine { sin } else { cos }
+        let norm = if self.is_own_mirror(mode) { 1.0 } else { 2.0 };
+        (norm / self.area_m2).sqrt() * if mode.sine() { sin } else { cos }
     }
 
-    /// Returns Σ a_j φ_j by one inverse transform.
-    fn superpose<'a>(&self, weights: impl Iterator<Item = (&'a Mode, f64)>, rows: usize, columns: usize) -> Vec<f64> {
+    /// Returns the spectrum of Σ a_j φ_j.
+    fn superposed(&self, weights: impl Iterator<Item = (Mode, f64)>) -> Vec<Complex64> {
         let points = (self.fft.nx() * self.fft.ny()) as f64;
         let mut spectrum = self.fft.spectrum();
         for (mode, weight) in weights {
-            if mode.mirror == Some(mode.place) {
-                spectrum[mode.place].re += points * weight / self.area_m2.sqrt();
+            let (place, mirror) = (mode.place(), self.mirror(mode));
+            if mirror == Some(place) {
+                spectrum[place].re += points * weight / self.area_m2.sqrt();
                 continue;
             }
             // a cos(q·x) + b sin(q·x) = Re (a − ib) e^{iq·x}, half of it at q and half at −q.
             let half = points * weight / (2.0 * self.area_m2).sqrt();
-            let term = if mode.sine { Complex64::new(0.0, -half) } else { Complex64::new(half, 0.0) };
-            spectrum[mode.place] += term;
-            if let Some(mirror) = mode.mirror {
+            let term = if mode.sine() { Complex64::new(0.0, -half) } else { Complex64::new(half, 0.0) };
+            spectrum[place] += term;
+            if let Some(mirror) = mirror {
                 spectrum[mirror] += term.conj();
             }
         }
-        let mut map = vec![0.0; rows * columns];
-        self.fft.inverse_cropped(&mut spectrum, &mut map, rows, columns, &mut self.fft.workspace());
-        map
+        spectrum
     }
 }

@@ -99,7 +99,7 @@ impl Specimen {
 
 /// Draws map number `index` of a random surface, independently of other maps.
 pub fn draw_map(surface: &dyn RandomSurface, seed: u64, index: u64) -> HeightMap {
-    surface.generate(&random::standard_normal(&mut random::stream(seed, STAGE, index), surface.xi_len()))
+    surface.generate_from(random::standard_normal(&mut random::stream(seed, STAGE, index), surface.xi_len()))
 }
 
 /// Generator of the maps of a [`Specimen`].

@@ -67,7 +67,7 @@ pub(super) fn measure(
 ) -> Result<ScannedSurface, StudyError> {
     output.warnings.append(&mut scan.warnings);
     let raw = HeightMap::try_from(scan).map_err(|error| StudyError::Map { file: file.into(), error })?;
-    let prepared = preparation.apply(&raw).map_err(SurfaceModelError::from)?;
+    let prepared = preparation.apply(raw.clone()).map_err(SurfaceModelError::from)?;
     let map = &prepared.map;
     output.fields.push(("height_raw", map_field(raw.grid(), "m", raw.heights_m().clone())));
     output.fields.push(("height_levelled", map_field(map.grid(), "m", map.heights_m().clone())));

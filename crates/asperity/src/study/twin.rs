@@ -166,11 +166,12 @@ impl Twins {
         let squares: Result<Vec<(f64, f64)>, StudyError> = blocks::map(0..TRIALS, |index| {
             let mut stream = random::stream(self.seed, TRIAL_STAGE, index as u64);
             let trial = masked(&surface.generate(&random::standard_normal(&mut stream, surface.xi_len())), &self.scan)?;
-            let left = self.without_form(&trial)?.map;
+            let whole = square(&trial);
+            let left = self.without_form(trial)?.map;
             // Statistics are relative to the mean, whether or not the form includes it.
             let points = left.present_m().count() as f64;
             let mean = left.present_m().sum::<f64>() / points;
-            Ok((square(&trial), square(&left) - points * mean * mean))
+            Ok((whole, square(&left) - points * mean * mean))
         });
         let (before, after) = squares?.into_iter().fold((0.0, 0.0), |sum, (b, a)| (sum.0 + b, sum.1 + a));
         Ok((1.0 - after / before).clamp(0.0, 1.0 - f64::EPSILON))
@@ -279,11 +280,11 @@ impl Twins {
     /// Prepares a twin like the scan: masks its missing points and removes the form.
     fn prepared_twin(&self, twin: &HeightMap) -> Result<Prepared, StudyError> {
         let twin = if self.grid() == self.scan.grid() { masked(twin, &self.scan)? } else { twin.clone() };
-        self.without_form(&twin)
+        self.without_form(twin)
     }
 
     /// Removes the form from a map.
-    fn without_form(&self, map: &HeightMap) -> Result<Prepared, StudyError> {
+    fn without_form(&self, map: HeightMap) -> Result<Prepared, StudyError> {
         let preparation = Preparation { level: self.level, ..Preparation::default() };
         Ok(preparation.apply(map).map_err(SurfaceModelError::from)?)
     }

@@ -78,7 +78,7 @@ fn surface(bytes: &[u8]) -> Result<CompositeModel> {
     let map = HeightMap::try_from(asperity_formats::read_bytes(bytes)?)?;
     let preparation =
         Preparation { level: Level::Plane, outliers: Some(5.0), s_filter_m: None, l_filter_m: None, robust: false };
-    let scan = ScannedSurface::new(preparation.apply(&map)?)?;
+    let scan = ScannedSurface::new(preparation.apply(map)?)?;
     let request = SurfaceRequest::Translated {
         rms_height_m: Measurable::Measured,
         covariance: CovarianceRequest::Measured,

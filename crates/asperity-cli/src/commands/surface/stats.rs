@@ -90,7 +90,7 @@ impl Stats {
         let source = input::source(&scan);
         let map = input::height_map(scan, file)?;
         let preparation = self.preparation.preparation();
-        let prepared = monitor.killable(|| preparation.apply(&map))?.map_err(|e| not_prepared(file, e))?;
+        let prepared = monitor.killable(|| preparation.apply(map))?.map_err(|e| not_prepared(file, e))?;
         warn_of_lost(file, prepared.lost, monitor);
         let statistics = monitor.killable(|| MapStatistics::new(&prepared))?;
         Ok((statistics.map_err(|e| Failure::data(file.display(), &e))?, source))

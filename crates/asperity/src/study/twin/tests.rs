@@ -279,7 +279,7 @@ fn missing_points_are_masked_in_the_comparison_only() {
     assert_eq!(twins.draw(0).missing_points(), 0);
     let prepared_twin = twins.prepared_twin(&twins.draw(0)).unwrap();
     assert_eq!((prepared_twin.map.missing_points(), prepared_twin.outliers), (missing, 0));
-    let plane = Preparation::default().apply(&prepared_twin.map).unwrap().map;
+    let plane = Preparation::default().apply(prepared_twin.map.clone()).unwrap().map;
     let largest = plane.present_m().zip(prepared_twin.map.present_m()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     assert!(largest < 1e-18, "the form is gone: {largest:e}");
     let comparison = compare(&twins, 8);
@@ -301,7 +301,7 @@ fn twins_are_not_filtered_a_second_time() {
     let again = Preparation { s_filter_m: Some(10e-6), ..Preparation::default() };
     let twice: Vec<f64> = (0..10)
         .map(|index| {
-            let prepared = again.apply(&twins.draw(index)).unwrap();
+            let prepared = again.apply(twins.draw(index)).unwrap();
             MapStatistics::new(&prepared).unwrap().parameters.sdq.unwrap()
         })
         .collect();

@@ -225,7 +225,7 @@ mod tests {
         let noise = filtered_noise(grid, &mut stream(3, "scan", index), |x, y| (-(x * x + y * y) / 800.0).exp());
         let heights_m = Array2::from_shape_vec(grid.shape(), noise).unwrap() * (factor * 1e-7);
         let map = HeightMap::new(grid, heights_m).unwrap();
-        ScannedSurface::new(Preparation::default().apply(&map).unwrap()).unwrap()
+        ScannedSurface::new(Preparation::default().apply(map).unwrap()).unwrap()
     }
 
     /// Returns the uncertain values of a body whose friction is inversely proportional to the slopes.
