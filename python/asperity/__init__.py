@@ -27,7 +27,7 @@ from asperity.random import (
     artificial_surface,
 )
 from asperity.surface import HeightMap
-from asperity.vibration import Oscillator, critical_damping, ensemble, limit_cycle, stability_map
+from asperity.vibration import Oscillator, critical_damping, ensemble, limit_cycle, stability_map, trajectory
 
 if TYPE_CHECKING:
     from asperity import dask as dask
@@ -65,6 +65,7 @@ __all__ = [
     "run_study",
     "solve_contact",
     "stability_map",
+    "trajectory",
     "uncertain",
     "verdict",
 ]

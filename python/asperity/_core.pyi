@@ -2,11 +2,11 @@
 Compiled part of the package asperity.
 """
 
-from _typeshed import Incomplete, SupportsGetItem
+from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "unit_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "trajectory", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -158,14 +158,15 @@ def distribution_nodes() -> Incomplete:
     Returns the standard normal values at which the polynomials of a bounded distribution need its translation.
     """
 
-def ensemble(oscillator: Oscillator, fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
+def ensemble(oscillator: Oscillator, fluctuation: Any, std: SupportsFloat | SupportsIndex, length: SupportsFloat | SupportsIndex, allow_clipping: bool, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
     """
     Simulates many trajectories over a random friction fluctuation.
     """
 
-def ensembles(oscillator: Oscillator, stds: SupportsGetItem[int, SupportsFloat | SupportsIndex], lengths: SupportsGetItem[int, SupportsFloat | SupportsIndex], fluctuation: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
+def ensembles(oscillator: Oscillator, fluctuation: Any, stds: SupportsGetItem[int, SupportsFloat | SupportsIndex], lengths: SupportsGetItem[int, SupportsFloat | SupportsIndex], allow_clipping: bool, trajectories, duration: SupportsFloat | SupportsIndex, seed, drive: str, progress: Any | None) -> Any:
     """
-    Simulates an ensemble of each machine of an array, with its own fluctuation, of which `stds` and `lengths` are columns. All have the same seed.
+    Simulates an ensemble of each machine of an array, with its own fluctuation, of which `stds` and `lengths` are columns; see [`Fluctuation::model`]. All have the
+    same seed.
     """
 
 def fill(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, options: dict) -> Incomplete:
@@ -254,7 +255,7 @@ def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy
     `asperity contact --json`.
     """
 
-def stability_map(oscillator: Oscillator, fluctuation: dict, axes: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, progress: Any | None) -> Any:
+def stability_map(oscillator: Oscillator, fluctuation: Any, std: SupportsFloat | SupportsIndex, length: SupportsFloat | SupportsIndex, allow_clipping: bool, axes: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, progress: Any | None) -> Any:
     """
     Maps the probability of sustained vibration over two parameters.
     """
@@ -278,6 +279,11 @@ def study_schema() -> str:
 def toml_of(study: dict) -> str:
     """
     Returns the text of a study file.
+    """
+
+def trajectory(oscillator: Oscillator, tau: Incomplete, start: SupportsLenAndGetItem[SupportsFloat | SupportsIndex] | None, fluctuation: Any | None, std: SupportsFloat | SupportsIndex, length: SupportsFloat | SupportsIndex, allow_clipping: bool, seed, index, drive: str) -> dict:
+    """
+    Simulates a trajectory at rising times, from the state (X, X′) `start`.
     """
 
 def unit_of(name: str) -> str:

@@ -34,6 +34,7 @@ class MachineMethods(Record):
     """Methods of an answer about a machine, or of the answers about an array of machines.
 
     The attributes of the latter are arrays of its shape: numbers with NaN where they are undefined, flags and names.
+    They are arrays of Dask if the machines are.
     """
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -42,7 +43,7 @@ class MachineMethods(Record):
 
         if np.ndim(next(iter(self._values().values()))) == 0:
             return super().to_dataframe()
-        return pandas.DataFrame({name: values.ravel() for name, values in self._values().items()})
+        return pandas.DataFrame({name: np.ravel(np.asarray(values)) for name, values in self._values().items()})
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the attributes as variables over the axes of the array, ``dim_0``, ``dim_1`` and so on."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from asperity.friction import FrictionProcess
     from asperity.study import StudyResults
     from asperity.surface import Autocorrelation, RadialSpectrum
+    from asperity.vibration import Trajectory
     from asperity.vibration_results import Ensemble, StabilityMap
 
 Values = NDArray[np.float64]
@@ -177,6 +178,16 @@ def ensemble(found: Ensemble, ax: Axes | None) -> Axes:
     if own.mean is not None and own.std:
         _normal(ax, own.mean, own.std)
     ax.set(xlabel="displacement X at re-attachment", ylabel="density")
+    legend(ax)
+    return ax
+
+
+def phase_portrait(found: Trajectory, ax: Axes | None) -> Axes:
+    """Draw velocity over displacement."""
+    ax = axes_of(ax)
+    ax.plot(found.displacement, found.velocity, color=BLUE, lw=1)
+    ax.plot(found.displacement[0], found.velocity[0], "o", color=GREY, label=f"start, τ = {found.tau[0]:g}")
+    ax.set(xlabel="displacement X", ylabel="velocity X′")
     legend(ax)
     return ax
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from asperity import _core
+from asperity._arrays import is_chunked
 from asperity.errors import AsperityWarning
 
 if TYPE_CHECKING:
@@ -27,15 +28,17 @@ def equal(first: Any, second: Any) -> bool:
     if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
         has_nan = first.dtype.kind == second.dtype.kind == "f"
         return np.array_equal(first, second, equal_nan=has_nan)
+    if is_chunked(first) and is_chunked(second):
+        # The name of an array of Dask is that of its computation.
+        return bool(first.name == second.name)
     if isinstance(first, Mapping) and isinstance(second, Mapping):
         return first.keys() == second.keys() and all(equal(first[key], second[key]) for key in first)
     if isinstance(first, (list, tuple)) and type(first) is type(second):
         return len(first) == len(second) and all(map(equal, first, second))
-    if isinstance(first, float) and isinstance(second, float) and first != first:  # noqa: PLR0124
-        return second != second  # noqa: PLR0124
-    if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
+    if any(isinstance(value, np.ndarray) or is_chunked(value) for value in (first, second)):
         return False
-    return bool(first == second)
+    both_nan = isinstance(first, float) and isinstance(second, float) and math.isnan(first) and math.isnan(second)
+    return both_nan or bool(first == second)
 
 
 class ByValue:

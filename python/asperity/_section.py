@@ -132,7 +132,7 @@ class Section:
     def __post_init__(self) -> None:
         for own in dataclasses.fields(self):  # type: ignore[arg-type]
             object.__setattr__(self, own.name, _owned(getattr(self, own.name)))
-        scans = [own for own in self.maps() if isinstance(own, HeightMap)]
+        scans = [own for own in self._maps() if isinstance(own, HeightMap)]
         for name in ("height_unit", "pixel_size"):
             if scans and getattr(self, name, None) is not None:
                 raise ValueError(f"{name}: the heights and the pixel size of a HeightMap are in m")
@@ -140,11 +140,11 @@ class Section:
             warn("the map was levelled or filtered before, which the results do not know; state `level` instead")
 
     @classmethod
-    def names(cls) -> list[str]:
+    def _names(cls) -> list[str]:
         """Return the keys."""
         return [own.name for own in dataclasses.fields(cls)]  # type: ignore[arg-type]
 
-    def maps(self) -> Iterable[Any]:
+    def _maps(self) -> Iterable[Any]:
         """Return the scans."""
         file = getattr(self, "file", None)
         return file if isinstance(file, tuple) else (file,)

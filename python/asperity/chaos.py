@@ -320,12 +320,24 @@ class Expansion(Made):
         return Expansion._fit(xi, values, degree, sparse, own)
 
     def evaluate(self, xi: ArrayLike) -> NDArray[np.float64]:
-        """Return the values at samples of shape (samples, variables).
+        """Return the values of the expansion.
+
+        Parameters
+        ----------
+        xi
+            Samples, shape (samples, variables).
 
         Raises
         ------
         ValueError
             A sample is beyond the bounds of its variable, or so far in a tail that no double has its probability.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> square = asperity.Expansion.of(lambda xi: xi[0] ** 2, variables=1, degree=2, samples=20, seed=1)
+        >>> np.round(square.evaluate([[0.0], [3.0]]), 9) + 0.0
+        array([0., 9.])
         """
         values: NDArray[np.float64] = self._own.evaluate(arguments(numbers(xi), self._variables))
         return values
@@ -369,7 +381,15 @@ class Expansion(Made):
         return np.array(self._own.powers(), dtype=np.int64)
 
     def sobol_indices(self) -> SobolIndices:
-        """Return the Sobol' indices of all variables; NaN without a variance, with a warning."""
+        """Return the Sobol' indices of all variables; NaN without a variance, with a warning.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> sum_of_two = asperity.Expansion.of(lambda xi: xi[0] + 2 * xi[1], variables=2, degree=1, samples=20, seed=1)
+        >>> np.round(sum_of_two.sobol_indices().first_order, 9)
+        array([0.2, 0.8])
+        """
         if self.variance == 0:
             warn("the function does not vary: it has no variance, and no indices")
         count = self.powers.shape[1]

@@ -81,14 +81,36 @@ class ContactSolution(Record):
         return {name: value for name, value in super()._values().items() if self.over or name != "over"}
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the numbers as a data frame with a row, or with a row for each of several prescribed values."""
+        """Return the numbers as a data frame with a row, or with a row for each of several prescribed values.
+
+        Fields are left out; the units are in the names.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> wave = 1e-6 * np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
+        >>> found = asperity.solve_contact(wave, dx_m=1e-6, modulus_pa=1e9, mean_pressure_pa=[1e6, 2e6])
+        >>> list(found.to_dataframe().mean_pressure_pa)
+        [1000000.0, 2000000.0]
+        """
         if not self.over:
             return super().to_dataframe()
         ((along, values),) = self.over.items()
         return frame([row(self[place]) | {along: value} for place, value in enumerate(values)])
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return the fields with the coordinates of the cell centres; over several values also the numbers."""
+        """Return the fields with the coordinates of the cell centres; over several values also the numbers.
+
+        Units are attributes, coordinates are in metre.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> wave = 1e-6 * np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
+        >>> found = asperity.solve_contact(wave, dx_m=1e-6, modulus_pa=1e9, mean_pressure_pa=1e6)
+        >>> found.to_xarray().pressure_pa.attrs["units"]
+        'Pa'
+        """
         import xarray
 
         if not self.over:
@@ -105,7 +127,28 @@ class ContactSolution(Record):
         return xarray.concat(solutions, dim=coordinate).assign(curves)
 
     def plot(self, field: str = "pressure_pa", *, ax: Axes | None = None) -> Axes:
-        """Draw a field: ``pressure_pa``, ``displacement_m``, ``gap_m`` or ``plastic_displacement_m``."""
+        """Draw a field over the map, in SI with a prefix.
+
+        Parameters
+        ----------
+        field
+            ``pressure_pa``, ``displacement_m``, ``gap_m`` or ``plastic_displacement_m``.
+        ax
+            Axes of matplotlib; new ones when left out.
+
+        Raises
+        ------
+        ValueError
+            The field is none of these, or the solution is over several prescribed values.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> wave = 1e-6 * np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((16, 1))
+        >>> found = asperity.solve_contact(wave, dx_m=1e-6, modulus_pa=1e9, mean_pressure_pa=1e6)
+        >>> found.plot("gap_m").get_xlabel()
+        'x (µm)'
+        """
         if field not in FIELDS:
             raise ValueError(f"found {field}, expected one of {', '.join(FIELDS)}")
         if self.over:
@@ -144,8 +187,8 @@ def solve_contact(
         A `HeightMap`, or heights in metre of shape (ny, nx). No height may be missing.
     dx_m, dy_m
         Distance between points, of an array; `dy_m` is `dx_m` when left out.
-    modulus_pa
-        Contact modulus E* = E/(1 − ν²). Or state `youngs_modulus_pa` and `poisson_ratio` (0.3 when left out).
+    modulus_pa, youngs_modulus_pa, poisson_ratio
+        Contact modulus E* = E/(1 − ν²), or Young's modulus E with Poisson's ratio ν (0.3 when left out).
     penetration_m, percentile, mean_pressure_pa, load_n, mean_gap_m
         Exactly one: depth of the flat below the highest point, percentage of the heights above the flat, mean pressure,
         total force, or mean gap. Several values, in one dimension, are solved one after another, each from the
@@ -162,8 +205,12 @@ def solve_contact(
 
     Raises
     ------
+    ValueError
+        A height is missing, all are equal, a number is out of its range, or what is prescribed is not one quantity.
     NotConvergedError
         The residuals stay above the tolerance.
+    ResourceError
+        Memory does not suffice.
 
     Examples
     --------

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 from asperity import _core
 from asperity._progress import Progress, callback
-from asperity.results import CampaignResults
+from asperity.results import CampaignResults, VerdictResult
 from asperity.study import Study, StudyResults, collect, request
 
 if TYPE_CHECKING:
@@ -258,3 +258,31 @@ def run(
     future = thread.submit(own.compute)
     thread.shutdown(wait=False)
     return future
+
+
+def verdict(
+    study: Study | str | os.PathLike[str] | Mapping[str, Any],
+    client: Client,
+    *,
+    seed: int | None = None,
+    parts: int | None = None,
+    storage: str | os.PathLike[str] | None = None,
+    progress: Progress = True,
+) -> VerdictResult:
+    """Return the probability that a machine vibrates: `asperity.verdict` on the workers of a cluster.
+
+    Parameters
+    ----------
+    study, client, seed, parts, storage, progress
+        See `run`, which also lists the errors.
+
+    Examples
+    --------
+    >>> from distributed import Client  # doctest: +SKIP
+    >>> with Client("scheduler:8786") as client:  # doctest: +SKIP
+    ...     print(asperity.dask.verdict("study.toml", client).probability)
+    """
+    found = run(study, client, only="verdict", seed=seed, parts=parts, storage=storage, progress=progress)
+    assert isinstance(found, StudyResults)
+    assert found.verdict is not None
+    return found.verdict

@@ -36,6 +36,22 @@ def figure_2(results: StudyResults) -> Figure:
 
     The expansions of the paper are fitted to samples in contact alone, which biases them; the figure shows them beside
     a Monte Carlo reference.
+
+    Parameters
+    ----------
+    results
+        Results of the study.
+
+    Raises
+    ------
+    ValueError
+        The results are those of another study; the message lists the figures that can be drawn.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> results = asperity.run_study("studies/paper_fig2.toml")  # doctest: +SKIP
+    >>> asperity.figures.figure_2(results).savefig("figure_2.pdf")  # doctest: +SKIP
     """
     figure, (ax,) = _panels(1, 1, 1)
     results.plot("pressure_cdf", ax=ax)
@@ -47,6 +63,22 @@ def figure_3(results: StudyResults) -> Figure:
 
     Panels: mean, standard deviation and coefficient of variation with 95 % intervals; correlation along the sliding
     distance; histogram with the fitted distribution. The correlation length is that of the window.
+
+    Parameters
+    ----------
+    results
+        Results of the study.
+
+    Raises
+    ------
+    ValueError
+        The results are those of another study; the message lists the figures that can be drawn.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> results = asperity.run_study("studies/paper_fig3.toml")  # doctest: +SKIP
+    >>> asperity.figures.figure_3(results).savefig("figure_3.pdf")  # doctest: +SKIP
     """
     _plots.require(results, "friction_levels", "friction_acf", "friction_histogram")
     figure, axes = _panels(2, 3, 5)
@@ -61,6 +93,22 @@ def figure_4(results: StudyResults) -> Figure:
     """Draw a trajectory of the mass over time and in the phase plane; the study is ``paper_fig5.toml``.
 
     The trajectory has fluctuating friction, the cycle beside it has not.
+
+    Parameters
+    ----------
+    results
+        Results of the study.
+
+    Raises
+    ------
+    ValueError
+        The results are those of another study; the message lists the figures that can be drawn.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> results = asperity.run_study("studies/paper_fig5.toml")  # doctest: +SKIP
+    >>> asperity.figures.figure_4(results).savefig("figure_4.pdf")  # doctest: +SKIP
     """
     _plots.require(results, "limit_cycle")
     if "trajectory" not in results.tables:
@@ -84,6 +132,22 @@ def figure_5(results: StudyResults) -> Figure:
 
     Panels: limit cycle with points of trajectories; distribution of the displacement at which the mass sticks again;
     number of cycles over the damping ratio, with and without fluctuation of friction.
+
+    Parameters
+    ----------
+    results
+        Results of the study.
+
+    Raises
+    ------
+    ValueError
+        The results are those of another study; the message lists the figures that can be drawn.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> results = asperity.run_study("studies/paper_fig5.toml")  # doctest: +SKIP
+    >>> asperity.figures.figure_5(results).savefig("figure_5.pdf")  # doctest: +SKIP
     """
     names: tuple[_plots.StudyFigure, ...] = ("limit_cycle", "reattachment", "cycles_over_damping")
     _plots.require(results, *names)

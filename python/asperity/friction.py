@@ -71,20 +71,106 @@ class FrictionProcess(Record):
 
     @staticmethod
     def read(path: str | os.PathLike[str]) -> FrictionProcess:
-        """Read a process that a study, or ``asperity friction fit --out``, wrote."""
+        """Read a process that a study, or ``asperity friction fit --out``, wrote.
+
+        Parameters
+        ----------
+        path
+            JSON file.
+
+        Raises
+        ------
+        OSError
+            The file cannot be read.
+        FormatError
+            The file is no process.
+
+        Examples
+        --------
+        >>> import asperity, pathlib, tempfile
+        >>> process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=250e-6)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     process.write(path := pathlib.Path(folder, "process.json"))
+        ...     asperity.FrictionProcess.read(path) == process
+        True
+        """
         return FrictionProcess.from_dict(_core.read_friction_process(path))
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the process to a file."""
+        """Write the process to a file.
+
+        Parameters
+        ----------
+        path
+            JSON file; it is replaced if it exists.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written.
+
+        Examples
+        --------
+        >>> import asperity, pathlib, tempfile
+        >>> process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=250e-6)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     process.write(pathlib.Path(folder, "process.json"))
+        """
         pathlib.Path(path).write_text(json.dumps(self.to_dict(), indent=2) + "\n", encoding="utf-8")
 
     def simulate(self, *, length_m: float, step_m: float, seed: int, index: int = 0) -> NDArray[np.float64]:
-        """Draw values of μ at equal steps; realisation number `index` of the seed."""
+        """Draw values of μ at equal steps.
+
+        Parameters
+        ----------
+        length_m, step_m
+            Sliding distance and step.
+        seed, index
+            Realisation number `index` of the seed.
+
+        Returns
+        -------
+            Friction coefficient at the distances 0, `step_m`, … `length_m`, shape (n,).
+
+        Raises
+        ------
+        ValueError
+            A length is not positive, there are more than 1e9 values, or the process does not state what varies.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=250e-6)
+        >>> process.simulate(length_m=1e-3, step_m=1e-5, seed=1).shape
+        (101,)
+        """
         values: NDArray[np.float64] = _core.simulate_friction(self.to_dict(), length_m, step_m, seed, index)
         return values
 
     def plot(self, *, length_m: float | None = None, seed: int = 1, ax: Axes | None = None) -> Axes:
-        """Draw one realisation; `length_m` is 20 correlation lengths when left out."""
+        """Draw one realisation over the sliding distance.
+
+        Parameters
+        ----------
+        length_m
+            Sliding distance; 20 correlation lengths when left out.
+        seed
+            Seed of the realisation.
+        ax
+            Axes of matplotlib; new ones when left out.
+
+        Raises
+        ------
+        ValueError
+            The process does not vary, or `length_m` is not positive.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=250e-6)
+        >>> process.plot().get_ylabel()
+        'friction coefficient'
+        """
         return _plots.friction_process(self, length_m, seed, ax)
 
 
@@ -98,6 +184,24 @@ def friction_process(
     stribeck_s_per_m: float | None = None,
 ) -> FrictionProcess:
     """State a friction process.
+
+    Parameters
+    ----------
+    mean, std
+        Mean and standard deviation of the friction coefficient.
+    correlation_length_m
+        Sliding distance at which the correlation is 1/e.
+    marginal
+        Shape of the distribution of μ, such as ``normal`` or ``beta:2.1,5``.
+    correlation
+        ``exponential`` or ``squared_exponential``.
+    stribeck_s_per_m
+        Coefficient a of μ/(1 + a|v|), if known.
+
+    Raises
+    ------
+    ValueError
+        A number is out of its range, or a name is not known.
 
     Examples
     --------
@@ -135,7 +239,7 @@ def fit_friction_record(
     Parameters
     ----------
     friction
-        Friction coefficient at equal steps of the sliding distance; NaN marks gaps.
+        Friction coefficient at equal steps of the sliding distance, shape (n,); NaN marks gaps.
     step_m
         Step.
     law
@@ -149,8 +253,19 @@ def fit_friction_record(
 
     Raises
     ------
+    ValueError
+        A name is not known, or a number is out of its range.
     NotConvergedError
         The record has too few values.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=250e-6)
+    >>> record = process.simulate(length_m=0.1, step_m=25e-6, seed=1)
+    >>> low, high = asperity.fit_friction_record(record, step_m=25e-6, law="normal").std_interval
+    >>> low < 0.01 < high
+    True
     """
     found = _core.fit_friction_record(numbers(friction), step_m, law, detrend, low_pass_m, decimation)
     return FrictionProcess.from_dict(found)

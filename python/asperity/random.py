@@ -70,11 +70,49 @@ class RandomSurface(Made):
         return self._own.xi_len()
 
     def sample(self, seed: int, count: int = 1) -> list[HeightMap]:
-        """Draw maps. Map number i depends on the seed and i alone, and is that of ``asperity surface generate``."""
+        """Draw maps.
+
+        Parameters
+        ----------
+        seed, count
+            Map number i depends on the seed and i alone, and is that of ``asperity surface generate``.
+
+        Raises
+        ------
+        ResourceError
+            Memory does not suffice.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> covariance = asperity.Covariance(model="exponential", correlation_length_m=20e-6)
+        >>> field = asperity.Spectral(covariance=covariance, rms_height_m=1e-6, size_m=200e-6, points=64)
+        >>> field.sample(seed=1, count=2)[0]
+        HeightMap(64 × 64 points, 3.125e-06 × 3.125e-06 m, 0 missing)
+        """
         return [HeightMap._of(heights, self.dx_m, self.dy_m) for heights in self._own.sample(seed, count)]
 
     def generate(self, xi: ArrayLike) -> HeightMap:
-        """Return the map of `xi_len` standard normal variables."""
+        """Return the map of given variables, linear in them if the heights are normal.
+
+        Parameters
+        ----------
+        xi
+            Standard normal variables, shape (`xi_len`,), from the largest variance to the least.
+
+        Raises
+        ------
+        ValueError
+            There are more or fewer, or one is not finite.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> covariance = asperity.Covariance(model="exponential", correlation_length_m=20e-6)
+        >>> field = asperity.Spectral(covariance=covariance, rms_height_m=1e-6, size_m=200e-6, points=64)
+        >>> float(field.generate(np.zeros(field.xi_len)).heights.max())
+        0.0
+        """
         heights = self._own.generate(numbers(xi))
         return HeightMap._of(heights, self.dx_m, self.dy_m)
 
@@ -100,7 +138,16 @@ class Spectral(RandomSurface):
 
 
 class KarhunenLoeve(RandomSurface):
-    """Normal field as a truncated Karhunen-Loève expansion; left out, `modes` contain 90 % of the slope variance."""
+    """Normal field as a truncated Karhunen-Loève expansion; left out, `modes` contain 90 % of the slope variance.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> covariance = asperity.Covariance(model="squared_exponential", correlation_length_m=50e-6)
+    >>> field = asperity.KarhunenLoeve(covariance=covariance, rms_height_m=1e-6, size_m=200e-6, points=32)
+    >>> field.xi_len < 32 * 32
+    True
+    """
 
     def __init__(
         self,
@@ -125,6 +172,15 @@ class Translation(RandomSurface):
         Shape of the distribution of heights, such as ``beta:2.1,5``.
     translation
         ``plain`` gives the normal field the covariance, ``corrected`` the heights.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> covariance = asperity.Covariance(model="exponential", correlation_length_m=20e-6)
+    >>> grid = {"size_m": 200e-6, "points": 64}
+    >>> field = asperity.Translation(covariance=covariance, rms_height_m=1e-6, marginal="beta:2.1,5", **grid)
+    >>> bool(abs(field.sample(seed=1)[0].heights).max() < 5e-6)
+    True
     """
 
     def __init__(
@@ -144,7 +200,15 @@ class Translation(RandomSurface):
 
 
 class WeierstrassMandelbrot(RandomSurface):
-    """Fractal surface: a sum of cosines of random phase, of dimension between 2 and 3."""
+    """Fractal surface: a sum of cosines of random phase, of dimension between 2 and 3.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> field = asperity.WeierstrassMandelbrot(rms_height_m=1e-6, fractal_dimension=2.3, size_m=1e-4, points=64)
+    >>> field.sample(seed=1)[0]
+    HeightMap(64 × 64 points, 1.5625e-06 × 1.5625e-06 m, 0 missing)
+    """
 
     def __init__(self, *, rms_height_m: float, fractal_dimension: float, size_m: Size, points: Points) -> None:
         settings = {
@@ -193,6 +257,20 @@ class SurfaceModel(Made):
             Process with the measured covariance: the underlying normal field, or the heights.
         modes
             Number of terms of a Karhunen-Loève expansion.
+
+        Raises
+        ------
+        ValueError
+            The scans do not show what the surface needs, such as a correlation length within their field.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> scan = asperity.artificial_surface(
+        ...     rms_height_m=1e-6, hurst=0.8, size_m=1e-4, points=128, correlation_length_m=1e-5, seed=1
+        ... )
+        >>> asperity.SurfaceModel.fit(scan, generator="spectral").covariance is None
+        False
         """
         maps = [scans] if isinstance(scans, HeightMap) else scans
         settings: dict[str, object] = {
@@ -218,7 +296,30 @@ class SurfaceModel(Made):
         return None if found is None else CovarianceResult.from_dict(found)
 
     def on_grid(self, *, size_m: Size, points: Points, boundary: Boundary = "free") -> RandomSurface:
-        """Return the generator of maps of a size."""
+        """Return the generator of maps of a size.
+
+        Parameters
+        ----------
+        size_m, points
+            Side in metre and number of points, or both along x and y.
+        boundary
+            ``free``, or ``periodic`` maps that continue beyond their edges.
+
+        Raises
+        ------
+        ValueError
+            A number is not positive, or the model has no such map.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> scan = asperity.artificial_surface(
+        ...     rms_height_m=1e-6, hurst=0.8, size_m=1e-4, points=128, correlation_length_m=1e-5, seed=1
+        ... )
+        >>> model = asperity.SurfaceModel.fit(scan, generator="spectral")
+        >>> model.on_grid(size_m=5e-5, points=64).sample(seed=1)[0]
+        HeightMap(64 × 64 points, 7.8125e-07 × 7.8125e-07 m, 0 missing)
+        """
         return RandomSurface(self, size_m, points, boundary)
 
 
@@ -233,7 +334,25 @@ def artificial_surface(
 ) -> HeightMap:
     """Draw a periodic self-affine surface.
 
-    Its power spectral density falls as (1 + (qℓ)²)^(−1−H) with the roll-off length ℓ, `correlation_length_m`.
+    Its power spectral density falls as (1 + (qℓ)²)^(−1−H).
+
+    Parameters
+    ----------
+    rms_height_m
+        Standard deviation of the heights.
+    hurst
+        Hurst exponent H, between 0 and 1.
+    size_m, points
+        Side and number of points, or both along x and y.
+    correlation_length_m
+        Roll-off length ℓ, or that along x and y.
+    seed
+        Seed of the map.
+
+    Raises
+    ------
+    ValueError
+        A number is out of its range.
 
     Examples
     --------

@@ -155,7 +155,25 @@ class Study(Sections):
 
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any]) -> Study:
-        """Create a study from dictionaries, one for each section."""
+        """Create a study from dictionaries, one for each section.
+
+        Parameters
+        ----------
+        sections
+            Sections of a study file; quantities are texts with units.
+
+        Raises
+        ------
+        ValueError
+            A key or value is wrong.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+        >>> asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}}).seed
+        7
+        """
         _core.check_inputs(stated_study(sections))
         own: dict[str, Any] = {
             key: _SECTIONS[key](**value) if key in _SECTIONS else value for key, value in sections.items()
@@ -163,7 +181,15 @@ class Study(Sections):
         return cls(**{_FIELDS.get(key, key): value for key, value in own.items()})
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the study as dictionaries, one for each section."""
+        """Return the study as dictionaries, one for each section.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+        >>> asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}}).to_dict()["seed"]
+        7
+        """
         names = {field: key for key, field in _FIELDS.items()}
         return {names.get(key, key): value for key, value in super().to_dict().items()}
 
@@ -171,27 +197,61 @@ class Study(Sections):
     def read(cls, path: str | os.PathLike[str]) -> Study:
         """Read a study file. Its relative paths become absolute.
 
+        Parameters
+        ----------
+        path
+            Study file.
+
         Raises
         ------
+        OSError
+            The file cannot be read.
         ValueError
             The file is no study, or a key or value is wrong; the message states the line.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> asperity.Study.read("studies/quickstart.toml").vibration.mass  # doctest: +SKIP
+        '15 kg'
         """
         file = os.path.abspath(path)
         return cls.from_dict(with_folder(_core.read_study(file), os.path.dirname(file)))
 
     def to_toml(self) -> str:
-        """Return the text of a study file; a `HeightMap` is a file that the end of the process removes."""
+        """Return the text of a study file; a `HeightMap` is a file that the end of the process removes.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+        >>> study = asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}})
+        >>> study.to_toml().splitlines()[0]
+        'seed = 7'
+        """
         return _core.toml_of(self.to_dict())
 
     def with_values(self, **values: Any) -> Study:
-        """Return the study with another seed or name, or with other values of keys of its sections; None removes one.
+        """Return the study with another seed or name, or with other values of keys of its sections.
 
-        A key of several sections, such as ``boundary``, is stated as ``friction__boundary``.
+        Parameters
+        ----------
+        values
+            Values by key; None removes one. A key of several sections, such as ``boundary``, is stated as
+            ``friction__boundary``.
 
         Raises
         ------
         ValueError
-            No section of the study has the key, or several have.
+            No section of the study has the key, several have, or a value is wrong.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+        >>> study = asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}})
+        >>> study.with_values(rms_height="2 um").surface.rms_height
+        '2 um'
         """
         own = {key: getattr(self, _FIELDS.get(key, key)) for key in _SECTIONS}
         changed = {key: section for key, section in own.items() if section is not None}
@@ -201,7 +261,7 @@ class Study(Sections):
             if name in above:
                 continue
             section, _, key = name.rpartition("__")
-            having = [own for own in changed if section in ("", own) and key in changed[own].names()]
+            having = [own for own in changed if section in ("", own) and key in changed[own]._names()]
             if len(having) != 1:
                 found = f"the sections {', '.join(having)} have" if having else "no section of the study has"
                 raise ValueError(f"{found} the key {key}; state SECTION__{key} of a section that the study has")
@@ -212,15 +272,54 @@ class Study(Sections):
         return replace(self, **above, **{_FIELDS.get(key, key): section for key, section in changed.items()})
 
     def check(self) -> StudyCheck:
-        """Return what the study computes, what it costs, and what is wrong with it, without computing results."""
+        """Return what the study computes, what it costs, and what is wrong with it, without computing results.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+        >>> study = asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}})
+        >>> study.check().problems
+        []
+        """
         return StudyCheck(**_core.check_study(request(self, None, None)))
 
     def run(self, **options: Any) -> StudyResults:
-        """Run the study; see `run_study` for the options."""
+        """Run the study.
+
+        Parameters
+        ----------
+        options
+            Those of `run_study`, which also lists the errors.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+        >>> study = asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}})
+        >>> study.run(progress=False).surface.covariance.std_m
+        1e-06
+        """
         return run_study(self, **options)
 
     def verdict(self, **options: Any) -> VerdictResult:
-        """Return the probability of vibration; see `verdict` for the options."""
+        """Return the probability of vibration.
+
+        Parameters
+        ----------
+        options
+            Those of `verdict`, which also lists the errors.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> machine = {"mass": "1 kg", "natural_frequency": "50 Hz", "normal_force": "100 N", "nominal_area": "1 cm^2"}
+        >>> friction = {"static_friction": 0.4, "stribeck": "0.5 s/m", "friction_std": 0}
+        >>> vibration = {**machine, **friction, "belt_velocity": "20 mm/s", "damping_ratio": "0.01 ± 0.002"}
+        >>> study = asperity.Study.from_dict({"seed": 1, "vibration": vibration})
+        >>> study.verdict(progress=False).probability
+        1.0
+        """
         return verdict(self, **options)
 
 
@@ -287,7 +386,7 @@ def run_study(
     1e-06
     """
     sections = (study.surface, study.counterface) if isinstance(study, Study) and out is not None else ()
-    if any(isinstance(own, HeightMap) for section in sections if section for own in section.maps()):
+    if any(isinstance(own, HeightMap) for section in sections if section for own in section._maps()):
         warn(
             "the folder names a file of the map that the end of this process removes; write the map and state its file"
         )
@@ -321,6 +420,12 @@ def run_campaign(
         A key or value of the campaign or of its study is wrong.
     ResourceError
         A member needs more memory than is free.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> found = asperity.run_campaign("campaign.toml", out="runs/campaign")  # doctest: +SKIP
+    >>> found.to_dataframe()  # doctest: +SKIP
     """
     found = _core.compute(
         request(campaign, None, seed), True, callback(progress), None if out is None else os.fspath(out)
@@ -394,6 +499,13 @@ def pressure_distribution(
     seed, progress
         See `run_study`; the seed of sections is 1 if it is left out.
 
+    Raises
+    ------
+    ValueError
+        A key or value is wrong.
+    NotConvergedError
+        Too few samples are valid.
+
     Examples
     --------
     >>> import asperity
@@ -429,6 +541,19 @@ def friction_distribution(
         place of the surface. `pressure` has the boundary and the operating point, `vibration` the nominal pressure.
     seed, progress
         See `run_study`; the seed of sections is 1 if it is left out.
+
+    Raises
+    ------
+    ValueError
+        A key or value is wrong.
+    NotConvergedError
+        Too few samples are valid.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> found = asperity.friction_distribution("studies/quickstart.toml")  # doctest: +SKIP
+    >>> found.operating_point.mean, found.operating_point.std  # doctest: +SKIP
     """
     study = _study(surface, seed, material=material, friction=friction, pressure=pressure, vibration=vibration)
     found = run_study(study, only="friction", seed=seed, progress=progress).friction
@@ -439,7 +564,27 @@ def friction_distribution(
 def verdict(
     study: Study | str | os.PathLike[str] | Mapping[str, Any], *, seed: int | None = None, progress: Progress = True
 ) -> VerdictResult:
-    """Return the probability that a machine vibrates, over the uncertain values of a study; see `run_study`."""
+    """Return the probability that a machine vibrates, over the uncertain values of a study.
+
+    Parameters
+    ----------
+    study, seed, progress
+        See `run_study`.
+
+    Raises
+    ------
+    ValueError
+        A key or value of the study is wrong, or it has no machine.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> machine = {"mass": "1 kg", "natural_frequency": "50 Hz", "normal_force": "100 N", "nominal_area": "1 cm^2"}
+    >>> friction = {"static_friction": 0.4, "stribeck": "0.5 s/m", "friction_std": 0}
+    >>> vibration = {**machine, **friction, "belt_velocity": "20 mm/s", "damping_ratio": "0.01 ± 0.002"}
+    >>> asperity.verdict({"seed": 1, "vibration": vibration}, progress=False).probability
+    1.0
+    """
     found = run_study(study, only="verdict", seed=seed, progress=progress).verdict
     assert found is not None
     return found

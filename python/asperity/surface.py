@@ -214,6 +214,14 @@ class HeightMap:
             The file is damaged, or of a format that is not read.
         ValueError
             The file leaves open what an argument states, such as the unit of its heights.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np, pathlib, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     np.save(path := pathlib.Path(folder, "scan.npy"), [[0.0, 1.0], [0.5, 0.0]])
+        ...     asperity.HeightMap.read(path, dx_m=2e-6, height_unit="um")
+        HeightMap(2 × 2 points, 2e-06 × 2e-06 m, 0 missing)
         """
         name = None if channel is None else str(channel)
         heights, pitch_m, notes = _core.read_map(os.fspath(path), name, dx_m, dy_m, height_unit, decimal)
@@ -224,6 +232,11 @@ class HeightMap:
     @staticmethod
     def channels(path: str | os.PathLike[str]) -> list[str]:
         """Return the names of the maps of a file; empty for formats with a single map.
+
+        Parameters
+        ----------
+        path
+            File of a format that ``asperity formats`` lists.
 
         Raises
         ------
@@ -245,7 +258,19 @@ class HeightMap:
 
     @staticmethod
     def from_array(z: ArrayLike, *, dx_m: float, dy_m: float | None = None) -> HeightMap:
-        """Create a map from heights in metre, shape (ny, nx). NaN, infinite and masked heights are missing.
+        """Create a map.
+
+        Parameters
+        ----------
+        z
+            Heights in metre, shape (ny, nx). NaN, infinite and masked heights are missing.
+        dx_m, dy_m
+            Distance between points; `dy_m` is `dx_m` when left out.
+
+        Raises
+        ------
+        ValueError
+            The heights have another shape, all are missing, or a distance is not positive.
 
         Examples
         --------
@@ -261,8 +286,24 @@ class HeightMap:
         """Create a map from an array with the dimensions y and x, such as that of `to_xarray`.
 
         The row with the smallest y is row 0, and the column with the smallest x column 0. The coordinates rise or fall
-        in equal steps; their distance is the pixel size. Heights and coordinates are in metre; an attribute ``units``
-        other than ``m`` is an error.
+        in equal steps; their distance is the pixel size.
+
+        Parameters
+        ----------
+        array
+            Heights, with coordinates in metre; an attribute ``units`` other than ``m`` is an error.
+
+        Raises
+        ------
+        ValueError
+            Dimensions, steps or units differ from these.
+
+        Examples
+        --------
+        >>> import asperity, xarray
+        >>> y, x = [0.0, 1e-6], [0.0, 2e-6, 4e-6]
+        >>> asperity.HeightMap.from_xarray(xarray.DataArray([[0.0, 1e-9, 0.0]] * 2, {"y": y, "x": x}, ("y", "x")))
+        HeightMap(3 × 2 points, 2e-06 × 1e-06 m, 0 missing)
         """
         from asperity import interop
 
@@ -275,6 +316,21 @@ class HeightMap:
         ``heights()[i, j]`` becomes the height in row j and column i, so that row 0 is the line that the readers of
         SurfaceTopography take from the top of the image. Undefined heights are missing. The periodic flag is dropped:
         the boundary is an argument of `asperity.solve_contact`.
+
+        Parameters
+        ----------
+        topography
+            Topography of two dimensions, with a unit.
+
+        Raises
+        ------
+        ValueError
+            The topography is a line, or has no unit.
+
+        Examples
+        --------
+        >>> from SurfaceTopography import read_topography  # doctest: +SKIP
+        >>> asperity.HeightMap.from_surfacetopography(read_topography("scan.x3p"))  # doctest: +SKIP
         """
         from asperity import interop
 
@@ -284,7 +340,21 @@ class HeightMap:
     def from_surfalize(surface: Surface) -> HeightMap:
         """Create a map from a ``Surface`` of surfalize, from micrometre to metre.
 
-        Rows and columns keep their order. Masked points and those that were not measured are missing.
+        Parameters
+        ----------
+        surface
+            Rows and columns keep their order. Masked points and those that were not measured are missing.
+
+        Raises
+        ------
+        ValueError
+            All points are missing.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np, surfalize
+        >>> asperity.HeightMap.from_surfalize(surfalize.Surface(np.zeros((3, 4)), 1.0, 1.0))
+        HeightMap(4 × 3 points, 1e-06 × 1e-06 m, 0 missing)
         """
         from asperity import interop
 
@@ -355,9 +425,15 @@ class HeightMap:
         return HeightMap(_core.fill(self.heights, self.dx_m, self.dy_m, options), self.dx_m, self.dy_m)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the map to a file in the format of its extension, such as ``.x3p``, ``.sur``, ``.sdf`` or ``.gwy``.
+        """Write the map to a file.
 
         Missing heights are stored as such. GWY stores the heights without rounding.
+
+        Parameters
+        ----------
+        path
+            File, whose extension decides the format: ``.x3p``, ``.sur``, ``.sdf``, ``.gwy``, ``.npy``, ``.txt`` or
+            ``.vti``.
 
         Raises
         ------
@@ -399,6 +475,11 @@ class HeightMap:
         robust
             Whether the L-filter resists grooves and spikes (ISO 16610-71).
 
+        Raises
+        ------
+        ValueError
+            The form is not known or the heights do not determine it, or a cut-off is not between pixel and field.
+
         Examples
         --------
         >>> import asperity, numpy as np
@@ -422,7 +503,13 @@ class HeightMap:
     def statistics(self) -> SurfaceStatistics:
         """Return ISO 25178-2 parameters, correlation lengths and the fractal dimension, with 95 % intervals.
 
-        The attributes are the keys of ``asperity surface stats --json``. Nothing is removed before; see `level`.
+        The attributes are the keys of ``asperity surface stats --json``, with SI units in their names. Nothing is
+        removed before; see `level`.
+
+        Raises
+        ------
+        ValueError
+            All heights are equal.
 
         Examples
         --------
@@ -437,15 +524,50 @@ class HeightMap:
         return SurfaceStatistics.from_dict(_core.statistics(self.heights, self.dx_m, self.dy_m, dict(self._history)))
 
     def acf(self) -> Autocorrelation:
-        """Return the autocorrelation along both axes, at lags up to half the map."""
+        """Return the autocorrelation along both axes, at lags in metre up to half the map.
+
+        Raises
+        ------
+        ValueError
+            All heights are equal.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> wave = 1e-6 * np.cos(2 * np.pi * np.arange(64) / 16) * np.ones((64, 1))
+        >>> found = asperity.HeightMap.from_array(wave, dx_m=1e-6).acf()
+        >>> round(float(found.acf_x[16]), 6), round(float(found.acf_x[8]), 6)
+        (1.0, -1.0)
+        """
         return Autocorrelation.from_dict(_core.acf(self.heights, self.dx_m, self.dy_m))
 
     def psd(self) -> RadialSpectrum:
-        """Return the radially averaged power spectral density."""
+        """Return the radially averaged power spectral density in m⁴ over the wavenumber in rad/m.
+
+        Raises
+        ------
+        ValueError
+            All heights are equal.
+
+        Examples
+        --------
+        >>> import asperity, numpy as np
+        >>> wave = 1e-6 * np.cos(2 * np.pi * np.arange(64) / 16) * np.ones((64, 1))
+        >>> found = asperity.HeightMap.from_array(wave, dx_m=1e-6).psd()
+        >>> round(2 * np.pi / float(found.q_rad_per_m[found.psd_m4.argmax()]) / 1e-6)  # µm
+        16
+        """
         return RadialSpectrum.from_dict(_core.psd(self.heights, self.dx_m, self.dy_m))
 
     def to_xarray(self) -> xarray.DataArray:
-        """Return the heights with the coordinates of the cell centres; y rises with the row, as in `plot`."""
+        """Return the heights with the coordinates of the cell centres in metre; y rises with the row, as in `plot`.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> asperity.HeightMap.from_array([[0.0, 1e-6], [0.0, 2e-6]], dx_m=1e-6).to_xarray().x.values
+        array([5.0e-07, 1.5e-06])
+        """
         return field_to_xarray(self.heights, self.dx_m, self.dy_m, name="height", unit="m")
 
     def to_surfacetopography(self, *, periodic: bool = False) -> Topography:
@@ -458,6 +580,12 @@ class HeightMap:
         ----------
         periodic
             Whether the surface continues periodically beyond the edge of the map.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> scan = asperity.HeightMap.from_array([[0.0, 1e-6], [0.0, 2e-6]], dx_m=1e-6)
+        >>> scan.to_surfacetopography().rms_height_from_area()  # doctest: +SKIP
         """
         from asperity import interop
 
@@ -467,13 +595,31 @@ class HeightMap:
         """Return the map as a ``Surface`` of surfalize.
 
         surfalize has micrometre as its unit, so that heights may change in the last bit when they return to metre.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> round(asperity.HeightMap.from_array([[0.0, 1e-6], [0.0, 2e-6]], dx_m=3e-6).to_surfalize().step_x, 9)
+        3.0
         """
         from asperity import interop
 
         return interop.to_surfalize(self)
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the heights; the colours span all but the extreme 0.2 % of them."""
+        """Draw the heights; the colours span all but the extreme 0.2 % of them.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; new ones when left out.
+
+        Examples
+        --------
+        >>> import asperity
+        >>> asperity.HeightMap.from_array([[0.0, 1e-6], [0.0, 2e-6]], dx_m=1e-6).plot().get_xlabel()
+        'x (µm)'
+        """
         return _plots.heights(self.heights, self.dx_m, self.dy_m, ax)
 
 

@@ -264,3 +264,115 @@ def test_a_campaign_runs_on_shared_storage_and_goes_on(tmp_path, shares):
         assert found.to_dict() == wanted.to_dict()
         asperity.run_campaign(campaign, progress=False, out=tmp_path / "own")
         same_folders(tmp_path / "run", tmp_path / "own")
+
+
+def program_of_the_documentation(word):
+    """Return the Python program of docs/clusters.md that contains a word, without its guard against a second start."""
+    text = (ROOT / "docs" / "clusters.md").read_text(encoding="utf-8")
+    (found,) = (own.split("```")[0] for own in text.split("```python\n") if word in own.split("```")[0])
+    return found
+
+
+def run_program(program, changes):
+    for old, new in changes.items():
+        assert old in program
+        program = program.replace(old, new)
+    names = {"__name__": "__main__"}
+    exec(program, names)
+    return names["results"]
+
+
+@pytest.mark.filterwarnings("default")
+def test_the_program_for_slurm_asks_for_its_jobs_and_gives_the_bits_of_one_machine(
+    monkeypatch, tmp_path, wanted, shares
+):
+    jobqueue = pytest.importorskip("dask_jobqueue")
+    started = []
+
+    slurm = jobqueue.SLURMCluster
+
+    def here(**settings):
+        with slurm(**{**settings, "n_workers": 0}) as own:
+            script = own.job_script()
+        assert {"#SBATCH --cpus-per-task=4", "#SBATCH --mem=8G", "#SBATCH -t 02:00:00"} <= set(script.splitlines())
+        assert "--nthreads 4" in script
+        started.append(settings["n_workers"])
+        return cluster(2)
+
+    monkeypatch.setattr(jobqueue, "SLURMCluster", here)
+    changes = {'"brake.toml"': repr(STUDY), "workers(8)": "workers(2)", '"runs/brake"': repr(str(tmp_path / "run"))}
+    found = run_program(program_of_the_documentation("SLURMCluster"), changes)
+    same(found, wanted)
+    assert started == [8]
+    assert shares
+
+
+@pytest.mark.filterwarnings("default")
+def test_the_program_for_kubernetes_has_pods_of_its_schema_and_gives_the_bits_of_one_machine(
+    monkeypatch, tmp_path, wanted, shares
+):
+    operator = pytest.importorskip("dask_kubernetes.operator")
+    kubernetes = pytest.importorskip("kubernetes.client")
+    pods = []
+
+    def here(custom_cluster_spec):
+        pods.append(custom_cluster_spec["spec"]["worker"])
+        return cluster(2)
+
+    monkeypatch.setattr(operator, "KubeCluster", here)
+    changes = {
+        '"/project/brake.toml"': repr(STUDY),
+        "workers(8)": "workers(2)",
+        '"/project/runs/brake"': repr(str(tmp_path / "run")),
+    }
+    found = run_program(program_of_the_documentation("KubeCluster"), changes)
+    same(found, wanted)
+    assert shares
+    (worker,) = pods
+    assert worker["replicas"] == 8
+    assert worker["spec"]["containers"][0]["args"][-2:] == ["--nthreads", "4"]
+    # The schema keeps what it knows.
+    client = kubernetes.ApiClient()
+    known = client._ApiClient__deserialize(worker["spec"], "V1PodSpec")
+    del worker["spec"]["containers"][0]["env"]
+    assert client.sanitize_for_serialization(known) == worker["spec"]
+
+
+def machines(ratios, velocities):
+    law = asperity.Stribeck(kinetic=0.1, decay=4.2)
+    return asperity.Oscillator(static_friction=0.1, law=law, damping_ratio=ratios, belt_velocity=velocities)
+
+
+@pytest.mark.filterwarnings("default")
+def test_chunks_of_machines_have_the_bits_of_one_call():
+    array = pytest.importorskip("dask.array")
+    ratios, velocities = np.linspace(0.05, 0.3, 30)[:, None], np.geomspace(0.003, 0.3, 7)
+    chunks = machines(array.from_array(ratios, chunks=(8, 1)), array.from_array(velocities, chunks=3))
+    assert chunks == machines(chunks.damping_ratio, chunks.belt_velocity)
+    assert chunks != machines(chunks.damping_ratio + 0.01, chunks.belt_velocity)
+    whole = machines(ratios, velocities)
+    with cluster(2) as own, distributed.Client(own):
+        for find in (asperity.limit_cycle, asperity.critical_damping):
+            found, wanted = find(chunks), find(whole)
+            assert {type(value) for value in found._values().values()} == {array.Array}
+            for name, value in wanted._values().items():
+                computed = getattr(found, name).compute()
+                assert computed.dtype == value.dtype
+                np.testing.assert_array_equal(computed, value)
+            assert found.to_xarray().compute().equals(wanted.to_xarray())
+            assert found.to_dataframe().equals(wanted.to_dataframe())
+        wrong = machines(array.from_array(np.array([0.1, 0.1, 0.2, -1.0]), chunks=2), 0.003)
+        with pytest.raises(ValueError, match=r"chunk from \[2\]: machine \[1\]: damping_ratio is -1"):
+            asperity.limit_cycle(wrong).period.compute()
+    with pytest.raises(TypeError, match="only limit_cycle and critical_damping take arrays of Dask"):
+        asperity.trajectory(chunks, [0, 1])
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_verdict_of_a_cluster_is_that_of_one_machine(tmp_path, shares):
+    study = tmp_path / "study.toml"
+    study.write_text(MACHINE.replace("damping_ratio = 0.1", 'damping_ratio = "0.21 ± 0.02"'))
+    with cluster(2) as own, distributed.Client(own) as client:
+        found = dask.verdict(study, client, progress=False)
+    assert found == asperity.verdict(study, progress=False)
+    assert 0 < found.probability < 1

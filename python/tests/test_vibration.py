@@ -378,3 +378,89 @@ def test_ensembles_of_arrays_have_the_bits_of_single_ones():
         asperity.ensemble(
             Oscillator(damping_ratio=damping, **common), friction_std=[0.1, 0.2], correlation_length=1.0, **settings
         )
+
+
+BRAKE = {
+    "mass_kg": 15,
+    "natural_frequency_rad_per_s": 628.3,
+    "normal_force_n": 10e3,
+    "belt_velocity_m_per_s": 0.02,
+    "static_friction": 0.38,
+    "law": Stribeck(kinetic=0.38, decay=0.3),
+    "damping_ratio": 0.03,
+}
+
+
+def test_an_ensemble_over_a_process_is_that_of_a_study(tmp_path):
+    process = asperity.friction_process(mean=0.38, std=0.004, correlation_length_m=250e-6)
+    process.write(tmp_path / "process.json")
+    vibration = {
+        "mass": "15 kg",
+        "natural_frequency": "628.3 rad/s",
+        "damping_ratio": 0.03,
+        "normal_force": "10 kN",
+        "belt_velocity": "20 mm/s",
+        "nominal_area": "5000 mm^2",
+        "friction_process": tmp_path / "process.json",
+        "stribeck": "0.3 s/m",
+        "trajectories": 16,
+        "duration": 100,
+    }
+    with pytest.warns(AsperityWarning, match="does not say over which area"):
+        wanted = asperity.run_study({"seed": 3, "vibration": vibration}, progress=False).vibration.area
+    settings = {"trajectories": 16, "duration": 100, "seed": 3}
+    machine = Oscillator.from_si(**BRAKE)
+    found = asperity.ensemble(machine, process, **settings)
+    assert found.passages.share_in_cycle == wanted.motion.share_in_cycle
+    assert found.reattachments.mean == pytest.approx(wanted.reattachment.mean, rel=1e-14)
+    both = Oscillator.from_si(**{**BRAKE, "mass_kg": [15, 16]})
+    assert asperity.ensemble(both, process, **settings).cycles.mean[0] == found.cycles.mean
+
+    # A map over damping has the share of the machine at its own damping ratio.
+    axes = {"damping_ratios": (0.02, 0.04, 2), "belt_velocities": (machine.belt_velocity, 2 * machine.belt_velocity, 2)}
+    points = asperity.stability_map(machine, process, depth=0, **axes, **settings).points
+    own = [point for point in points if (point.x, point.y) == (0.03, machine.belt_velocity)]
+    assert [point.sustained.value for point in own] == [found.passages.sustained.value]
+
+    with pytest.raises(ValueError, match="state friction_std, correlation_length, marginal, or a process"):
+        asperity.ensemble(machine, **settings)
+    with pytest.raises(ValueError, match="not both"):
+        asperity.ensemble(machine, process, marginal="normal", **settings)
+    with pytest.raises(ValueError, match="length_unit_m"):
+        asperity.ensemble(paper(), process, **settings)
+
+
+def test_a_trajectory_follows_coulomb_friction_and_counts_the_cycles_of_its_ensemble():
+    tau = np.linspace(0, 6, 601)
+    free = Oscillator(static_friction=0.2, law=asperity.Coulomb(kinetic=0.2), damping_ratio=0, belt_velocity=1)
+    found = asperity.trajectory(free, tau, start=(0.7, 0.3))
+    np.testing.assert_allclose(found.displacement, 0.2 + 0.5 * np.cos(tau) + 0.3 * np.sin(tau), atol=1e-12)
+    np.testing.assert_allclose(found.velocity, 0.3 * np.cos(tau) - 0.5 * np.sin(tau), atol=1e-12)
+    assert not found.events
+    assert list(found.to_dataframe().columns) == ["tau", "displacement", "velocity"]
+    assert found.to_xarray().velocity.dims == ("tau",)
+    assert pickle.loads(pickle.dumps(found)) == found
+
+    fluctuation = {"friction_std": 0.001, "correlation_length": 0.01, "marginal": "normal"}
+    wanted = asperity.ensemble(paper(), **fluctuation, trajectories=3, duration=200, seed=5)
+    found = [asperity.trajectory(paper(), [200], **fluctuation, seed=5, index=index) for index in range(3)]
+    sticks = sum(own.events.count("R") for own in found)
+    assert sticks == 3 * (wanted.cycles.mean + wanted.micro_slips.mean)
+    restuck = [x for own in found for x, kind in zip(own.event_displacement, own.events, strict=True) if kind == "R"]
+    nearest = np.abs(np.subtract.outer(wanted.reattachments.sample, restuck)).min(axis=1)
+    assert nearest.max() < 1e-12
+
+    with pytest.raises(ValueError, match="tau is 0, but must be rising"):
+        asperity.trajectory(paper(), [1, 0])
+    with pytest.raises(ValueError, match="start velocity is NaN"):
+        asperity.trajectory(paper(), [0, 1], start=(0, math.nan))
+
+
+@pytest.mark.parametrize("wrong", [True, "0.1", None])
+def test_what_is_no_number_is_named(wrong):
+    with pytest.raises(TypeError, match=r"damping_ratio is .*, expected a number or an array"):
+        paper(wrong)
+    with pytest.raises(TypeError, match=r"law is .*, expected one of Stribeck, Coulomb"):
+        Oscillator(static_friction=0.1, law=wrong, damping_ratio=0.1, belt_velocity=1)
+    with pytest.raises(ValueError, match="damping_ratio is nan, expected a finite number"):
+        paper(math.nan)

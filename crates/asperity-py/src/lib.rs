@@ -47,7 +47,7 @@ mod _core {
     use crate::surface::{acf, fill, height_map, level, map_names, psd, read_map, statistics, write_map};
     #[pymodule_export]
     use crate::vibration::{
-        critical_damping, ensemble, ensembles, limit_cycle, parameters_schema, rescaled_law, stability_map,
+        critical_damping, ensemble, ensembles, limit_cycle, parameters_schema, rescaled_law, stability_map, trajectory,
         vibration_schema,
     };
 

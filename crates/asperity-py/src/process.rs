@@ -17,7 +17,7 @@ use crate::errors::{Raise, format_error, refused, value_error, warn};
 use crate::long;
 
 /// Returns the process of a dictionary, with the keys of its file. The marginal distribution may be a text.
-fn process_of(process: &Bound<'_, PyAny>) -> PyResult<FittedProcess> {
+pub(crate) fn process_of(process: &Bound<'_, PyAny>) -> PyResult<FittedProcess> {
     let mut document = to_value(process)?;
     if let Some(text) = document.get("marginal").and_then(Value::as_str) {
         let marginal: Marginal = text.parse().map_err(value_error)?;

@@ -5,15 +5,16 @@ use std::sync::Arc;
 
 use asperity::blocks::Task;
 use asperity::choice::{ByName, Choice, SchemaGenerator};
-use asperity::friction::process::{FrictionProcess, ProcessModel};
+use asperity::distribution::Marginal;
+use asperity::friction::process::{FittedProcess, FrictionProcess, ProcessModel, Steady};
 use asperity::monitor::{Cancelled, Inner};
 use asperity::study::clipping_warning;
 use asperity::vibration::{
-    self, Drive, EnsembleSettings, MapAxis, MapOver, MapSettings, MotionKind, Parameters, VelocityLaw, VibrationError,
-    clipped_to_positive, limit_damping, smallest_kick,
+    self, Drive, EnsembleSettings, Event, MapAxis, MapOver, MapSettings, MotionKind, Parameters, PhasePoint,
+    SampledTrajectory, VelocityLaw, VibrationError, clipped_to_positive, limit_damping, smallest_kick,
 };
 use asperity_results::tidy;
-use numpy::PyArray1;
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use schemars::JsonSchema;
@@ -25,6 +26,7 @@ use crate::convert::{from_python, to_python, whole};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
 use crate::machines::{Answer, Oscillator, place, stacked};
+use crate::process::process_of;
 use crate::resources::require_memory;
 
 /// Motion that develops from a start in stick. Numbers of the cycle are absent if there is none.
@@ -166,51 +168,117 @@ pub(crate) fn critical_damping<'py>(py: Python<'py>, oscillator: &Oscillator) ->
 }
 
 /// Fluctuation of the friction coefficient.
-#[derive(Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Fluctuation {
-    friction_std: f64,
-    correlation_length: f64,
-    marginal: String,
-    allow_clipping: bool,
+enum Fluctuation {
+    /// A process in SI.
+    Process(Box<FittedProcess>),
+    /// Distribution of a fluctuation whose moments are stated.
+    Stated(Marginal),
 }
 
 impl Fluctuation {
-    fn model(&self) -> PyResult<ProcessModel> {
-        let marginal = self.marginal.parse().map_err(value_error)?;
-        Ok(ProcessModel::new(marginal, self.friction_std, self.correlation_length))
+    /// Reads the dictionary of a process, or the text of a distribution.
+    fn new(given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match given.extract::<String>() {
+            Ok(text) => text.parse().map(Self::Stated).map_err(value_error),
+            Err(_) => process_of(given).map(|process| Self::Process(Box::new(process))),
+        }
     }
 
-    /// Warns if a fraction of the values is clipped. Fails if it is above the limit and not allowed.
-    fn accept(&self, py: Python<'_>, fraction: f64) -> PyResult<()> {
-        vibration::accept_clipping(fraction, self.allow_clipping).map_err(|error| {
-            value_error(format_args!(
-                "{error}; lower friction_std or the weakening of friction with velocity, or set allow_clipping=True"
-            ))
-        })?;
-        clipping_warning(fraction).map_or(Ok(()), |warning| warn(py, &warning))
+    /// Returns the model with a standard deviation and a correlation length; that of a process in the unit `length` in metre.
+    fn model(&self, std: f64, length: f64) -> PyResult<ProcessModel> {
+        match self {
+            Self::Process(process) => process.model(length).raise(),
+            Self::Stated(marginal) => Ok(ProcessModel::new(marginal.clone(), std, length)),
+        }
     }
+}
+
+/// Warns if a fraction of the values is clipped. Fails if it is above the limit and not allowed.
+fn accept_clipping(py: Python<'_>, fraction: f64, allowed: bool) -> PyResult<()> {
+    vibration::accept_clipping(fraction, allowed).map_err(|error| {
+        value_error(format_args!(
+            "{error}; lower the scatter or the weakening of friction with velocity, or set allow_clipping=True"
+        ))
+    })?;
+    clipping_warning(fraction).map_or(Ok(()), |warning| warn(py, &warning))
+}
+
+/// Returns the process of a machine's fluctuation, clipped so that friction stays positive, and the clipped fraction.
+fn clipped_process(
+    py: Python<'_>,
+    oscillator: &vibration::Oscillator,
+    model: ProcessModel,
+    allow_clipping: bool,
+) -> PyResult<(FrictionProcess, f64)> {
+    let model = clipped_to_positive(oscillator, model, 1.0);
+    let fraction = model.clipped_fraction();
+    let process = FrictionProcess::new(model).raise()?;
+    accept_clipping(py, fraction, allow_clipping)?;
+    Ok((process, fraction))
+}
+
+/// Simulates a trajectory at rising times, from the state (X, X′) `start`.
+#[pyfunction]
+#[pyo3(signature = (oscillator, tau, start, fluctuation, std, length, allow_clipping, seed, index, drive))]
+#[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
+pub(crate) fn trajectory<'py>(
+    py: Python<'py>,
+    oscillator: &Oscillator,
+    tau: PyReadonlyArray1<'py, f64>,
+    start: Option<[f64; 2]>,
+    fluctuation: Option<Bound<'py, PyAny>>,
+    std: f64,
+    length: f64,
+    allow_clipping: bool,
+    #[pyo3(from_py_with = whole)] seed: u64,
+    #[pyo3(from_py_with = whole)] index: u64,
+    drive: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (own, times, drive) = (oscillator.single()?.clone(), tau.as_array().to_vec(), Drive::from_name(drive).raise()?);
+    let model = fluctuation.map(|given| Fluctuation::new(&given)?.model(std, length)).transpose()?;
+    let process = model.map(|model| clipped_process(py, &own, model, allow_clipping)).transpose()?;
+    let SampledTrajectory { points, events } = long::run(py, None, move |monitor| {
+        let simulated = match process {
+            Some((process, _)) => {
+                SampledTrajectory::simulate(&own, process.path(seed, index), drive, start, &times, monitor)
+            }
+            None => SampledTrajectory::simulate(&own, Steady, drive, start, &times, monitor),
+        };
+        simulated.raise()
+    })?;
+    let answer = PyDict::new(py);
+    let of_points = |value: fn(&PhasePoint) -> f64| PyArray1::from_iter(py, points.iter().map(value));
+    answer.set_item("tau", of_points(|point| point.tau))?;
+    answer.set_item("displacement", of_points(|point| point.displacement))?;
+    answer.set_item("velocity", of_points(|point| point.velocity))?;
+    let of_events = |value: fn(&Event) -> f64| PyArray1::from_iter(py, events.iter().map(value));
+    answer.set_item("event_tau", of_events(|event| event.tau))?;
+    answer.set_item("event_displacement", of_events(|event| event.displacement))?;
+    answer.set_item("event_sliding_distance", of_events(|event| event.sliding_distance))?;
+    answer.set_item("events", events.iter().map(|event| event.kind.code()).collect::<Vec<_>>())?;
+    Ok(answer)
 }
 
 /// Simulates many trajectories over a random friction fluctuation.
 #[pyfunction]
-#[pyo3(signature = (oscillator, fluctuation, trajectories, duration, seed, drive, progress))]
+#[pyo3(signature = (oscillator, fluctuation, std, length, allow_clipping, trajectories, duration, seed, drive, progress))]
 #[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
 pub(crate) fn ensemble<'py>(
     py: Python<'py>,
     oscillator: &Oscillator,
-    fluctuation: &Bound<'py, PyDict>,
+    fluctuation: &Bound<'py, PyAny>,
+    std: f64,
+    length: f64,
+    allow_clipping: bool,
     #[pyo3(from_py_with = whole)] trajectories: usize,
     duration: f64,
     #[pyo3(from_py_with = whole)] seed: u64,
     drive: &str,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (own, fluctuation): (_, Fluctuation) = (oscillator.single()?.clone(), from_python(fluctuation)?);
-    let model = clipped_to_positive(&own, fluctuation.model()?, 1.0);
-    let clipped_fraction = model.clipped_fraction();
-    let process = FrictionProcess::new(model).raise()?;
-    fluctuation.accept(py, clipped_fraction)?;
+    let own = oscillator.single()?.clone();
+    let model = Fluctuation::new(fluctuation)?.model(std, length)?;
+    let (process, clipped_fraction) = clipped_process(py, &own, model, allow_clipping)?;
     let drive = Drive::from_name(drive).raise()?;
     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(trajectories, duration, seed) };
     require_memory(settings.memory_bytes(rayon::current_num_threads()), "the ensemble")?;
@@ -226,16 +294,18 @@ pub(crate) fn ensemble<'py>(
     Ok(answer)
 }
 
-/// Simulates an ensemble of each machine of an array, with its own fluctuation, of which `stds` and `lengths` are columns. All have the same seed.
+/// Simulates an ensemble of each machine of an array, with its own fluctuation, of which `stds` and `lengths` are columns; see [`Fluctuation::model`]. All have the
+/// same seed.
 #[pyfunction]
-#[pyo3(signature = (oscillator, stds, lengths, fluctuation, trajectories, duration, seed, drive, progress))]
+#[pyo3(signature = (oscillator, fluctuation, stds, lengths, allow_clipping, trajectories, duration, seed, drive, progress))]
 #[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
 pub(crate) fn ensembles<'py>(
     py: Python<'py>,
     oscillator: &Oscillator,
+    fluctuation: &Bound<'py, PyAny>,
     stds: Vec<f64>,
     lengths: Vec<f64>,
-    fluctuation: &Bound<'py, PyDict>,
+    allow_clipping: bool,
     #[pyo3(from_py_with = whole)] trajectories: usize,
     duration: f64,
     #[pyo3(from_py_with = whole)] seed: u64,
@@ -243,19 +313,17 @@ pub(crate) fn ensembles<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (machines, shape) = (Arc::clone(&oscillator.machines), oscillator.shape.clone().unwrap_or_default());
-    let stated: Fluctuation = from_python(fluctuation)?;
+    let fluctuation = Fluctuation::new(fluctuation)?;
     let drive = Drive::from_name(drive).raise()?;
     let settings = EnsembleSettings { drive, ..EnsembleSettings::new(trajectories, duration, seed) };
     require_memory(settings.memory_bytes(rayon::current_num_threads()), "the ensembles")?;
-    let of_machine = |machine: &vibration::Oscillator, (std, length): (f64, f64)| {
-        let own = Fluctuation { friction_std: std, correlation_length: length, ..stated.clone() };
-        Ok::<_, PyErr>(clipped_to_positive(machine, own.model()?, 1.0))
+    let of_machine = |(machine, (std, length)): (&vibration::Oscillator, (f64, f64))| {
+        Ok::<_, PyErr>(clipped_to_positive(machine, fluctuation.model(std, length)?, 1.0))
     };
-    let fluctuations = stds.into_iter().zip(lengths);
     let models: Vec<ProcessModel> =
-        machines.iter().zip(fluctuations).map(|(machine, own)| of_machine(machine, own)).collect::<PyResult<_>>()?;
+        machines.iter().zip(stds.into_iter().zip(lengths)).map(of_machine).collect::<PyResult<_>>()?;
     let clipped: Vec<f64> = models.iter().map(ProcessModel::clipped_fraction).collect();
-    stated.accept(py, clipped.iter().copied().fold(0.0, f64::max))?;
+    accept_clipping(py, clipped.iter().copied().fold(0.0, f64::max), allow_clipping)?;
     let found = long::run(py, progress.as_ref(), move |monitor| {
         let task = Task::new(monitor, "ensembles", machines.len());
         let simulate = |index: usize| {
@@ -309,28 +377,31 @@ struct Axes {
 
 /// Maps the probability of sustained vibration over two parameters.
 #[pyfunction]
-#[pyo3(signature = (oscillator, fluctuation, axes, trajectories, duration, seed, progress))]
+#[pyo3(signature = (oscillator, fluctuation, std, length, allow_clipping, axes, trajectories, duration, seed, progress))]
 #[expect(clippy::too_many_arguments, reason = "the Python function has them as keywords")]
 pub(crate) fn stability_map<'py>(
     py: Python<'py>,
     oscillator: &Oscillator,
-    fluctuation: &Bound<'py, PyDict>,
+    fluctuation: &Bound<'py, PyAny>,
+    std: f64,
+    length: f64,
+    allow_clipping: bool,
     axes: &Bound<'py, PyDict>,
     #[pyo3(from_py_with = whole)] trajectories: usize,
     duration: f64,
     #[pyo3(from_py_with = whole)] seed: u64,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (stated, fluctuation): (_, Fluctuation) = (oscillator.single()?.clone(), from_python(fluctuation)?);
+    let stated = oscillator.single()?.clone();
+    let friction = Fluctuation::new(fluctuation)?.model(std, length)?;
     let Axes { over: ByName(over), x, y, depth } = from_python(axes)?;
     let [x, y] = [x, y].map(MapAxis::check);
     let (x, y) = (x.map_err(value_error)?, y.map_err(value_error)?);
     let settings = MapSettings { x, y, depth, ensemble: EnsembleSettings::new(trajectories, duration, seed) };
-    let friction = fluctuation.model()?;
     // An invalid distribution is an error of the arguments and not of a point.
     FrictionProcess::new(friction.clone()).raise()?;
     let clipped_fraction = settings.clipped_fraction(over, &stated, &friction).raise()?;
-    fluctuation.accept(py, clipped_fraction)?;
+    accept_clipping(py, clipped_fraction, allow_clipping)?;
     let found = long::run(py, progress.as_ref(), move |monitor| {
         let machine = |x: f64, y: f64| {
             let (oscillator, model) = over.machine(&stated, &friction, [x, y])?;

@@ -74,7 +74,7 @@ pub use law::{FrictionTable, VelocityLaw};
 pub use locked::locked_boundary;
 pub use margin::DampingMargins;
 pub use oscillator::{Forcing, Oscillator, Parameters, Scales};
-pub use portrait::{PhasePoint, cycle_portrait, trajectory_portrait};
+pub use portrait::{PhasePoint, SampledTrajectory, cycle_portrait, trajectory_portrait};
 pub use sample_distribution::{Count, SampleDistribution};
 pub use sound::{Sound, SoundSettings};
 #[doc(hidden)]

@@ -142,6 +142,26 @@ impl<F: Fluctuation> Motion<F> {
         Ok(motion)
     }
 
+    /// Creates a mass at (X, X′) at τ = 0. With the velocity of the belt it sticks if the force allows it.
+    pub(super) fn started_at(
+        oscillator: &Oscillator,
+        fluctuation: F,
+        drive: Drive,
+        [displacement, velocity]: [f64; 2],
+    ) -> Result<Self, VibrationError> {
+        let mut motion = Self::new(oscillator, fluctuation, drive, displacement)?;
+        let w = 1.0 - velocity / motion.velocity;
+        if w != 0.0 {
+            motion.phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
+            motion.w = w.abs();
+            let external = motion.velocity * motion.scaled.force(0.0);
+            let force = motion.phase.direction() * (displacement + 2.0 * motion.damping * motion.velocity - external);
+            motion.e = (force - motion.static_friction - motion.m) / motion.velocity;
+            motion.reached_backward = velocity < 0.0;
+        }
+        Ok(motion)
+    }
+
     /// Creates a motion from a state of slip.
     pub(super) fn from_slip(oscillator: &Oscillator, fluctuation: F, state: SlipState) -> Result<Self, VibrationError> {
         let mut motion = Self::new(oscillator, fluctuation, Drive::Distance, oscillator.static_friction())?;

@@ -8,7 +8,7 @@ use asperity_base::monitor::{Cancelled, Monitor, Silent};
 use asperity_process::Fluctuation;
 
 /// Largest displacement at the start in units of μ_st + 2ζV; the rounding of a larger one would change the first slip.
-const LARGEST_START: f64 = 1e9;
+pub(super) const LARGEST_START: f64 = 1e9;
 
 /// Settings of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -78,7 +78,7 @@ pub(super) fn start_of(oscillator: &Oscillator, settings: &TrajectorySettings) -
 }
 
 /// Number of steps between two checks of the monitor.
-const STEPS: u32 = 16_384;
+pub(super) const STEPS: u32 = 16_384;
 
 /// Receives the events of one trajectory.
 pub(super) trait Observer {

@@ -4,8 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::cycle::cycle_at_belt;
 use super::super::motion::{Motion, SlipState};
-use super::super::portrait::{PhasePoint, sampled};
-use super::super::scaled_forcing::ScaledForcing;
+use super::super::portrait::{PhasePoint, equally_sampled};
 use super::super::slip_orbit::first_minimum_from;
 use super::super::weakening::Weakening;
 use super::super::{Drive, EventKind, MotionKind, Oscillator, Phase, VibrationError};
@@ -84,16 +83,7 @@ pub(super) fn started_at(
     displacement: f64,
     velocity: f64,
 ) -> Result<Motion<Steady>, VibrationError> {
-    let belt = oscillator.belt_velocity();
-    let w = 1.0 - velocity / belt;
-    if w == 0.0 {
-        return Motion::new(oscillator, Steady, Drive::Distance, displacement);
-    }
-    let phase = if w > 0.0 { Phase::Slip } else { Phase::OverSlip };
-    let external = belt * ScaledForcing::new(oscillator).force(0.0);
-    let force = phase.direction() * (displacement + 2.0 * oscillator.damping_ratio() * belt - external);
-    let e = (force - oscillator.static_friction()) / belt;
-    Motion::from_slip(oscillator, Steady, SlipState { tau: 0.0, phase, w: w.abs(), e })
+    Motion::started_at(oscillator, Steady, Drive::Distance, [displacement, velocity])
 }
 
 /// Next event of an orbit that helps to decide its attractor.
@@ -320,7 +310,7 @@ pub fn separatrix(oscillator: &Oscillator, points: usize) -> Result<Option<Separ
     let Some(map) = classifier.map.as_ref().filter(|_| classifier.after_stick.is_vibration()) else { return Ok(None) };
     let drawn = |kind, state: SlipState, duration: f64| -> Result<Option<Separatrix>, VibrationError> {
         let motion = Motion::from_slip(&free, Steady, state)?;
-        Ok(Some(Separatrix { kind, points: sampled(motion, 0.0, duration, points)? }))
+        Ok(Some(Separatrix { kind, points: equally_sampled(motion, 0.0, duration, points)? }))
     };
     let unstable = map.cycles.iter().zip(&map.growth[1..]).rev().find(|(_, growth)| **growth > 0.0);
     if let Some(((r, cycle), _)) = unstable {
