@@ -26,7 +26,7 @@ from asperity.random import (
     WeierstrassMandelbrot,
     artificial_surface,
 )
-from asperity.surface import HeightMap
+from asperity.surface import HeightMap, pooled_statistics
 from asperity.vibration import Oscillator, critical_damping, ensemble, limit_cycle, stability_map, trajectory
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ __all__ = [
     "friction_distribution",
     "friction_process",
     "limit_cycle",
+    "pooled_statistics",
     "pressure_distribution",
     "run_campaign",
     "run_study",

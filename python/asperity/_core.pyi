@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "trajectory", "unit_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "pooled_statistics", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "trajectory", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -174,7 +174,7 @@ def fill(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: Suppo
     Fills missing heights with random ones that continue the map, as `asperity surface fill` does.
     """
 
-def fit_friction_record(friction: Incomplete, step_m: SupportsFloat | SupportsIndex, law: str, detrend: str, low_pass_m: SupportsFloat | SupportsIndex | None, decimation) -> Any:
+def fit_friction_record(friction: Incomplete, step_m: SupportsFloat | SupportsIndex, marginal: str, detrend: str, low_pass_m: SupportsFloat | SupportsIndex | None, decimation) -> Any:
     """
     Fits a process to a record of the friction coefficient at equal steps; NaN marks gaps.
     """
@@ -214,6 +214,11 @@ def parameters_schema() -> str:
     Returns the JSON Schema of the parameters of an oscillator, from which the dataclasses of the velocity laws are generated.
     """
 
+def pooled_statistics(scans: SupportsGetItem[int, tuple[Incomplete, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, dict]]) -> Any:
+    """
+    Computes the statistics of a part of several scans, with the keys of `asperity surface stats --json`.
+    """
+
 def psd(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex) -> dict:
     """
     Computes the radially averaged power spectral density.
@@ -249,10 +254,10 @@ def simulate_friction(process: Any, length_m: SupportsFloat | SupportsIndex, ste
     Draws values of the friction coefficient along a path.
     """
 
-def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, settings: dict, start_pa: Incomplete | None) -> dict:
+def solve_contact(heights_m: Incomplete, dx_m: SupportsFloat | SupportsIndex, dy_m: SupportsFloat | SupportsIndex, settings: dict, counterface_m: Incomplete | None, start_pa: Incomplete | None) -> Any:
     """
-    Solves a contact problem, from the pressure `start_pa` if it is given. Returns fields and numbers, with the keys of
-    `asperity contact --json`.
+    Solves a contact problem, with a rough counterface and from the pressure `start_pa` if they are given. Returns fields
+    and numbers, with the keys of `asperity contact --json`.
     """
 
 def stability_map(oscillator: Oscillator, fluctuation: Any, std: SupportsFloat | SupportsIndex, length: SupportsFloat | SupportsIndex, allow_clipping: bool, axes: dict, trajectories, duration: SupportsFloat | SupportsIndex, seed, progress: Any | None) -> Any:

@@ -55,6 +55,32 @@ class ContactSolution(Record):
     """Depth of the flat below the highest undeformed point."""
     mean_compliance_m_per_pa: float | None
     """Displacement of the mean plane per mean pressure of a periodic surface."""
+    clusters: int
+    """Number of clusters: groups of contact cells that share edges."""
+    largest_cluster_fraction: float | None
+    """Fraction of the cells in contact that belong to the largest cluster."""
+    largest_cluster_m2: float
+    """Area of the largest cluster."""
+    cluster_labels: NDArray[np.uint32]
+    """Cluster of each cell, counted from 1; 0 out of contact."""
+    elastic_energy_j: float
+    """Elastic energy ½ Σ p u, with that of the stated mean compliance."""
+    plastic_work_j: float
+    """Plastic work: the hardness times the displaced volume."""
+    contact_modulus_pa: float
+    """Contact modulus E* of the pair; at the surface of a layer."""
+    rms_gradient: float
+    """Root mean square gradient of the heights by forward differences."""
+    persson_contact_fraction: float | None
+    """Contact fraction of Persson's theory, erf(√2 p/(E* h′)) without a hardness; of a half-space only."""
+    persson_plastic_fraction: float | None
+    """Fraction at the hardness in Persson's theory."""
+    bgt_contact_fraction: float | None
+    """Contact fraction of Bush, Gibson and Thomas for light elastic contact, √(2π) p/(E* h′)."""
+    contact_stiffness_n_per_m: float | None = None
+    """Load per approach, if computed; None also in complete contact, where it is infinite."""
+    contact_stiffness_pa_per_m: float | None = None
+    """Mean pressure per approach, if computed."""
     iterations: int
     """Iterations of the solver."""
     residual: float
@@ -169,6 +195,13 @@ def solve_contact(
     modulus_pa: float | None = None,
     youngs_modulus_pa: float | None = None,
     poisson_ratio: float | None = None,
+    counterface: HeightMap | ArrayLike | None = None,
+    counterface_as_laid: bool = False,
+    counterface_youngs_modulus_pa: float | None = None,
+    counterface_poisson_ratio: float | None = None,
+    layer_thickness_m: float | None = None,
+    base_youngs_modulus_pa: float | None = None,
+    base_poisson_ratio: float | None = None,
     penetration_m: float | ArrayLike | None = None,
     percentile: float | ArrayLike | None = None,
     mean_pressure_pa: float | ArrayLike | None = None,
@@ -177,9 +210,10 @@ def solve_contact(
     hardness_pa: float | None = None,
     boundary: Literal["periodic", "free"] = "periodic",
     mean_compliance_m_per_pa: float | None = None,
+    stiffness: bool = False,
     tolerance: float | None = None,
 ) -> ContactSolution:
-    """Press a rough elastic or elasto-plastic surface against a rigid flat.
+    """Press a rough elastic or elasto-plastic surface against a rigid flat, or against a rough or elastic counterface.
 
     Parameters
     ----------
@@ -189,6 +223,17 @@ def solve_contact(
         Distance between points, of an array; `dy_m` is `dx_m` when left out.
     modulus_pa, youngs_modulus_pa, poisson_ratio
         Contact modulus E* = E/(1 − ν²), or Young's modulus E with Poisson's ratio ν (0.3 when left out).
+    counterface
+        Heights of the other body on the same grid, outwards from its own material; flat when left out.
+    counterface_as_laid
+        The map of the counterface is in the coordinates of the surface. Otherwise it is turned over to face the
+        surface, so that its last column lies on the first column of the surface.
+    counterface_youngs_modulus_pa, counterface_poisson_ratio
+        Material of the counterface, rigid when left out.
+    layer_thickness_m
+        Thickness of the surface's material, bonded to a base; a half-space when left out.
+    base_youngs_modulus_pa, base_poisson_ratio
+        Material of the base, rigid when left out.
     penetration_m, percentile, mean_pressure_pa, load_n, mean_gap_m
         Exactly one: depth of the flat below the highest point, percentage of the heights above the flat, mean pressure,
         total force, or mean gap. Several values, in one dimension, are solved one after another, each from the
@@ -200,6 +245,8 @@ def solve_contact(
     mean_compliance_m_per_pa
         Displacement of the mean plane per mean pressure of a periodic surface. When left out: max(L)/(πE*) if the
         position of the flat is prescribed, otherwise 0.
+    stiffness
+        Also compute the contact stiffness.
     tolerance
         Bound on the relative residuals, 1e-8 when left out.
 
@@ -248,6 +295,13 @@ def solve_contact(
         "modulus_pa": modulus_pa,
         "youngs_modulus_pa": youngs_modulus_pa,
         "poisson_ratio": poisson_ratio,
+        "counterface_as_laid": counterface_as_laid,
+        "counterface_youngs_modulus_pa": counterface_youngs_modulus_pa,
+        "counterface_poisson_ratio": counterface_poisson_ratio,
+        "layer_thickness_m": layer_thickness_m,
+        "base_youngs_modulus_pa": base_youngs_modulus_pa,
+        "base_poisson_ratio": base_poisson_ratio,
+        "stiffness": stiffness,
         **prescribed,
         "hardness_pa": hardness_pa,
         "boundary": boundary,
@@ -255,17 +309,29 @@ def solve_contact(
         "tolerance": tolerance,
     }
     own = numbers(heights)
+    if isinstance(counterface, HeightMap):
+        if (counterface.dx_m, counterface.dy_m) != (dx_m, dy_m):
+            raise ValueError("the counterface has other distances between points than the surface")
+        counterface = counterface.heights
+    other = None if counterface is None else numbers(counterface)
+
+    def solved(settings: dict[str, Any], start: NDArray[np.float64] | None) -> dict[str, Any]:
+        found: dict[str, Any] = _core.solve_contact(own, dx_m, dy_m, settings, other, start)
+        # What does not converge is an error.
+        del found["converged"]
+        return found
+
     several = {name: numbers(value) for name, value in prescribed.items() if value is not None and np.ndim(value)}
     if not several:
-        return ContactSolution(**_core.solve_contact(own, dx_m, dy_m, settings, None), dx_m=dx_m, dy_m=dy_m)
+        return ContactSolution(**solved(settings, None), dx_m=dx_m, dy_m=dy_m)
     name, values = several.popitem()
     if several or values.ndim != 1 or not len(values):
         raise ValueError(f"{name} has the shape {values.shape}; one quantity may have several values, in one dimension")
     found: list[dict[str, Any]] = []
     for value in values:
         start = found[-1]["pressure_pa"] if found else None
-        found.append(_core.solve_contact(own, dx_m, dy_m, settings | {name: float(value)}, start))
-    same = ("mean_compliance_m_per_pa",)
+        found.append(solved(settings | {name: float(value)}, start))
+    same = ("mean_compliance_m_per_pa", "contact_modulus_pa", "rms_gradient")
     stacked: dict[str, Any] = {
         key: found[0][key] if key in same else _stacked([each[key] for each in found]) for key in found[0]
     }

@@ -229,7 +229,7 @@ def fit_friction_record(
     friction: ArrayLike,
     *,
     step_m: float,
-    law: str = "auto",
+    marginal: str = "auto",
     detrend: str = "none",
     low_pass_m: float | None = None,
     decimation: int = 1,
@@ -242,7 +242,7 @@ def fit_friction_record(
         Friction coefficient at equal steps of the sliding distance, shape (n,); NaN marks gaps.
     step_m
         Step.
-    law
+    marginal
         Distribution: ``auto``, ``normal``, ``lognormal``, ``weibull``, ``beta``, ``johnson`` or ``empirical``.
     detrend
         Trend to remove: ``none``, ``mean``, ``linear``, ``polynomial:DEGREE`` or ``high_pass:LENGTH``.
@@ -263,9 +263,9 @@ def fit_friction_record(
     >>> import asperity
     >>> process = asperity.friction_process(mean=0.2, std=0.01, correlation_length_m=250e-6)
     >>> record = process.simulate(length_m=0.1, step_m=25e-6, seed=1)
-    >>> low, high = asperity.fit_friction_record(record, step_m=25e-6, law="normal").std_interval
+    >>> low, high = asperity.fit_friction_record(record, step_m=25e-6, marginal="normal").std_interval
     >>> low < 0.01 < high
     True
     """
-    found = _core.fit_friction_record(numbers(friction), step_m, law, detrend, low_pass_m, decimation)
+    found = _core.fit_friction_record(numbers(friction), step_m, marginal, detrend, low_pass_m, decimation)
     return FrictionProcess.from_dict(found)

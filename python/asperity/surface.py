@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from SurfaceTopography import Topography
     from surfalize import Surface
 
-    from asperity.results import SurfaceStatistics
+    from asperity.results import PartStatistics, SurfaceStatistics
 
 _AS_MEASURED = {"level": "none", "outliers": 0, "lost": 0, "radius_m": None}
 # Degrees of the polynomials with about as many parameters as the forms.
@@ -621,6 +621,34 @@ class HeightMap:
         'x (µm)'
         """
         return _plots.heights(self.heights, self.dx_m, self.dy_m, ax)
+
+
+def pooled_statistics(scans: Sequence[HeightMap]) -> PartStatistics:
+    """Return the statistics of a part from scans at several places, with 95 % intervals that include its variation.
+
+    Parameters
+    ----------
+    scans
+        Two or more levelled scans; each counts as one place.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two scans, or the heights of one are all equal.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> like = {"rms_height_m": 1e-6, "hurst": 0.8, "size_m": 1e-4, "points": 64, "correlation_length_m": 5e-6}
+    >>> scans = [asperity.artificial_surface(**like, seed=seed) for seed in range(3)]
+    >>> found = asperity.pooled_statistics(scans)
+    >>> found.scan_count, found.Sq_m_interval[0] < 1e-6 < found.Sq_m_interval[1]
+    (3, True)
+    """
+    from asperity.results import PartStatistics
+
+    given = [(scan.heights, scan.dx_m, scan.dy_m, dict(scan._history)) for scan in scans]
+    return PartStatistics.from_dict(_core.pooled_statistics(given))
 
 
 def _joined(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:

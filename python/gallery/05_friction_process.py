@@ -91,7 +91,7 @@ for index in range(20):
     with warnings.catch_warnings():
         # Of twenty records, one or two deviate by chance from the distribution or the correlation that is fitted.
         warnings.simplefilter("ignore")
-        found = asperity.fit_friction_record(values, step_m=2 * step_m, law="normal")
+        found = asperity.fit_friction_record(values, step_m=2 * step_m, marginal="normal")
     for name, interval, truth in (
         ("mean", found.mean_interval, 0.2),
         ("std", found.std_interval, 0.01),

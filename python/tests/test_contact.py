@@ -4,17 +4,63 @@ import pytest
 import asperity
 
 
-def test_a_contact_equals_that_of_the_command_line(program, rough, tmp_path):
-    file = tmp_path / "rough.npy"
+@pytest.mark.parametrize(
+    ("options", "settings"),
+    [
+        (("--penetration", "1um"), {"penetration_m": 1e-6}),
+        (("--load", "0.5N", "--stiffness"), {"load_n": 0.5, "stiffness": True}),
+        (
+            (
+                "--load",
+                "0.5N",
+                "--layer-thickness",
+                "20um",
+                "--base-youngs-modulus",
+                "70GPa",
+                "--base-poisson-ratio",
+                0.4,
+            ),
+            {"load_n": 0.5, "layer_thickness_m": 20e-6, "base_youngs_modulus_pa": 70e9, "base_poisson_ratio": 0.4},
+        ),
+        (("--load", "0.5N", "--layer-thickness", "20um", "--rigid-base"), {"load_n": 0.5, "layer_thickness_m": 20e-6}),
+        (("--load", "0.5N", "--counterface", "other"), {"load_n": 0.5, "counterface": True}),
+        (
+            (
+                "--load",
+                "0.5N",
+                "--counterface",
+                "other",
+                "--counterface-as-laid",
+                "--counterface-youngs-modulus",
+                "10GPa",
+            ),
+            {
+                "load_n": 0.5,
+                "counterface": True,
+                "counterface_as_laid": True,
+                "counterface_youngs_modulus_pa": 10e9,
+            },
+        ),
+    ],
+)
+def test_a_contact_equals_that_of_the_command_line(program, rough, tmp_path, options, settings):
+    file, other = tmp_path / "rough.npy", tmp_path / "other.npy"
     np.save(file, rough)
-    pressed = ("--youngs-modulus", "210GPa", "--hardness", "5GPa", "--boundary", "periodic", "--penetration", "1um")
-    expected = program(
-        "contact", file, "--pixel-size", "1um", "--height-unit", "m", *pressed, "--quiet", "--level", "none"
-    )
-    found = asperity.solve_contact(rough, dx_m=1e-6, youngs_modulus_pa=210e9, hardness_pa=5e9, penetration_m=1e-6)
+    np.save(other, 0.3 * rough**2 / rough.std())
+    pressed = ("--youngs-modulus", "210GPa", "--hardness", "5GPa", "--boundary", "periodic")
+    scan = ("--pixel-size", "1um", "--height-unit", "m", "--quiet", "--level", "none", "--out", tmp_path / "fields.npz")
+    named = [other if option == "other" else option for option in options]
+    expected = program("contact", file, *scan, *pressed, *named)
+    if "counterface" in settings:
+        settings = settings | {"counterface": asperity.HeightMap(np.load(other), 1e-6, 1e-6)}
+    found = asperity.solve_contact(rough, dx_m=1e-6, youngs_modulus_pa=210e9, hardness_pa=5e9, **settings)
+    assert {*expected} - {*found.to_dict()} == {"converged", "channel", "format", "warnings"}
     numbers = {key: value for key, value in found.to_dict().items() if key in expected}
-    assert len(numbers) == 12
     assert numbers == {key: expected[key] for key in numbers}
+    fields = np.load(tmp_path / "fields.npz")
+    assert found.cluster_labels.max() == found.clusters > 0
+    np.testing.assert_array_equal(found.cluster_labels, fields["clusters"])
+    np.testing.assert_array_equal(found.pressure_pa, fields["pressure_pa"])
 
 
 def test_a_sphere_is_pressed_as_by_hertz():
@@ -51,6 +97,10 @@ def test_wrong_problems_raise_by_kind(rough):
         ({"load_n": float("nan")}, "not a finite number"),
         ({"boundary": "open"}, "`open` is not a valid boundary"),
         ({"dx_m": None}, "dx_m"),
+        ({"layer_thickness_m": 1e-6}, "a layer and an elastic counterface need"),
+        ({"base_youngs_modulus_pa": 1e9, "modulus_pa": None, "youngs_modulus_pa": 1e9}, "a base needs a layer"),
+        ({"counterface_poisson_ratio": 0.3}, "counterface_poisson_ratio is given without"),
+        ({"counterface": np.zeros((3, 3))}, "3"),
     ]:
         with pytest.raises(ValueError, match=message):
             solve(**settings)

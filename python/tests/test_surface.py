@@ -1,6 +1,7 @@
 import dataclasses
 import pickle
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -239,3 +240,48 @@ def test_the_maps_of_a_file_are_listed(tmp_path, rough):
     assert HeightMap.channels(tmp_path / "one.npy") == []
     with pytest.raises(FileNotFoundError):
         HeightMap.channels(tmp_path / "none.npy")
+
+
+def test_pooled_statistics_are_those_of_the_command_line(program, tmp_path):
+    like = {"rms_height_m": 1e-6, "hurst": 0.8, "size_m": 1e-4, "points": 64, "correlation_length_m": 5e-6}
+    scans = [asperity.artificial_surface(**like, seed=seed) for seed in range(3)]
+    files = [tmp_path / f"{place}.gwy" for place in range(3)]
+    for scan, file in zip(scans, files, strict=True):
+        scan.write(file)
+    expected = program("surface", "stats", *files, "--level", "plane")
+    found = asperity.pooled_statistics([scan.level("plane") for scan in scans]).to_dict()
+    for own in (*found["scans"], *expected["scans"]):
+        del own["file"]
+    assert found == {key: expected[key] for key in found}
+    with pytest.raises(ValueError, match="two"):
+        asperity.pooled_statistics(scans[:1])
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="peak memory as Linux states it")
+@pytest.mark.parametrize(
+    ("call", "most"),
+    [
+        ("scan.level('plane')", 3.5),
+        ("scan.level('quadratic', outliers=5)", 3.5),
+        ("scan.level('plane', l_filter_m=2e-4)", 5.0),
+        ("scan.statistics()", 4.0),
+        ("asperity.solve_contact(scan, mean_pressure_pa=2e7, modulus_pa=1e11)", 8.0),
+    ],
+)
+def test_large_maps_need_a_few_times_their_memory(call, most):
+    program = f"""
+import asperity, gc, numpy as np
+n = 2048
+scan = asperity.HeightMap.from_array(np.random.default_rng(1).normal(size=(n, n)), dx_m=1e-6)
+small = asperity.HeightMap.from_array(np.random.default_rng(1).normal(size=(64, 64)), dx_m=1e-6)
+def kilobytes(name):
+    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith(name))
+small.statistics()
+gc.collect()
+open("/proc/self/clear_refs", "w").write("5")
+before = kilobytes("VmRSS")
+found = {call}
+print((kilobytes("VmHWM") - before) / (8 * n * n / 1024))
+"""
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True, text=True)
+    assert float(found.stdout) < most

@@ -96,6 +96,11 @@ impl Clusters {
         &self.labels
     }
 
+    /// Returns the labels without a copy.
+    pub fn into_labels(self) -> Array2<u32> {
+        self.labels
+    }
+
     /// Returns the number of cells of each cluster, starting with cluster 1.
     pub fn cells(&self) -> &[usize] {
         &self.cells

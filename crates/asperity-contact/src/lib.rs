@@ -27,6 +27,7 @@ mod gradient;
 mod half_space;
 mod load_start;
 mod mean_gap;
+mod numbers;
 mod problem;
 mod projection;
 mod pyramid;
@@ -45,6 +46,7 @@ pub use elastic::{Elastic, contact_modulus_pa};
 pub use error::ContactError;
 pub use gradient::{rms_gradient, spectral_rms_gradient};
 pub use half_space::{ContactWorkspace, HalfSpace, love_coefficient};
+pub use numbers::ContactNumbers;
 pub use problem::ContactProblem;
 pub use solution::{Residual, Solution, SolverStop};
 pub use solver::Solver;
@@ -55,9 +57,9 @@ pub use substrate::{Base, Layer, Substrate};
 /// solution.
 pub fn memory_bytes(cells: usize, boundary: BoundaryKind) -> f64 {
     let bytes_per_cell = match boundary {
-        BoundaryKind::Periodic => 90.0,
+        BoundaryKind::Periodic => 70.0,
         // Transforms are padded.
-        BoundaryKind::Free => 160.0,
+        BoundaryKind::Free => 95.0,
     };
     bytes_per_cell * cells as f64
 }

@@ -44,7 +44,9 @@ mod _core {
         check_inputs, check_study, compute, read_study, results_schema, study_schema, toml_of, unit_of,
     };
     #[pymodule_export]
-    use crate::surface::{acf, fill, height_map, level, map_names, psd, read_map, statistics, write_map};
+    use crate::surface::{
+        acf, fill, height_map, level, map_names, pooled_statistics, psd, read_map, statistics, write_map,
+    };
     #[pymodule_export]
     use crate::vibration::{
         critical_damping, ensemble, ensembles, limit_cycle, parameters_schema, rescaled_law, stability_map, trajectory,

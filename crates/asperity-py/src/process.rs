@@ -71,7 +71,7 @@ pub(crate) fn fit_friction_record<'py>(
     py: Python<'py>,
     friction: PyReadonlyArray1<'py, f64>,
     step_m: f64,
-    law: &str,
+    marginal: &str,
     detrend: &str,
     low_pass_m: Option<f64>,
     #[pyo3(from_py_with = whole)] decimation: usize,
@@ -87,12 +87,12 @@ pub(crate) fn fit_friction_record<'py>(
         strokes_m: Vec::new(),
         warnings: Vec::new(),
     };
-    let law: DistributionChoice = law.parse().map_err(value_error)?;
+    let choice: DistributionChoice = marginal.parse().map_err(value_error)?;
     let detrend = detrend.parse().map_err(value_error)?;
     let preparation = RecordPreparation { cut: None, detrend, low_pass_m, decimation };
     let (mut warnings, fitted) = long::run(py, None, move |_| {
         let prepared = preparation.apply(&record).raise()?;
-        let fitted = FittedRecord::new(&prepared, law, "array of a Python program").raise()?;
+        let fitted = FittedRecord::new(&prepared, choice, "array of a Python program").raise()?;
         Ok((prepared.record.warnings, fitted))
     })?;
     warnings.extend(fitted.warnings);

@@ -9,6 +9,7 @@ use asperity::study::{covariance_result, draw_map};
 use asperity::surface::model::{
     self, CovarianceRequest, Measurable, SelectedCovariance, SurfaceRequest, TruncatedExpansion,
 };
+use asperity::surface::preparation::Prepared;
 use asperity::surface::scanned::ScannedSurface;
 use asperity::surface::{self, SurfaceGenerator};
 use asperity::translation::TranslationKind;
@@ -77,6 +78,11 @@ impl Settings {
     }
 }
 
+/// Returns a scan with what was done to it.
+pub(crate) fn prepared((heights_m, dx_m, dy_m, history): &Scan<'_>) -> PyResult<Prepared> {
+    Ok(from_python::<History>(history)?.prepared(map_of(heights_m, *dx_m, *dy_m)?))
+}
+
 /// Model of a random surface, independent of any grid.
 #[pyclass(frozen)]
 pub(crate) struct SurfaceModel {
@@ -85,16 +91,13 @@ pub(crate) struct SurfaceModel {
 }
 
 /// Heights, pitches and history of a scan.
-type Scan<'py> = (PyReadonlyArray2<'py, f64>, f64, f64, Bound<'py, PyDict>);
+pub(crate) type Scan<'py> = (PyReadonlyArray2<'py, f64>, f64, f64, Bound<'py, PyDict>);
 
 #[pymethods]
 impl SurfaceModel {
     #[new]
     fn new(py: Python<'_>, settings: &Bound<'_, PyDict>, scans: Vec<Scan<'_>>) -> PyResult<Self> {
         let request = from_python::<Settings>(settings)?.request()?;
-        let prepared = |(heights_m, dx_m, dy_m, history): &Scan<'_>| {
-            Ok(from_python::<History>(history)?.prepared(map_of(heights_m, *dx_m, *dy_m)?))
-        };
         let scans = scans.iter().map(prepared).collect::<PyResult<Vec<_>>>()?;
         let (model, selected) = long::run(py, None, move |_| {
             let several = scans.len() > 1;

@@ -7,10 +7,10 @@ use asperity::correlation::{Autocorrelation, Axis, radial_spectrum_with_bands};
 use asperity::map::{HeightMap, checked_pitch_m};
 use asperity::random;
 use asperity::study::file::DecimalSign;
-use asperity::study::{filling_warnings, surface_statistics};
+use asperity::study::{filling_warnings, part_statistics, surface_statistics};
 use asperity::surface::level::Level;
 use asperity::surface::preparation::{Preparation, Prepared};
-use asperity::surface::scanned::MapStatistics;
+use asperity::surface::scanned::{MapStatistics, PooledStatistics};
 use asperity::surface::{FillCovariance, FillMarginal, FillOptions, Filling, RandomSurface, filling_memory_bytes};
 use asperity_formats::{Channel, LengthUnit, ReadOptions, Scan, read_with, write};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::convert::{from_python, map_of, to_python};
 use crate::errors::{Raise, value_error, warn};
 use crate::long;
+use crate::random_surface::{Scan as PreparedScan, prepared};
 use crate::resources::require_memory;
 
 /// Heights, pitches and warnings of a file.
@@ -180,6 +181,19 @@ pub(crate) fn statistics<'py>(
     let history: History = from_python(history)?;
     let found = long::run_on_map(heights_m.py(), map, |map| MapStatistics::new(&history.prepared(map)).raise())?;
     to_python(heights_m.py(), &surface_statistics(&found))
+}
+
+/// Computes the statistics of a part of several scans, with the keys of `asperity surface stats --json`.
+#[pyfunction]
+pub(crate) fn pooled_statistics<'py>(py: Python<'py>, scans: Vec<PreparedScan<'py>>) -> PyResult<Bound<'py, PyAny>> {
+    let scans = scans.iter().map(prepared).collect::<PyResult<Vec<_>>>()?;
+    let found = long::run(py, None, move |_| {
+        let of_scan =
+            |(place, scan): (usize, &Prepared)| Ok((format!("scan {}", place + 1), MapStatistics::new(scan).raise()?));
+        let statistics = scans.iter().enumerate().map(of_scan).collect::<PyResult<Vec<_>>>()?;
+        PooledStatistics::new(statistics).raise()
+    })?;
+    to_python(py, &part_statistics(&found))
 }
 
 /// Computes the autocorrelation along both axes.

@@ -1,6 +1,5 @@
 //! Contact of a rough surface with a rigid flat.
 
-mod analysis;
 mod counterface;
 mod layering;
 mod unloading;
@@ -10,8 +9,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use asperity::contact::{
-    Boundary, ContactError, ContactProblem, Control, Elastic, HalfSpace, Solution, Solver, SolverStop, Substrate,
-    memory_bytes,
+    Boundary, ContactError, ContactNumbers, ContactProblem, ContactStiffness, Control, Elastic, HalfSpace, Neighbours,
+    Solver, SolverStop, StiffnessSolver, Substrate, memory_bytes,
 };
 use asperity::map::Grid;
 use asperity::quantity::{Compliance, Force, Length, Pressure};
@@ -20,7 +19,6 @@ use asperity_formats::{Format, Scan, write_npy, write_npz, write_vtk_fields};
 use clap::Args;
 use ndarray::Array2;
 
-use analysis::Analysis;
 use counterface::Counterface;
 use layering::Layering;
 use unloading::Unloaded;
@@ -167,10 +165,12 @@ impl Contact {
         }
         let solution = monitor.killable(|| solver.solve(&problem))?.map_err(failed)?;
         let unloaded = self.unload.then(|| Unloaded::new(&solution, map.heights_m()));
-        let analysis = monitor.killable(|| Analysis::new(&problem, &solution, self.stiffness))?.map_err(failed)?;
+        let clusters = solution.clusters(Neighbours::Edges);
+        let stiffness = || StiffnessSolver::default().solve(&half_space, &solution);
+        let stiffness = monitor.killable(|| self.stiffness.then(stiffness).transpose())?.map_err(failed)?;
         if let Some(out) = &self.out {
             let (gap_m, plastic_m) = (solution.gap_m(), solution.plastic_displacement_m());
-            let clusters = analysis.clusters.labels().mapv(f64::from);
+            let clusters = clusters.labels().mapv(f64::from);
             let mut fields = vec![
                 ("pressure_pa", solution.pressure_pa()),
                 ("displacement_m", solution.displacement_m()),
@@ -183,7 +183,7 @@ impl Contact {
             }
             write_fields(out, map.grid(), &fields)?;
         }
-        let mut answer = answer(&solution, &analysis);
+        let mut answer = Answer::new(&ContactNumbers::new(&problem, &solution, &clusters, stiffness))?;
         if let Some(unloaded) = &unloaded {
             answer = Unloaded::add_to(unloaded.as_ref(), answer);
         }
@@ -192,7 +192,7 @@ impl Contact {
         }
         answer.print(self.json)?;
         let why = match solution.stop_reason() {
-            SolverStop::Converged => return analysis.check_stiffness(),
+            SolverStop::Converged => return check_stiffness(stiffness),
             SolverStop::PrecisionLimit => "limit of double precision",
             SolverStop::IterationLimit => "iteration limit",
             SolverStop::Cancelled => "cancelled",
@@ -270,25 +270,16 @@ fn write_fields(path: &Path, grid: Grid, fields: &[(&str, &Array2<f64>)]) -> Res
     replace_file(path, |file| file.write_all(&bytes))
 }
 
-fn answer(solution: &Solution, analysis: &Analysis) -> Answer {
-    let mean_compliance_m_per_pa = match solution.boundary() {
-        Boundary::Free => None,
-        Boundary::Periodic { mean_compliance_m_per_pa } => Some(mean_compliance_m_per_pa),
-    };
-    let answer = Answer::default()
-        .with("contact_fraction", solution.contact_fraction())
-        .with("contact_fraction_corrected", solution.corrected_contact_fraction())
-        .with("plastic_fraction", solution.plastic_fraction())
-        .with("mean_pressure_pa", solution.mean_pressure_pa())
-        .with("load_n", solution.load_n())
-        .with("max_pressure_pa", solution.max_pressure_pa())
-        .with("mean_gap_m", solution.mean_gap_m())
-        .with("separation_m", solution.separation_m())
-        .with("penetration_m", solution.penetration_m())
-        .with("mean_compliance_m_per_pa", mean_compliance_m_per_pa);
-    analysis
-        .add_to(answer)
-        .with("iterations", solution.iterations())
-        .with("residual", solution.residual().worst())
-        .with("converged", solution.converged())
+/// Fails if the stiffness was computed and did not converge.
+fn check_stiffness(stiffness: Option<ContactStiffness>) -> Result<(), Failure> {
+    match stiffness {
+        Some(stiffness) if !stiffness.converged => Err(Failure::new(
+            Kind::NotConverged,
+            format!(
+                "the contact stiffness did not converge in {} iterations: residual {:.1e}",
+                stiffness.iterations, stiffness.residual
+            ),
+        )),
+        _ => Ok(()),
+    }
 }
