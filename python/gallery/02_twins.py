@@ -44,7 +44,6 @@ generators["weierstrass_mandelbrot"] = asperity.WeierstrassMandelbrot(
     rms_height_m=found.Sq_m, fractal_dimension=2.3, size_m=size_m, points=points
 )
 drawn = {name: generator.sample(seed=1, count=8) for name, generator in generators.items()}
-assert found.fractal_dimension is None
 figure, panels = plt.subplots(1, 4, figsize=(9, 2.6), layout="constrained")
 shown = {"scan": surface.heights[100:228, 100:228]} | {labels[name]: maps[0].heights for name, maps in drawn.items()}
 for axes, (name, heights) in zip(panels, shown.items(), strict=True):
@@ -75,9 +74,6 @@ for name, maps in drawn.items():
     print(f"{name:24}{rms * 1e6:9.3f}{skewness:8.2f}{kurtosis:8.2f}{slopes[name]:8.3f}")
 # The scan resolves waves down to 8 µm, four pixels; its shorter waves have the rest of its slopes.
 resolved = surface.level("mean", s_filter_m=8e-6).statistics().Sdq
-assert resolved < slopes["spectral"] < found.Sdq
-assert slopes["karhunen_loeve"] < slopes["spectral"]
-assert np.isclose(models["spectral"].rms_height_m, found.Sq_m, rtol=0.05)
 
 # %% [markdown]
 # ## Spectra
@@ -117,8 +113,6 @@ q = np.hypot(k, k[:, None])
 own = (q > 0) & (q < k.max() / 4)
 exponent = np.polyfit(np.log(1 + (q[own] * 50e-6) ** 2), np.log(power[own]), 1)[0]
 print(f"exponent {exponent:.2f}, expected {-1 - 0.8:.2f}")
-assert np.isclose(exponent, -1.8, atol=0.04)
-assert np.isclose(fractal.heights.std(), 1e-6, rtol=0.1)
 
 # %% [markdown]
 # ## What was found

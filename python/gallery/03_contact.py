@@ -23,7 +23,6 @@ import asperity
 modulus_pa, radius_m, load_n = 210e9 / (1 - 0.3**2), 10e-3, 10.0
 a_m = (3 * load_n * radius_m / (4 * modulus_pa)) ** (1 / 3)
 p0_pa, delta_m = 3 * load_n / (2 * np.pi * a_m**2), a_m**2 / radius_m
-assert np.allclose([a_m, p0_pa, delta_m], [68.75344e-6, 1.0100723e9, 0.47270360e-6], rtol=1e-6)
 
 
 def sphere(points, half_m, radius_m):
@@ -42,7 +41,6 @@ for points in (32, 64, 128, 256, 512):
     of_area = abs(ball.contact_fraction_corrected * (2.4 * a_m) ** 2 / (np.pi * a_m**2) - 1)
     errors[a_m / dx_m] = of_pressure, of_area
     print(f"{a_m / dx_m:5.1f} cells per radius: error of pressure {of_pressure:.1e}, of area {of_area:.1e}")
-assert np.isclose(ball.penetration_m, delta_m, rtol=2e-3)
 
 # %% [markdown]
 # The pressure falls to zero like a square root at the border of the contact, where cells of constant pressure follow
@@ -54,9 +52,6 @@ cells = np.array(list(errors))
 pressure_error, area_error = np.array(list(errors.values())).T
 order = -np.polyfit(np.log(cells), np.log(pressure_error), 1)[0]
 print(f"order of the error of the pressure: {order:.2f}")
-assert 0.8 < order < 1.3
-assert area_error[0] < 0.02
-assert (area_error[1:] < 0.005).all()
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 r = np.linspace(0, 1.2, 400)
@@ -90,9 +85,6 @@ waves = [
 ]
 width = 2 / np.pi * np.arcsin(np.sqrt(ratio))
 gap = np.array([0.6697414907, 0.4034264097, 0.1534264097, 0.0342384457])
-assert np.allclose([own.contact_fraction for own in waves], width, atol=2 / points)
-assert np.allclose([own.mean_gap_m / amplitude_m for own in waves], gap, rtol=1e-3)
-assert np.allclose([own.max_pressure_pa / p_star_pa for own in waves], 2 * np.sqrt(ratio), rtol=0.01)
 
 figure, axes = plt.subplots(figsize=(5, 2.8), layout="constrained")
 for share, own in zip(ratio, waves, strict=True):
@@ -125,8 +117,6 @@ area = np.array([own.contact_fraction_corrected for own in capped.values()]) * 0
 for (share, own), f, a in zip(capped.items(), force, area, strict=True):
     yields = own.plastic_fraction / own.contact_fraction
     print(f"H = {share} p0: force {f:.3f}, area {a:.3f} of Hertz; {yields:.0%} of the contact yields")
-assert np.allclose(force, [0.98526, 0.91633, 0.76164], rtol=1e-3)
-assert np.allclose(area, [1.012, 1.083, 1.274], atol=0.005)
 
 figure, axes = plt.subplots(figsize=(5, 2.8), layout="constrained")
 for share, own in capped.items():

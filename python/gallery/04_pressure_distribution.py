@@ -62,9 +62,6 @@ contact.plot(ax=panels[1])
 plt.show()
 inner, border = contact.values[8:-8, 8:-8].mean(), np.concatenate([contact.values[0], contact.values[-1]]).mean()
 print(f"contact probability {inner:.3f} in the middle, {border:.3f} at two edges")
-assert pressure.contact_probability <= 0.5
-assert contact.values.max() <= 0.5
-assert border > inner
 
 # %% [markdown]
 # ## Methods compared
@@ -86,10 +83,6 @@ gain = (widths["monte_carlo"] / widths["default"]) ** 2
 work = 500 + sum(grid.work_in_fine_solves for grid in own["default"].coarse_solves)
 low, high = own["default"].contact_probability_interval
 known_low, known_high = pressure.contact_probability_interval
-assert low < known_high
-assert known_low < high
-assert gain * 500 > 4 * work
-assert own["default"].ks_distance < 0.25 * own["polynomial_chaos"].ks_distance
 
 # %% [markdown]
 # The expansions of the paper, equations (8) and (9), are fitted to the samples in contact and clipped at zero. This
@@ -109,8 +102,6 @@ axes.legend(fontsize="small", loc="upper left")
 plt.show()
 yielding = (1 - np.interp(1.99e9, table["pressure_pa"], table["reference"])) / pressure.contact_probability
 print(f"{yielding:.0%} of the pressures in contact are at the hardness")
-assert yielding > 0.8
-assert np.all(np.diff(table["reference"]) >= 0)
 
 # %% [markdown]
 # ## What was found

@@ -42,12 +42,6 @@ margin = NormalDist(0.055 - 0.1 / 2, float(np.hypot(0.005, 0.02 / 2)))
 enough = 0.05 - margin.stdev * NormalDist().inv_cdf(0.05)
 print(f"probability {known.probability:.4f}, exact {margin.cdf(0):.4f}")
 print(f"damping ratio for 5 %: {reach[0.05]:.4f}, exact {enough:.4f}")
-assert round(margin.cdf(0), 4) == 0.3274
-assert round(enough, 4) == 0.0684
-assert known.probability_interval[0] < margin.cdf(0) < known.probability_interval[1]
-assert np.isclose(share["vibration.linear_weakening"], 0.8, atol=0.01)
-assert np.isclose(share["vibration.damping_ratio"], 0.2, atol=0.01)
-assert np.allclose([reach[0.05], reach[0.01]], [enough, 0.0760094], rtol=0.01)
 
 # %% [markdown]
 # ## A brake
@@ -101,10 +95,8 @@ found = results.verdict
 low, high = found.probability_interval
 print(f"probability of vibration {found.probability:.2f} (95 %: {low:.2f} to {high:.2f})")
 print(f"central values: ζ = 0.05, limit {found.nominal.limit_damping_ratio:.3f}, vibrates: {found.nominal.vibrates}")
-assert low < found.probability < high
 margins = results.tables["verdict_samples"]
 vibrates = np.array([name == "stick_slip" for name in margins["name"]])
-assert np.mean(vibrates == (margins["damping_margin"] < 0)) > 0.95
 
 # %% [markdown]
 # Each sampled brake has its own hardness, damping and Stribeck coefficient. A harder pad touches on less area, so
@@ -121,9 +113,6 @@ panels[1].hist(margins["damping_margin"][~vibrates], bins, alpha=0.7, label="doe
 panels[1].set(xlabel="margin ζ − ζ_v", ylabel="sampled brakes")
 panels[1].legend(fontsize="small")
 plt.show()
-assert np.corrcoef(hardness, mu)[0, 1] < -0.9
-# Bowden and Tabor: friction is at least the shear strength over the hardness.
-assert np.all(mu >= 0.99 * 38 / hardness)
 
 # %% [markdown]
 # ## What decides, and what nobody knows
@@ -140,8 +129,6 @@ print(
     f"probability {guess.probability_at_q05:.2f} with a low Stribeck coefficient, "
     f"{guess.probability_at_q95:.2f} with a high one"
 )
-assert 0.95 < sum(driver.first_order for driver in found.drivers) < 1.02
-assert guess.probability_at_q05 < found.probability < guess.probability_at_q95
 
 # %% [markdown]
 # ## What helps
@@ -153,7 +140,6 @@ targets = found.remedies[0].reach
 for own in targets:
     least, most = own.value_interval
     print(f"damping ratio {own.value:.4f} ({least:.4f} to {most:.4f}) for a probability of {own.probability:.0%}")
-assert 0.05 < targets[0].value < targets[1].value
 
 figure, axes = plt.subplots(figsize=(5.5, 2.8), layout="constrained")
 names = [driver.input.partition(".")[2].replace("_", " ") for driver in found.drivers]

@@ -253,7 +253,7 @@ def test_pooled_statistics_are_those_of_the_command_line(program, tmp_path):
     for own in (*found["scans"], *expected["scans"]):
         del own["file"]
     assert found == {key: expected[key] for key in found}
-    with pytest.raises(ValueError, match="two"):
+    with pytest.raises(ValueError, match="at least 2"):
         asperity.pooled_statistics(scans[:1])
 
 
