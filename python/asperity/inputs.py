@@ -25,7 +25,7 @@ class Surface(Section):
     each relative to the form of its own scan. All scans must have the same pixel size. Maps and figures show the
     first scan.
     """
-    channel: str | None = None
+    channel: str | int | None = None
     """Height map to read from a file that contains several: its name, or its number counted from 1."""
     pixel_size: float | str | tuple[float | str, float | str] | None = None
     """Pixel size (x, y), or one value for both. Required for a scan that states none; replaces the size stated in
@@ -131,7 +131,7 @@ class Counterface(Section):
     """Hardness. The lower hardness of the two bodies bounds the pressure. A number is in Pa. It is a positive value."""
     file: Scan | Sequence[Scan] | None = None
     """Scan file, relative to the study file, or a list of scans of one part."""
-    channel: str | None = None
+    channel: str | int | None = None
     """Height map to read from a file that contains several: its name, or its number counted from 1."""
     pixel_size: float | str | tuple[float | str, float | str] | None = None
     """Pixel size (x, y), or one value for both. A number is in m."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asperity import _core, _plots, inputs
 from asperity._progress import Progress, callback
-from asperity._record import ByValue, equal
+from asperity._record import ByValue, Record, equal
 from asperity._section import Section, stated_study, with_folder
 from asperity.errors import warn
 from asperity.friction import FrictionProcess
@@ -323,8 +323,8 @@ class Study(Sections):
         return verdict(self, **options)
 
 
-@dataclass(frozen=True)
-class StudyCheck:
+@dataclass(frozen=True, eq=False)
+class StudyCheck(Record):
     """What a study computes and costs, as `asperity check` shows it."""
 
     stages: list[dict[str, Any]]

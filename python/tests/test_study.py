@@ -263,3 +263,17 @@ def test_a_notebook_shows_the_answer_first():
     assert len(found._main()) <= 6
     surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um", "marginal": "normal"}
     assert asperity.run_study({"seed": 7, "surface": surface})._repr_html_().startswith("<table><tr><th>rms height (m)")
+
+
+def test_a_channel_is_a_name_or_a_number(tmp_path):
+    scan = asperity.artificial_surface(
+        rms_height_m=1e-6, hurst=0.8, size_m=1e-4, points=64, correlation_length_m=5e-6, seed=1
+    )
+    scan.write(tmp_path / "scan.gwy")
+    results = [
+        asperity.run_study({"seed": 1, "surface": {"file": tmp_path / "scan.gwy", "channel": channel}}, progress=False)
+        for channel in ("Height", "1", 1)
+    ]
+    assert results[0] == results[1] == results[2]
+    with pytest.raises(ValueError, match="a name, or a number counted from 1"):
+        asperity.run_study({"seed": 1, "surface": {"file": tmp_path / "scan.gwy", "channel": 1.5}})

@@ -26,6 +26,11 @@ def scan(seed=1):
     return asperity.Spectral(covariance=EXPONENTIAL, **STATIC).sample(seed)[0]
 
 
+def study_without_sweep():
+    machine = {name: value for name, value in MACHINE["vibration"].items() if name != "damping_sweep"}
+    return asperity.Study.from_dict({**MACHINE, "vibration": machine})
+
+
 # Two functions for each class, whose objects differ.
 MAKERS = {
     "ContactSolution": [
@@ -76,6 +81,9 @@ MAKERS = {
     ],
     # Results that no name of the package is the class of.
     "Autocorrelation": [lambda: scan().acf(), lambda: scan(2).acf()],
+    "PartStatistics": [lambda seed=seed: asperity.pooled_statistics([scan(), scan(seed)]) for seed in (2, 3)],
+    "StudyCheck": [lambda: asperity.Study.from_dict(MACHINE).check(), lambda: study_without_sweep().check()],
+    "Trajectory": [lambda end=end: asperity.trajectory(oscillator(), [0, end]) for end in (10, 20)],
     "RadialSpectrum": [lambda: scan().psd(), lambda: scan(2).psd()],
     "SurfaceStatistics": [lambda: scan().statistics(), lambda: scan(2).statistics()],
     "SobolIndices": [

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::surface::{one_or_two, one_or_two_schema};
+use super::surface::{name_or_number, name_or_number_schema, one_or_two, one_or_two_schema};
 use super::{DecimalSign, ScanFiles, SurfaceSection};
 use crate::contact::Elastic;
 use crate::quantity::{Length, Pressure};
@@ -34,7 +34,8 @@ pub struct CounterfaceSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<ScanFiles>,
     /// Height map to read from a file that contains several: its name, or its number counted from 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "name_or_number")]
+    #[schemars(schema_with = "name_or_number_schema")]
     pub channel: Option<String>,
     /// Pixel size (x, y), or one value for both.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "one_or_two")]

@@ -84,7 +84,8 @@ pub struct SurfaceSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<ScanFiles>,
     /// Height map to read from a file that contains several: its name, or its number counted from 1.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "name_or_number")]
+    #[schemars(schema_with = "name_or_number_schema")]
     pub channel: Option<String>,
     /// Pixel size (x, y), or one value for both. Required for a scan that states none; replaces the size stated in the
     /// file.
@@ -172,6 +173,36 @@ pub struct SurfaceSection {
     /// out, `both` with a rough `[counterface]`, otherwise the track. Friction depends on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<RoughBody>,
+}
+
+/// Returns the JSON Schema of the values that [`name_or_number`] reads.
+pub(super) fn name_or_number_schema(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [{ "type": "string" }, { "type": "integer", "minimum": 1 }] })
+}
+
+/// Reads a name, or a number, as text.
+pub(super) fn name_or_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    struct NameOrNumber;
+    impl Visitor<'_> for NameOrNumber {
+        type Value = String;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a name, or a number counted from 1")
+        }
+
+        fn visit_str<E: de::Error>(self, name: &str) -> Result<String, E> {
+            Ok(name.to_owned())
+        }
+
+        fn visit_i64<E: de::Error>(self, number: i64) -> Result<String, E> {
+            Ok(number.to_string())
+        }
+
+        fn visit_u64<E: de::Error>(self, number: u64) -> Result<String, E> {
+            Ok(number.to_string())
+        }
+    }
+    deserializer.deserialize_any(NameOrNumber).map(Some)
 }
 
 /// Returns the JSON Schema of the values that [`one_or_two`] reads.
