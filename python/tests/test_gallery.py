@@ -123,3 +123,24 @@ def test_brake_verdict(notebook):
     assert 0.95 < sum(driver.first_order for driver in own.found.drivers) < 1.02
     assert own.guess.probability_at_q05 < own.found.probability < own.guess.probability_at_q95
     assert 0.05 < own.targets[0].value < own.targets[1].value
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_from_other_tools(notebook):
+    for package in ("SALib", "SurfaceTopography", "openturns", "surfalize", "tamaas"):
+        pytest.importorskip(package)
+    own = notebook("08_from_other_tools")
+    assert own.plane.rms_height_from_area() == pytest.approx(own.statistics.Sq_m, rel=1e-12)
+    assert own.plane.rms_gradient() == pytest.approx(own.statistics.Sdq, rel=1e-12)
+    # Means over bins of one spectrum under one window.
+    inside = (own.wavenumber > 2e4) & (own.wavenumber < 8e5)
+    ours = np.interp(np.log(own.wavenumber[inside]), np.log(own.spectrum.q_rad_per_m), np.log(own.spectrum.psd_m4))
+    assert np.mean(ours - np.log(own.density[inside])) == pytest.approx(0, abs=0.1)
+    for name, theirs, mine in zip(own.names[:-1], own.theirs, own.ours, strict=False):
+        assert theirs == pytest.approx(mine, rel=0.01), name
+    assert abs(own.theirs[-1] - own.ours[-1]) == pytest.approx(90, abs=5)
+    np.testing.assert_allclose(own.traction, own.contact.pressure_pa, rtol=0, atol=1e-6 * own.contact.max_pressure_pa)
+    errors = {name: np.abs(np.array(found) - own.exact).max() for name, found in own.found.items()}
+    assert errors["asperity"] < 5e-4
+    assert errors["OpenTURNS"] < 5e-4
+    assert errors["SALib"] < 0.02
