@@ -146,7 +146,9 @@ class Oscillator(Parameters):
     def _check(self) -> None:
         own = {item.name: _owned(getattr(self, item.name)) for item in dataclasses.fields(Parameters)}
         unit = self.length_unit_m
-        self.__dict__.update(own, length_unit_m=None if unit is None else _positive("length_unit_m", _owned(unit)))
+        self.__dict__.update(
+            own, length_unit_m=None if unit is None else _positive("length_unit_m", _numbers(_owned(unit)))
+        )
         if not isinstance(self.law, get_args(VelocityLaw)):
             laws = ", ".join(law.__name__ for law in get_args(VelocityLaw))
             raise TypeError(f"law is {self.law!r}, expected one of {laws}")
@@ -460,9 +462,12 @@ def trajectory(
     fluctuation: tuple[Any, Any, Any] = (None, 0.0, 0.0)
     if any(value is not None for value in (process, friction_std, correlation_length, marginal)):
         fluctuation = _fluctuation(oscillator, process, friction_std, correlation_length, marginal)
+    times = numbers(tau)
+    if times.ndim != 1:
+        raise ValueError(f"tau has the shape {times.shape}, expected (n,)")
     found = _core.trajectory(
         _machine(oscillator),
-        numbers(tau),
+        times,
         start,
         *(fluctuation or (None, 0.0, 0.0)),
         allow_clipping,
@@ -634,6 +639,8 @@ def _fluctuation(
         if friction_std is None or correlation_length is None or marginal is None:
             raise ValueError(f"state {', '.join(missing)}, or a process")
         return marginal, _numbers(friction_std), _numbers(correlation_length)
+    if not isinstance(process, FrictionProcess):
+        raise TypeError(f"process is {process!r}, expected a FrictionProcess")
     if len(missing) < len(stated):
         raise ValueError(f"state a process, or {', '.join(stated)}, not both")
     if oscillator.length_unit_m is None:

@@ -428,6 +428,8 @@ def test_an_ensemble_over_a_process_is_that_of_a_study(tmp_path):
         asperity.ensemble(machine, process, marginal="normal", **settings)
     with pytest.raises(ValueError, match="length_unit_m"):
         asperity.ensemble(paper(), process, **settings)
+    with pytest.raises(TypeError, match="expected a FrictionProcess"):
+        asperity.ensemble(machine, process.to_dict(), **settings)
 
 
 def test_a_trajectory_follows_coulomb_friction_and_counts_the_cycles_of_its_ensemble():
@@ -452,6 +454,8 @@ def test_a_trajectory_follows_coulomb_friction_and_counts_the_cycles_of_its_ense
 
     with pytest.raises(ValueError, match="tau is 0, but must be rising"):
         asperity.trajectory(paper(), [1, 0])
+    with pytest.raises(ValueError, match=r"tau has the shape \(\), expected \(n,\)"):
+        asperity.trajectory(paper(), 5)
     with pytest.raises(ValueError, match="start velocity is NaN"):
         asperity.trajectory(paper(), [0, 1], start=(0, math.nan))
 
