@@ -10,7 +10,7 @@ use crate::study::friction_stage::scan;
 use crate::study::{Stage, StageEstimate, Study};
 
 /// Bytes per normal variable of the generator of strips.
-const GENERATOR_BYTES: f64 = 74.0;
+const GENERATOR_BYTES: f64 = 50.0;
 /// Bytes per point of a strip that all threads share.
 const RECORDS_BYTES: f64 = 80.0;
 /// Bytes per point of a strip's normal variables, heights and window sums.
