@@ -16,7 +16,7 @@ const RECORDS_BYTES: f64 = 80.0;
 /// Bytes per point of a strip's normal variables, heights and window sums.
 const STRIP_BYTES: f64 = 42.0;
 /// Bytes per point for the interpolation of a strip to half its pitch. A free strip is mirrored along both sides.
-const FINER_BYTES: f64 = 40.0;
+const FINER_BYTES: f64 = 34.0;
 const MIRRORED: f64 = 4.0;
 /// Copies of the records of friction in its statistics.
 const RECORD_COPIES: f64 = 2.5;
