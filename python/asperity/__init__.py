@@ -33,7 +33,15 @@ if TYPE_CHECKING:
     from asperity import dask as dask
     from asperity import figures as figures
     from asperity import inputs as inputs
-    from asperity.study import Study, friction_distribution, pressure_distribution, run_campaign, run_study, verdict
+    from asperity.study import (
+        Study,
+        cite,
+        friction_distribution,
+        pressure_distribution,
+        run_campaign,
+        run_study,
+        verdict,
+    )
 
 __all__ = [
     "AsperityWarning",
@@ -53,6 +61,7 @@ __all__ = [
     "Translation",
     "WeierstrassMandelbrot",
     "artificial_surface",
+    "cite",
     "critical_damping",
     "design",
     "ensemble",
@@ -76,7 +85,7 @@ __version__ = version("asperity")
 
 # Names that take long to load: modules, and functions of the module `study`.
 _MODULES = ("dask", "figures", "inputs")
-_OF_STUDY = ("Study", "friction_distribution", "pressure_distribution", "run_campaign", "run_study", "verdict")
+_OF_STUDY = ("Study", "cite", "friction_distribution", "pressure_distribution", "run_campaign", "run_study", "verdict")
 
 # A type checker takes a module with this function to have every name.
 if not TYPE_CHECKING:

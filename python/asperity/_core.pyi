@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "pooled_statistics", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "trajectory", "unit_of", "vibration_schema", "write_map"]
+__all__ = ["Expansion", "Marginal", "Oscillator", "RandomSurface", "SurfaceModel", "acf", "check_inputs", "check_study", "cite", "compute", "compute_or_leave", "critical_damping", "design", "distribution_nodes", "ensemble", "ensembles", "fill", "fit_friction_record", "friction_process", "height_map", "level", "limit_cycle", "map_names", "module_program", "parameters_schema", "pooled_statistics", "psd", "read_friction_process", "read_map", "read_study", "rescaled_law", "results_schema", "simulate_friction", "solve_contact", "stability_map", "statistics", "study_part", "study_schema", "toml_of", "trajectory", "unit_of", "vibration_schema", "write_map"]
 
 @final
 class Expansion:
@@ -129,6 +129,11 @@ def check_inputs(study: dict) -> None:
 def check_study(request: Incomplete) -> dict:
     """
     Returns the stages of a study with their cost, warnings, and reasons why it cannot run.
+    """
+
+def cite(folder: str | PathLike[str], bibtex: bool) -> list[str]:
+    """
+    Returns the works behind the methods of the run in a folder, as sentences or as entries of BibTeX.
     """
 
 def compute(request: Incomplete, campaign: bool, progress: Any | None, out: str | PathLike[str] | None) -> dict:

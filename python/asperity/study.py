@@ -470,6 +470,36 @@ def collect(found: Mapping[str, Any]) -> StudyResults | CampaignResults:
     return results
 
 
+def cite(run: str | os.PathLike[str], *, bibtex: bool = False) -> list[str]:
+    """Return the papers behind the methods that a run used, as ``asperity cite`` prints them.
+
+    Parameters
+    ----------
+    run
+        Folder of a finished run.
+    bibtex
+        Entries of BibTeX instead of sentences.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be read.
+    ValueError
+        The folder has no finished run.
+
+    Examples
+    --------
+    >>> import asperity, pathlib, tempfile
+    >>> surface = {"covariance": "exponential", "rms_height": "1 um", "correlation_length": "20 um"}
+    >>> study = asperity.Study.from_dict({"seed": 7, "surface": {**surface, "marginal": "normal"}})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = study.run(out=pathlib.Path(folder, "run"), progress=False)
+    ...     asperity.cite(pathlib.Path(folder, "run"))[0].partition(":")[0]
+    'N. Gaus, C. Proppe, C. Zaccardi'
+    """
+    return _core.cite(run, bibtex)
+
+
 def _study(surface: Any, seed: int | None, **sections: Section | None) -> Any:
     """Return the study of a surface and other sections, or what is one already."""
     if isinstance(surface, HeightMap):

@@ -2,6 +2,7 @@
 
 mod campaign;
 mod check;
+mod cite;
 mod completions;
 mod computation;
 mod contact;
@@ -36,7 +37,7 @@ pub(crate) const GROUPS: [(&str, &[&str]); 4] = [
     ("Start", &["init", "check", "run", "verdict"]),
     ("Links of the chain", &["surface", "contact", "friction", "vibration"]),
     ("Long runs", &["campaign", "status", "slurm", "merge", "repro"]),
-    ("Files", &["report", "formats", "schema", "completions"]),
+    ("Files", &["report", "cite", "formats", "schema", "completions"]),
 ];
 
 /// Command of the program. Help shows the documentation of each command's type.
@@ -52,6 +53,7 @@ pub(crate) enum Command {
     Repro(repro::Repro),
     Slurm(slurm::Slurm),
     Report(report::Report),
+    Cite(cite::Cite),
     /// Statistics, conversion and random generation of rough surfaces.
     #[command(subcommand)]
     Surface(surface::Surface),
@@ -82,6 +84,7 @@ impl Command {
             Self::Repro(repro) => repro.run(monitor),
             Self::Slurm(slurm) => slurm.run(monitor),
             Self::Report(report) => report.run(monitor),
+            Self::Cite(cite) => cite.run(monitor),
             Self::Surface(surface) => surface.run(monitor),
             Self::Formats(formats) => formats.run(monitor),
             Self::Schema(schema) => schema.run(monitor),

@@ -41,7 +41,7 @@ mod _core {
     use crate::random_surface::{RandomSurface, SurfaceModel};
     #[pymodule_export]
     use crate::study::{
-        check_inputs, check_study, compute, read_study, results_schema, study_schema, toml_of, unit_of,
+        check_inputs, check_study, cite, compute, read_study, results_schema, study_schema, toml_of, unit_of,
     };
     #[pymodule_export]
     use crate::surface::{

@@ -6,8 +6,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use asperity::choice::Choice;
 use asperity::monitor::{Cancelled, Monitor};
 use asperity::study::{
-    Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, StageEstimate, Staging, Study, StudyError,
-    Work, folder_of, machine, program,
+    Campaign, Computation, Computed, Provenance, RunBlocks, Share, Stage, StageEstimate, Staging, StoredRun, Study,
+    StudyError, Work, folder_of, machine, program, works,
 };
 use asperity_formats::read_settings;
 use asperity_report::verdict_summary;
@@ -265,6 +265,14 @@ pub(crate) fn check_study<'py>(py: Python<'py>, request: Request<'py>) -> PyResu
     found.set_item("warnings", warnings)?;
     found.set_item("problems", problems)?;
     Ok(found)
+}
+
+/// Returns the works behind the methods of the run in a folder, as sentences or as entries of BibTeX.
+#[pyfunction]
+pub(crate) fn cite(py: Python<'_>, folder: PathBuf, bibtex: bool) -> PyResult<Vec<String>> {
+    let run = long::run(py, None, move |_| StoredRun::load(&folder).raise())?;
+    let cited = works(&run.results, &run.study);
+    Ok(cited.iter().map(|work| if bibtex { work.bibtex() } else { work.text() }).collect())
 }
 
 /// Returns the SI unit that the name of a number ends with; empty if it states none.

@@ -26,6 +26,7 @@ mod run;
 mod twin;
 mod verdict;
 mod words;
+mod works;
 
 pub use campaign::{CampaignRun, campaign_summary, render_campaign};
 pub use error::ReportError;
@@ -39,6 +40,7 @@ pub use run::{Input, Run};
 pub use twin::render_twins;
 pub use twin::run::TwinRun;
 pub use verdict::{not_stated, verdict_answer, verdict_sentence};
+pub use works::{Work, program_bibtex, works};
 
 /// Renders the report of a run.
 ///

@@ -14,7 +14,6 @@ mod mode_coupling;
 pub(crate) mod parameters;
 mod provenance;
 mod random_surface;
-mod references;
 pub(crate) mod section;
 mod stages;
 mod tables;
@@ -30,6 +29,7 @@ use self::machine::Machine;
 use self::section::{Section, unordered};
 use crate::markup::{Html, html};
 use crate::verdict::is_exact;
+use crate::works::works;
 use crate::{Figure, ReportError, Run};
 
 const STYLE: &str = concat!(include_str!("page/style.css"), include_str!("page/figures.css"));
@@ -134,15 +134,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         stages::motion(run)?,
         stages::coupled(run),
     ];
-    let [_, surface, contact, friction, motion, coupled] =
-        links.each_ref().map(|link| link.iter().any(Option::is_some));
-    let cited = [
-        surface || results.surface.is_some(),
-        contact || results.pressure.is_some(),
-        friction || results.friction.is_some(),
-        motion || results.vibration.is_some(),
-        coupled,
-    ];
+    let cited = works(results, &run.inputs);
     let inputs = "What was measured, stated or left to a default. study.toml has the settings of the computation, too.";
     let assumptions = "Conventions and defaults behind the results above.";
     let conditions = [
@@ -162,7 +154,7 @@ pub(crate) fn of_run(run: &Run) -> Result<Page<'_>, ReportError> {
         Section::new("inputs", "Inputs", inputs, tables::inputs(&run.inputs), Vec::new()),
         Section::sentences("assumptions", "Assumptions", assumptions, &results.assumptions),
         Section::provenance(run.provenance.as_ref()),
-        Some(Section::references(&references::references(cited)).with_citation(run.provenance.as_ref())),
+        Some(Section::references(cited.iter().map(|work| work.text())).with_citation(&cited, run.provenance.as_ref())),
     ];
     let (sections, details): (Vec<_>, Vec<_>) = links.into_iter().map(|[section, entry]| (section, entry)).unzip();
     let sections: Vec<Section> = sections.into_iter().flatten().collect();

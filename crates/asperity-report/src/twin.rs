@@ -44,7 +44,7 @@ pub fn render_twins(run: &TwinRun) -> Result<Report, ReportError> {
         Section::sentences("limits", "Limits of these twins", "", &comparison.limits),
         Section::sentences("assumptions", "Assumptions", "", &comparison.assumptions),
         Section::provenance(run.provenance.as_ref()),
-        Some(Section::references(&REFERENCES)),
+        Some(Section::references(REFERENCES.map(str::to_owned))),
     ];
     let page = Page {
         title: format!("Twins of {}", run.name),

@@ -75,7 +75,7 @@ pub use parse::StudyFileError;
 pub use plausibility::{filling_warnings, implausible_damping, implausible_friction, implausible_material};
 pub use profile::profile_of;
 #[cfg(feature = "report")]
-pub use report::ReportFiles;
+pub use report::{ReportFiles, works};
 pub use result::{
     BandMethod, CampaignResults, Comparison, CurveComparison, Field, Outcome, Provenance, Results, StatisticComparison,
     Table, TableError, TwinModel,

@@ -129,3 +129,34 @@ fn ctrl_c_and_failures_leave_no_partial_folder() {
     surface(at, "generate wide.toml --count 2 --out deep/maps").refuses(2, &["wide.toml", "between 1e-15 m and 1e3 m"]);
     assert_eq!(listing(at), ["scan.x3p", "spec.toml", "wide.toml"]);
 }
+
+#[test]
+fn a_run_cites_the_works_of_its_methods_alone() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let at = folder.path();
+    let surface = |generator: &str, marginal: &str| {
+        format!(
+            "seed = 1\n[surface]\ncovariance = \"exponential\"\nrms_height = \"1 um\"\ncorrelation_length = \"20 um\"\n\
+             marginal = \"{marginal}\"\ngenerator = \"{generator}\"\n"
+        )
+    };
+    for (text, wanted, others) in [
+        (surface("spectral", "normal"), &["Dietrich", "ISO 25178-2"][..], &["Ghanem", "Grigoriu", "Tabor", "Owen"][..]),
+        (surface("karhunen_loeve", "beta:2.1,5"), &["Ghanem", "Grigoriu"], &["Dietrich", "Stanley"]),
+    ] {
+        std::fs::write(at.join("study.toml"), text).unwrap();
+        assert_eq!(run_in(at, "run study.toml --out run --force").code, 0);
+        let found = run_in(at, "cite run").stdout;
+        assert!(found.starts_with("N. Gaus, C. Proppe, C. Zaccardi: "), "{found}");
+        assert!(wanted.iter().all(|name| found.contains(name)), "{found}");
+        assert!(!others.iter().any(|name| found.contains(name)), "{found}");
+        // The report has the same.
+        let report = std::fs::read_to_string(at.join("run/report.html")).unwrap();
+        assert!(found.lines().all(|line| report.contains(&line.replace('\'', "&#39;"))), "{found}");
+        let entries = run_in(at, "cite run --bibtex").stdout;
+        assert!(entries.starts_with("@software{asperity,"), "{entries}");
+        assert_eq!(entries.matches("\n@").count(), found.lines().count());
+        assert_eq!(entries.matches('{').count(), entries.matches('}').count());
+    }
+    run_in(at, "cite nowhere").refuses(3, &["nowhere"]);
+}

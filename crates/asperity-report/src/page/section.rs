@@ -3,9 +3,10 @@
 use asperity_results::Provenance;
 
 use super::data_table::DataTable;
-use super::{provenance, references};
+use super::provenance;
 use crate::figures::CaptionedFigure;
 use crate::markup::{Html, html, with_code};
+use crate::works::{Work, program_bibtex};
 
 /// Most figures of a link of the chain before the details.
 const PICTURES: usize = 2;
@@ -57,15 +58,17 @@ impl Section {
     }
 
     /// Returns the section of the references.
-    pub(crate) fn references(works: &[&str]) -> Self {
-        let list = html!("<ol>{}</ol>\n", items(works));
+    pub(crate) fn references(works: impl IntoIterator<Item = String>) -> Self {
+        let list = html!("<ol>{}</ol>\n", items(&works.into_iter().collect::<Vec<_>>()));
         Self { id: "references", title: "References", list, ..Self::default() }
     }
 
-    /// Adds how to cite the program and the paper.
-    pub(super) fn with_citation(self, provenance: Option<&Provenance>) -> Self {
+    /// Adds the program and the works for BibTeX.
+    pub(super) fn with_citation(self, works: &[&Work], provenance: Option<&Provenance>) -> Self {
         let version = provenance.map_or("", |provenance| provenance.asperity.as_str());
-        let list = html!("{}<h3>BibTeX</h3>\n<pre tabindex=\"0\">{}</pre>\n", self.list, references::bibtex(version));
+        let entries: String = works.iter().map(|work| work.bibtex()).collect();
+        let entries = program_bibtex(version) + "\n" + &entries;
+        let list = html!("{}<h3>BibTeX</h3>\n<pre tabindex=\"0\">{}</pre>\n", self.list, entries);
         Self { list, ..self }
     }
 

@@ -1,7 +1,7 @@
 //! Report of a run.
 
-use asperity_report::{Figure, Input, Report, ReportError, Run, render};
-use asperity_results::Provenance;
+use asperity_report::{Figure, Input, Report, ReportError, Run, Work, render};
+use asperity_results::{Provenance, Results};
 
 use crate::study::{Outcome, StoredRun};
 
@@ -37,6 +37,11 @@ impl StoredRun {
             machine: self.machine.as_ref().and_then(|machine| serde_json::to_string(machine).ok()),
         })
     }
+}
+
+/// Returns the works whose methods a run used, whose resolved study is the text `study`.
+pub fn works(results: &Results, study: &str) -> Vec<&'static Work> {
+    asperity_report::works(results, &inputs(study))
 }
 
 fn render_files(run: Run) -> Result<ReportFiles, ReportError> {
